@@ -1,0 +1,1 @@
+"""Commands around the agent: benches, maps, replay, the operator side."""
