@@ -1,0 +1,230 @@
+"""The live side of a device's line: one thread that opens it, reads, writes, and opens it again."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import select
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Protocol
+
+from drivers.port import Port, PortError, open_port
+from drivers.requests import Request, SetBaud, Write
+
+FIRST_PAUSE = 0.25  # s before the port is opened again; doubles
+LONGEST_PAUSE = 2.0  # s
+MAX_WAITING = 65536  # bytes accepted and not yet taken by the port
+CLOSING_LIMIT = 0.5  # s for the last writes to leave
+
+
+class LinkState(StrEnum):
+    """Where a link stands."""
+
+    CLOSED = "closed"
+    OPENING = "opening"
+    UP = "up"
+    DOWN = "down"
+
+
+class LinkListener(Protocol):
+    """Who is told what happens on a link; called from the link's thread, with its clock's time."""
+
+    def received(self, t: float, data: bytes) -> None:
+        """Bytes arrived; the last of them was read at ``t``."""
+
+    def link_up(self, t: float) -> None:
+        """The port was opened."""
+
+    def link_down(self, t: float, reason: str) -> None:
+        """The port was lost or cannot be opened; told again only when the reason changes."""
+
+
+@dataclass(slots=True)
+class LinkCounters:
+    """What went over a link since it was made."""
+
+    bytes_in: int = 0
+    bytes_out: int = 0
+    bytes_dropped: int = 0  # written while the link was down
+    attempts: int = 0  # to open the port
+    times_up: int = 0
+    times_lost: int = 0
+
+
+class Link:
+    """Keeps a port open as long as it can, and tells a listener.
+
+    ``url``: serial device, pty path or ``socket://host:port``. The port is opened, and opened again
+    after a loss, at ``baud``. ``write`` and ``set_baud`` only queue: they never block and never
+    raise; what fails shows as ``link_down``. ``clock`` returns s.
+    """
+
+    def __init__(
+        self, url: str, baud: int, listener: LinkListener, clock: Callable[[], float]
+    ) -> None:
+        self.url = url
+        self.state = LinkState.CLOSED
+        self.reason = ""  # why the link is down
+        self.counters = LinkCounters()
+        self._baud = baud
+        self._listener = listener
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._queue: deque[Request] = deque()
+        self._waiting = 0  # bytes in the queue
+        self._overflowed = False
+        self._closing = threading.Event()
+        self._wake_reader, self._wake_writer = -1, -1
+        self._thread: threading.Thread | None = None
+
+    def start(self) -> None:
+        """Start the thread; what happens is told to the listener from then on."""
+        if self._thread is not None:
+            raise RuntimeError("a link is started once")
+        self._wake_reader, self._wake_writer = os.pipe()
+        os.set_blocking(self._wake_reader, False)
+        os.set_blocking(self._wake_writer, False)
+        self._thread = threading.Thread(target=self._run, name=f"link {self.url}", daemon=True)
+        self._thread.start()
+
+    def write(self, data: bytes) -> None:
+        """Queue bytes, in order with changes of rate; dropped while the link is down."""
+        self._enqueue(Write(data), len(data))
+
+    def set_baud(self, baud: int) -> None:
+        """Queue a change of rate: done when all earlier writes have left; drops unread input."""
+        self._enqueue(SetBaud(baud), 0)
+
+    def close(self) -> None:
+        """Let the last writes leave (at most 0.5 s), close the port, end the thread."""
+        self._closing.set()
+        with self._lock:
+            self._wake()
+        if self._thread is not None and self._thread is not threading.current_thread():
+            self._thread.join()
+
+    def _enqueue(self, request: Request, size: int) -> None:
+        with self._lock:
+            if self.state is not LinkState.UP:
+                self.counters.bytes_dropped += size
+            elif self._waiting + size > MAX_WAITING:
+                self._overflowed = True
+            else:
+                self._queue.append(request)
+                self._waiting += size
+            self._wake()
+
+    def _wake(self) -> None:
+        """Call with the lock held: the pipe must not be closed meanwhile."""
+        if self._wake_writer >= 0:
+            with contextlib.suppress(BlockingIOError):  # full of wake-ups not yet seen
+                os.write(self._wake_writer, b"\0")
+
+    # The thread
+
+    def _run(self) -> None:
+        pause = FIRST_PAUSE
+        while not self._closing.is_set():
+            heard_before = self.counters.bytes_in
+            try:
+                self._open_and_serve()
+            except PortError as failure:
+                self._go_down(str(failure))
+            if self.counters.bytes_in > heard_before:
+                pause = FIRST_PAUSE
+            self._closing.wait(pause)
+            pause = min(2 * pause, LONGEST_PAUSE)
+        with self._lock:
+            self.state = LinkState.CLOSED
+            os.close(self._wake_reader)
+            os.close(self._wake_writer)
+            self._wake_reader = self._wake_writer = -1
+
+    def _open_and_serve(self) -> None:
+        if self.state is LinkState.CLOSED:
+            self.state = LinkState.OPENING
+        self.counters.attempts += 1
+        port = open_port(self.url, self._baud)
+        try:
+            self._go_up()
+            self._serve(port)
+            self._finish_writes(port)
+        finally:
+            port.close()
+
+    def _go_up(self) -> None:
+        with self._lock:
+            self._queue.clear()
+            self._waiting = 0
+            self._overflowed = False
+            self.state = LinkState.UP
+        self.reason = ""
+        self.counters.times_up += 1
+        self._listener.link_up(self._clock())
+
+    def _go_down(self, reason: str) -> None:
+        with self._lock:
+            if self.state is LinkState.UP:
+                self.counters.times_lost += 1
+            self.state = LinkState.DOWN
+        if reason != self.reason:
+            self.reason = reason
+            self._listener.link_down(self._clock(), reason)
+
+    def _serve(self, port: Port) -> None:
+        """Move bytes both ways until told to close."""
+        poll = select.poll()
+        poll.register(self._wake_reader, select.POLLIN)
+        while not self._closing.is_set():
+            if self._overflowed:
+                raise PortError(f"output stalled: {self.url} takes no more bytes")
+            events = select.POLLIN | (select.POLLOUT if self._queue else 0)
+            poll.register(port.fileno(), events)
+            ready = dict(poll.poll())
+            if self._wake_reader in ready:
+                os.read(self._wake_reader, 4096)
+            if ready.get(port.fileno(), 0) & ~select.POLLOUT:
+                self._receive(port)
+            if self._queue:
+                self._send(port)
+
+    def _receive(self, port: Port) -> None:
+        data = port.read()
+        if data:
+            t = self._clock()
+            self.counters.bytes_in += len(data)
+            self._listener.received(t, data)
+
+    def _send(self, port: Port) -> None:
+        """Carry out queued requests until the port takes no more."""
+        while self._queue:
+            request = self._queue[0]
+            if isinstance(request, SetBaud):
+                port.set_baud(request.baud)
+                self._queue.popleft()
+                continue
+            sent = port.write(request.data)
+            self.counters.bytes_out += sent
+            with self._lock:
+                self._waiting -= sent
+                if sent == len(request.data):
+                    self._queue.popleft()
+                else:
+                    self._queue[0] = Write(request.data[sent:])
+            if not sent:
+                return
+
+    def _finish_writes(self, port: Port) -> None:
+        poll = select.poll()
+        poll.register(port.fileno(), select.POLLOUT)
+        give_up = time.monotonic() + CLOSING_LIMIT
+        while self._queue and (left := give_up - time.monotonic()) > 0:
+            poll.poll(1000 * left)
+            self._send(port)
+        if not self._queue:
+            port.drain()

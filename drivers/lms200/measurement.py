@@ -1,0 +1,130 @@
+"""Measured values of the LMS 200: the B0 telegram, its units, value bits and special values.
+
+Source: SICK telegram listing 8007954/Q501, telegram B0 and measuring modes.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.lms200.framing import Telegram
+from drivers.lms200.telegrams import MEASURED_VALUES, STATUS_OK, Variant
+
+TURN = 13.32e-3  # s, one mirror turn; half of it faces the scene
+
+UNIT_CM = 0
+UNIT_MM = 1
+_METRES = {0: 0.01, 1: 0.001, 2: 0.1}  # by bits 14-15 of the count word
+
+_COUNT_MASK = 0x03FF
+_PARTIAL = 0x2000
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuringMode:
+    """How a 16-bit value divides into distance and flags."""
+
+    mask: int  # the distance bits
+    no_return: int  # the largest special value, of a beam without a usable return
+
+    @property
+    def limit(self) -> int:
+        """The smallest special value, "beyond maximum"; from here on nothing is a distance."""
+        return self.no_return - 8
+
+
+_8_M = MeasuringMode(0x1FFF, 0x1FFF)
+_16_M = MeasuringMode(0x3FFF, 0x3FFF)
+_32_M = MeasuringMode(0x7FFF, 0x7FFF)
+MEASURING_MODES: dict[int, MeasuringMode] = {
+    0x00: _8_M,  # 8 m in mm, 80 m in cm; flags: field A, field B, dazzle
+    0x01: _8_M,  # flags: reflector in 8 levels
+    0x02: _8_M,  # flags: fields A, B, C
+    0x03: _16_M,  # flags: reflector in 4 levels
+    0x04: _16_M,  # flags: fields A, B
+    0x05: _32_M,  # flag: reflector
+    0x06: _32_M,  # flag: field A
+    0x0F: MeasuringMode(0xFFFF, 0x7FFF),  # 32 m sent at once, no flags
+}
+MODE_32_M = 0x05
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Measurement:
+    """What one B0 telegram says, geometry and units resolved.
+
+    ``ranges`` (n,) float64 m, inf where there is no usable return; the first beam is the
+    rightmost, at ``first_deg`` (0 right, 90 ahead, 180 left), the next ``step_deg`` to its left.
+    """
+
+    ranges: NDArray[np.float64]
+    first_deg: float
+    step_deg: float
+    mirror_turns: int
+    status: int
+
+
+_VARIANT_BY_COUNT = {
+    181: Variant(180, 100),
+    361: Variant(180, 50),
+    101: Variant(100, 100),
+    201: Variant(100, 50),
+    401: Variant(100, 25),
+}
+_PARTIAL_COUNTS = {181: 180, 180: 180, 101: 100, 100: 100}  # one turn: count -> field of view
+
+
+def decode_measurement(telegram: Telegram, mode: MeasuringMode) -> Measurement | None:
+    """Return None where the telegram is not a whole scan, or its length is not its count's."""
+    payload = telegram.payload
+    if telegram.code != MEASURED_VALUES or len(payload) < 4:
+        return None
+    word = payload[1] | payload[2] << 8
+    count = word & _COUNT_MASK
+    metres = _METRES.get(word >> 14)
+    geometry = _geometry(count, word)
+    without_indices = 3 + 2 * count + 1
+    if metres is None or geometry is None:
+        return None
+    if len(payload) not in (without_indices, without_indices + 2):
+        return None
+    values = np.frombuffer(payload, "<u2", count, offset=3) & mode.mask
+    ranges = np.where(values < mode.limit, values * metres, np.inf)
+    return Measurement(ranges, *geometry, status=payload[-1])
+
+
+def _geometry(count: int, word: int) -> tuple[float, float, int] | None:
+    """Return first beam (deg), step (deg) and mirror turns; None for a count of no scan."""
+    if word & _PARTIAL:
+        angle = _PARTIAL_COUNTS.get(count)
+        quarter_deg = 0.25 * (word >> 11 & 0b11)
+        return None if angle is None else (90.0 - angle / 2 + quarter_deg, 1.0, 1)
+    variant = _VARIANT_BY_COUNT.get(count)
+    if variant is None:
+        return None
+    first_deg = 90.0 - variant.angle_deg / 2
+    return first_deg, variant.resolution_cdeg / 100, variant.mirror_turns
+
+
+def encode_measurement(
+    ranges: NDArray[np.float64],
+    mode: MeasuringMode,
+    units: int,
+    *,
+    indices: bytes = b"",
+    status: int = STATUS_OK,
+) -> bytes:
+    """Return the B0 payload of ranges (n,) m; what the mode cannot hold is "beyond maximum".
+
+    inf and nan become "no return". ``indices``: scan and telegram index, where enabled.
+    """
+    values = np.full(ranges.shape, mode.no_return, dtype="<u2")
+    finite = np.isfinite(ranges)
+    counts = np.rint(ranges[finite] / _METRES[units])
+    values[finite] = np.clip(counts, 0, mode.limit).astype("<u2")
+    head = struct.pack("<BH", MEASURED_VALUES, ranges.size | units << 14)
+    return head + values.tobytes() + indices + bytes((status,))

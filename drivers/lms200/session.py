@@ -1,0 +1,341 @@
+"""The host's conversation with an LMS 200, from finding its rate to a stream of scans.
+
+Sans-I/O: told the time, fed bytes, asked for what to write. Order of steps: find the rate (a
+laser left streaming is stopped by the same command), go to the wanted rate, type, status, variant,
+configuration, stream. Variant and configuration are written only where the laser says they differ:
+its EEPROM endures few writes. Source: SICK telegram listing 8007954/Q501, timing and modes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+
+from drivers.lms200 import telegrams
+from drivers.lms200.framing import (
+    REPLY_BIT,
+    Ack,
+    Nak,
+    Telegram,
+    TelegramFramer,
+)
+from drivers.lms200.framing import encode_telegram as encode
+from drivers.lms200.measurement import MEASURING_MODES, MODE_32_M, UNIT_MM, decode_measurement
+from drivers.lms200.scan import Scan, scan_of
+from drivers.lms200.settings import LaserSettings
+from drivers.lms200.telegrams import Configuration, DeviceStatus, Variant, VariantReply
+from drivers.requests import Request, SetBaud, Write
+
+COMMON_BAUDS = (38400, 9600, 19200, 500000)
+
+TRIES = 3  # the laser may overlook a request while its mirror turns
+ACK_LIMIT = 0.25  # s, on top of the wire time of a scan that may be on its way
+REPLY_LIMIT = 1.0  # s after the ACK
+MODE_LIMIT = 3.0  # s, mode changes
+CONFIGURATION_LIMIT = 15.0  # s, writing the EEPROM
+NAK_PAUSE = 0.03  # s before a refused telegram may be repeated
+SETTLING = 0.25  # s, both ends changing rate
+INNER_SILENCE = 0.25  # s without a byte inside a telegram: its end is lost
+RESTART_PAUSE = 0.5  # s
+MAX_WRITES = 2  # of variant and of configuration, each; a laser that keeps neither is used as is
+
+_BITS_PER_BYTE = 10
+_LONGEST_FRAME = 814
+
+
+class SessionState(StrEnum):
+    """Where the conversation stands."""
+
+    DOWN = "down"
+    PAUSING = "pausing"
+    SEARCHING = "searching"
+    CHANGING_RATE = "changing rate"
+    SETTLING = "settling"
+    IDENTIFYING = "identifying"
+    READING_STATUS = "reading status"
+    SETTING_VARIANT = "setting variant"
+    READING_CONFIGURATION = "reading configuration"
+    UNLOCKING = "unlocking"
+    WRITING_CONFIGURATION = "writing configuration"
+    STARTING = "starting"
+    STREAMING = "streaming"
+
+
+@dataclass(slots=True)
+class LaserCounters:
+    """What happened since the session was made."""
+
+    scans: int = 0
+    unusable: int = 0  # measured values that are no whole scan
+    timeouts: int = 0
+    naks: int = 0
+    searches: int = 0
+    variant_writes: int = 0
+    configuration_writes: int = 0
+
+
+class Lms200Session:
+    """Brings a laser, in whatever state it is, to streaming, and keeps it there.
+
+    After every call take ``take_requests()`` and carry them out in order. ``trouble`` says, for
+    people, why there are no scans or what the laser would not do; None when all is as set.
+    """
+
+    def __init__(self, settings: LaserSettings) -> None:
+        self.state = SessionState.DOWN
+        self.baud: int = settings.baud
+        self.identity: str | None = None
+        self.trouble: str | None = None
+        self.counters = LaserCounters()
+        self._settings = settings
+        self._variant = Variant(180, round(settings.resolution_deg * 100))
+        self._mode = MEASURING_MODES[MODE_32_M]
+        self.framer = TelegramFramer()
+        self._requests: list[Request] = []
+        self._rates: list[int] = []
+        self._command = b""
+        self._tries_left = 0
+        self._reply_limit = REPLY_LIMIT
+        self._deadline = 0.0
+        self._last_received = 0.0
+        self._noise_before = 0
+        self._configuration_attempts = 0
+        self._wanted_configuration = telegrams.STANDARD_CONFIGURATION
+        self._on_reply: dict[SessionState, Callable[[Telegram, float], None]] = {
+            SessionState.SEARCHING: self._rate_found,
+            SessionState.CHANGING_RATE: self._rate_changed,
+            SessionState.IDENTIFYING: self._identified,
+            SessionState.READING_STATUS: self._status_read,
+            SessionState.SETTING_VARIANT: self._variant_set,
+            SessionState.READING_CONFIGURATION: self._configuration_read,
+            SessionState.UNLOCKING: self._unlocked,
+            SessionState.WRITING_CONFIGURATION: self._configuration_written,
+            SessionState.STARTING: self._started,
+        }
+
+    # What the owner of the link calls
+
+    def link_up(self, t: float) -> None:
+        """The port is open: look for the laser."""
+        self._search(self._settings.baud, t)
+
+    def link_down(self, t: float) -> None:  # noqa: ARG002 - every session has this call
+        """The port is gone: forget what was under way."""
+        self.state = SessionState.DOWN
+        self._requests.clear()
+        self.framer.reset()
+
+    def shut_down(self, t: float) -> None:
+        """Stop the stream and end; ``link_up`` starts again."""
+        if self.state is SessionState.DOWN:
+            return
+        self.link_down(t)
+        self._requests.append(Write(encode(telegrams.SELECT_ON_REQUEST)))
+
+    def take_requests(self) -> list[Request]:
+        """Return, once, what the link is asked to do, in order."""
+        requests, self._requests = self._requests, []
+        return requests
+
+    def feed(self, data: bytes, t: float) -> list[Scan]:
+        """Take bytes the last of which arrived at ``t``; return the scans they complete."""
+        if self.state is SessionState.DOWN:
+            return []
+        scans: list[Scan] = []
+        if self.framer.pending and t - self._last_received >= INNER_SILENCE:
+            for item in self.framer.flush():
+                scans += self._take(item, self._last_received)
+        for item in self.framer.feed(data):
+            scans += self._take(item, t)
+        self._last_received = t
+        return scans
+
+    def tick(self, t: float) -> None:
+        """Notice silence: repeat the request, try the next rate, start over."""
+        if self.state is not SessionState.DOWN and t >= self._deadline:
+            self._out_of_time(t)
+
+    # Bytes in
+
+    def _take(self, item: Telegram | Ack | Nak, t: float) -> list[Scan]:
+        if isinstance(item, Telegram):
+            return self._take_telegram(item, t)
+        amid_noise = self.framer.counters.discarded_bytes != self._noise_before
+        if self.state in self._on_reply and not amid_noise:
+            if isinstance(item, Ack):
+                self._deadline = t + self._reply_limit
+            else:
+                self.counters.naks += 1
+                self._deadline = t + NAK_PAUSE
+        return []
+
+    def _take_telegram(self, telegram: Telegram, t: float) -> list[Scan]:
+        if telegram.code == telegrams.MEASURED_VALUES:
+            return self._take_measurement(telegram, t)
+        if telegram.code == telegrams.POWER_ON:
+            self._search(self.baud, t)
+        elif self.state in self._on_reply:
+            if telegram.code == self._command[0] | REPLY_BIT:
+                self._on_reply[self.state](telegram, t)
+            elif telegram.code == telegrams.BAD_COMMAND:
+                self._start_over(f"laser refused command {self._command[0]:02X}", t)
+        return []
+
+    def _take_measurement(self, telegram: Telegram, t: float) -> list[Scan]:
+        if self.state not in (SessionState.STARTING, SessionState.STREAMING):
+            return []  # of a stream about to be stopped, geometry not settled
+        measurement = decode_measurement(telegram, self._mode)
+        if measurement is None:
+            self.counters.unusable += 1
+            return []
+        self.state = SessionState.STREAMING
+        self.counters.scans += 1
+        self._deadline = t + self._settings.silence
+        byte_time = _BITS_PER_BYTE / self.baud
+        arrival = t - telegram.bytes_after * byte_time
+        return [scan_of(measurement, arrival, telegram.wire_length * byte_time)]
+
+    # Time
+
+    def _out_of_time(self, t: float) -> None:
+        if self.state is SessionState.PAUSING:
+            self._search(self._settings.baud, t)
+        elif self.state is SessionState.SETTLING:
+            self._ask(SessionState.IDENTIFYING, telegrams.READ_TYPE, t)
+        elif self.state is SessionState.STREAMING:
+            self._start_over(f"no scan for {self._settings.silence:g} s", t)
+        elif self._tries_left:
+            self.counters.timeouts += 1
+            self._send(t)
+        elif self.state is SessionState.SEARCHING:
+            self._try_next_rate(t)
+        else:
+            command = f"{self._command[0]:02X}"
+            self._start_over(f"no answer to command {command} at {self.baud} baud", t)
+
+    def _ask(
+        self, state: SessionState, command: bytes, t: float, limit: float = REPLY_LIMIT
+    ) -> None:
+        self.state = state
+        self._command = command
+        self._reply_limit = limit
+        self._tries_left = TRIES
+        self._send(t)
+
+    def _send(self, t: float) -> None:
+        self._tries_left -= 1
+        self._noise_before = self.framer.counters.discarded_bytes
+        self._requests.append(Write(encode(self._command)))
+        self._deadline = t + ACK_LIMIT + _LONGEST_FRAME * _BITS_PER_BYTE / self.baud
+
+    # Finding the laser
+
+    def _start_over(self, trouble: str, t: float) -> None:
+        self.trouble = trouble
+        self.state = SessionState.PAUSING
+        self._deadline = t + RESTART_PAUSE
+
+    def _search(self, first_baud: int, t: float) -> None:
+        self.counters.searches += 1
+        self._rates = list(dict.fromkeys((first_baud, self._settings.baud, *COMMON_BAUDS)))
+        self._try_next_rate(t)
+
+    def _try_next_rate(self, t: float) -> None:
+        if not self._rates:
+            rates = ", ".join(map(str, COMMON_BAUDS))
+            self._start_over(f"no laser answers at {rates} baud: check its power and cable", t)
+            return
+        self._set_baud(self._rates.pop(0))
+        self._ask(SessionState.SEARCHING, telegrams.SELECT_ON_REQUEST, t, MODE_LIMIT)
+
+    def _set_baud(self, baud: int) -> None:
+        self.baud = baud
+        self.framer.reset()
+        self._requests.append(SetBaud(baud))
+
+    def _rate_found(self, _reply: Telegram, t: float) -> None:
+        self.trouble = None
+        if self.baud == self._settings.baud:
+            self._ask(SessionState.IDENTIFYING, telegrams.READ_TYPE, t)
+        else:
+            command = telegrams.select_baud(self._settings.baud)
+            self._ask(SessionState.CHANGING_RATE, command, t, MODE_LIMIT)
+
+    def _rate_changed(self, reply: Telegram, t: float) -> None:
+        if telegrams.first_data_byte(reply) == telegrams.MODE_SELECTED:
+            self._set_baud(self._settings.baud)
+        else:
+            self.trouble = f"laser refused {self._settings.baud} baud, stays at {self.baud}"
+        self.state = SessionState.SETTLING
+        self._deadline = t + SETTLING
+
+    # Setting it up
+
+    def _identified(self, reply: Telegram, t: float) -> None:
+        self.identity = telegrams.decode_text(reply)
+        self._ask(SessionState.READING_STATUS, telegrams.READ_STATUS, t)
+
+    def _status_read(self, reply: Telegram, t: float) -> None:
+        status = DeviceStatus.decode(reply)
+        if status is not None and status.variant == self._variant:
+            self._read_configuration(t)
+        elif self.counters.variant_writes >= MAX_WRITES:
+            self.trouble = "laser does not keep its field of view and step"
+            self._read_configuration(t)
+        else:
+            self.counters.variant_writes += 1
+            command = telegrams.set_variant(self._variant)
+            self._ask(SessionState.SETTING_VARIANT, command, t, CONFIGURATION_LIMIT)
+
+    def _variant_set(self, reply: Telegram, t: float) -> None:
+        answer = VariantReply.decode(reply)
+        if answer is None or not answer.accepted:
+            step = self._settings.resolution_deg
+            self._start_over(f"laser refused a field of 180 degrees in steps of {step:g}", t)
+        else:
+            self._read_configuration(t)
+
+    def _read_configuration(self, t: float) -> None:
+        self._ask(SessionState.READING_CONFIGURATION, telegrams.READ_CONFIGURATION, t)
+
+    def _configuration_read(self, reply: Telegram, t: float) -> None:
+        present = telegrams.decode_read_configuration(reply)
+        if present is None:
+            self._start_over("laser sent an unreadable configuration", t)
+            return
+        wanted = present.changed(MODE_32_M, UNIT_MM)
+        if present == wanted:
+            self._start(present, t)
+        elif self._configuration_attempts >= MAX_WRITES:
+            self.trouble = "laser does not keep its measuring mode and units"
+            self._start(present, t)
+        else:
+            self._configuration_attempts += 1
+            self._wanted_configuration = wanted
+            self._ask(SessionState.UNLOCKING, telegrams.SELECT_INSTALLATION, t, MODE_LIMIT)
+
+    def _unlocked(self, reply: Telegram, t: float) -> None:
+        if telegrams.first_data_byte(reply) != telegrams.MODE_SELECTED:
+            self._start_over("laser refused installation mode: was its password changed?", t)
+            return
+        self.counters.configuration_writes += 1
+        command = telegrams.write_configuration(self._wanted_configuration)
+        self._ask(SessionState.WRITING_CONFIGURATION, command, t, CONFIGURATION_LIMIT)
+
+    def _configuration_written(self, reply: Telegram, t: float) -> None:
+        if telegrams.first_data_byte(reply) != telegrams.ACCEPTED:
+            self._start_over("laser refused its configuration", t)
+            return
+        self._start(self._wanted_configuration, t)
+
+    def _start(self, configuration: Configuration, t: float) -> None:
+        self._mode = MEASURING_MODES.get(configuration.measuring_mode, self._mode)
+        self._ask(SessionState.STARTING, telegrams.SELECT_CONTINUOUS, t, MODE_LIMIT)
+
+    def _started(self, reply: Telegram, t: float) -> None:
+        if telegrams.first_data_byte(reply) != telegrams.MODE_SELECTED:
+            self._start_over("laser refused to stream", t)
+            return
+        self.state = SessionState.STREAMING
+        self._deadline = t + self._settings.silence

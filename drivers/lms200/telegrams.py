@@ -1,0 +1,266 @@
+"""Commands to the LMS 200 and what its replies carry, save measured values (``measurement.py``).
+
+Payloads are command and data, unframed; replies end with the status byte.
+Source: SICK telegram listing 8007954/Q501, commands and status telegram.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from enum import IntEnum
+
+from drivers.lms200.framing import REPLY_BIT, Telegram
+
+PASSWORD = b"SICK_LMS"
+STATUS_OK = 0x10  # status byte of a healthy LMS type 6
+ACCEPTED = 1  # first data byte of BB and F7; 0 is refused
+MODE_SELECTED = 0  # first data byte of A0; anything else is a failure
+WRONG_PASSWORD = 1
+
+
+class Command(IntEnum):
+    """Command codes; the reply's code has bit 7 set."""
+
+    RESET = 0x10
+    MODE = 0x20
+    REQUEST = 0x30
+    STATUS = 0x31
+    ERRORS = 0x32
+    TYPE = 0x3A
+    VARIANT = 0x3B
+    READ_CONFIGURATION = 0x74
+    WRITE_CONFIGURATION = 0x77
+
+    @property
+    def reply(self) -> int:
+        """Code of the reply to this command."""
+        return self | REPLY_BIT
+
+
+POWER_ON = 0x90
+RESET_CONFIRMED = 0x91
+BAD_COMMAND = 0x92
+MEASURED_VALUES = 0xB0
+
+
+class Mode(IntEnum):
+    """Operating modes selected with ``Command.MODE``."""
+
+    INSTALLATION = 0x00
+    DIAGNOSTIC = 0x10
+    CONTINUOUS = 0x24
+    ON_REQUEST = 0x25
+    TEST_PASSWORD = 0x30
+
+
+BAUD_MODES = {38400: 0x40, 19200: 0x41, 9600: 0x42, 500000: 0x48}
+_BAUD_WORDS = {500000: 0x8001, 38400: 0x8019, 19200: 0x8033, 9600: 0x8067}
+
+SELECT_CONTINUOUS = bytes((Command.MODE, Mode.CONTINUOUS))
+SELECT_ON_REQUEST = bytes((Command.MODE, Mode.ON_REQUEST))
+SELECT_INSTALLATION = bytes((Command.MODE, Mode.INSTALLATION)) + PASSWORD
+READ_TYPE = bytes((Command.TYPE,))
+READ_STATUS = bytes((Command.STATUS,))
+READ_ERRORS = bytes((Command.ERRORS,))
+READ_CONFIGURATION = bytes((Command.READ_CONFIGURATION,))
+
+
+def select_baud(baud: int) -> bytes:
+    """Return the command for 9600, 19200, 38400 or 500000 baud; KeyError for any other."""
+    return bytes((Command.MODE, BAUD_MODES[baud]))
+
+
+@dataclass(frozen=True, slots=True)
+class Variant:
+    """Field of view in degrees and angular step in hundredths of a degree."""
+
+    angle_deg: int
+    resolution_cdeg: int
+
+    def encode(self) -> bytes:
+        """Return angle and resolution as the 3B command and BB reply carry them."""
+        return struct.pack("<HH", self.angle_deg, self.resolution_cdeg)
+
+    @property
+    def count(self) -> int:
+        """Values per scan."""
+        return self.angle_deg * 100 // self.resolution_cdeg + 1
+
+    @property
+    def mirror_turns(self) -> int:
+        """Mirror turns that make up one scan: each gives steps of 1 degree."""
+        return 100 // self.resolution_cdeg
+
+
+VARIANTS = (
+    Variant(180, 100),
+    Variant(180, 50),
+    Variant(100, 100),
+    Variant(100, 50),
+    Variant(100, 25),
+)
+
+
+def set_variant(variant: Variant) -> bytes:
+    """Return the 3B command."""
+    return bytes((Command.VARIANT,)) + variant.encode()
+
+
+@dataclass(frozen=True, slots=True)
+class VariantReply:
+    """BB: whether the variant was taken, and the variant now in force."""
+
+    accepted: bool
+    variant: Variant
+
+    @classmethod
+    def decode(cls, telegram: Telegram) -> VariantReply | None:
+        """Return None where the telegram is too short."""
+        if len(telegram.payload) < 6:
+            return None
+        status, angle, resolution = struct.unpack_from("<BHH", telegram.payload, 1)
+        return cls(status == ACCEPTED, Variant(angle, resolution))
+
+    def encode(self) -> bytes:
+        """Return the BB payload."""
+        head = bytes((Command.VARIANT.reply, int(self.accepted)))
+        return head + self.variant.encode() + bytes((STATUS_OK,))
+
+
+def first_data_byte(telegram: Telegram) -> int | None:
+    """Return the result byte of A0, BB or F7; None where there is none."""
+    return telegram.payload[1] if len(telegram.payload) > 1 else None
+
+
+def encode_text(code: int, text: str) -> bytes:
+    """Return a reply that carries text: type (BA) or power-on (90)."""
+    return bytes((code,)) + text.encode("ascii") + bytes((STATUS_OK,))
+
+
+def decode_text(telegram: Telegram) -> str:
+    """Return the text of a type or power-on telegram, without padding."""
+    return telegram.payload[1:-1].decode("ascii", errors="replace").strip(" \0")
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceStatus:
+    """The fields of B1 that a driver needs; offsets count from the reply code."""
+
+    LENGTH = 154  # reply code, 152 data bytes, status byte
+
+    software: str
+    mode: int
+    defective: bool
+    measuring_mode: int
+    variant: Variant
+    baud: int | None
+    units: int
+
+    @classmethod
+    def decode(cls, telegram: Telegram) -> DeviceStatus | None:
+        """Return None where the telegram has another length."""
+        payload = telegram.payload
+        if len(payload) != cls.LENGTH:
+            return None
+        (baud_word,) = struct.unpack_from("<H", payload, 116)
+        return cls(
+            software=payload[1:8].decode("ascii", errors="replace").strip(" \0"),
+            mode=payload[8],
+            defective=payload[9] > 0,
+            measuring_mode=payload[102],
+            variant=Variant(*struct.unpack_from("<HH", payload, 107)),
+            baud=next((baud for baud, word in _BAUD_WORDS.items() if word == baud_word), None),
+            units=payload[122],
+        )
+
+    def encode(self) -> bytes:
+        """Return the B1 payload; fields not held here are zero."""
+        payload = bytearray(self.LENGTH)
+        payload[0] = Command.STATUS.reply
+        payload[1:8] = self.software.encode("ascii")[:7].ljust(7)
+        payload[8] = self.mode
+        payload[9] = int(self.defective)
+        payload[102] = self.measuring_mode
+        payload[107:111] = self.variant.encode()
+        struct.pack_into("<H", payload, 116, _BAUD_WORDS[self.baud] if self.baud else 0)
+        payload[122] = self.units
+        payload[-1] = STATUS_OK
+        return bytes(payload)
+
+
+@dataclass(frozen=True, slots=True)
+class Configuration:
+    """The configuration block of 74 and 77: firmware differs in its length, 34 bytes by the book.
+
+    Only units and measuring mode are ever changed; the rest goes back as it was read.
+    """
+
+    SHORTEST = 7  # up to and with the units, as the shortest known 77 sends
+    LONGEST = 64
+
+    block: bytes
+
+    @classmethod
+    def decode(cls, block: bytes) -> Configuration | None:
+        """Return None where the block is too short to hold the units, or absurdly long."""
+        return cls(block) if cls.SHORTEST <= len(block) <= cls.LONGEST else None
+
+    @property
+    def measuring_mode(self) -> int:
+        """Code of the measuring mode (``measurement.MEASURING_MODES``)."""
+        return self.block[5]
+
+    @property
+    def units(self) -> int:
+        """Code of the units: 0 cm, 1 mm."""
+        return self.block[6]
+
+    @property
+    def sends_indices(self) -> bool:
+        """Whether scan and telegram index follow the values of B0."""
+        return bool(self.block[4] & 0x02)
+
+    def changed(self, measuring_mode: int, units: int) -> Configuration:
+        """Return the same block with these two fields set."""
+        return Configuration(self.block[:5] + bytes((measuring_mode, units)) + self.block[7:])
+
+    def overlaid(self, block: bytes) -> Configuration:
+        """Return this block with its first bytes replaced, as a shorter 77 does."""
+        return Configuration(block + self.block[len(block) :])
+
+
+STANDARD_CONFIGURATION = Configuration(
+    bytes.fromhex(
+        "0000 46 00 00 00 01 00 00 02 02 02 00"  # blanking to second multiple evaluation
+        "00 0A 0A 50 64 00 0A 0A 50 80 00 0A 0A 50 64 00 00 00 00 02 00"  # contours, the rest
+    )
+)
+
+
+def write_configuration(configuration: Configuration) -> bytes:
+    """Return the 77 command."""
+    return bytes((Command.WRITE_CONFIGURATION,)) + configuration.block
+
+
+def decode_read_configuration(telegram: Telegram) -> Configuration | None:
+    """Return what F4 carries; None where it is unusable."""
+    return Configuration.decode(telegram.payload[1:-1])
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorEntry:
+    """One entry of the error list B2."""
+
+    severity: int  # 1 info, 2 warning, 3 error, 4 fatal
+    number: int
+    present: bool
+
+
+def decode_errors(telegram: Telegram) -> tuple[ErrorEntry, ...]:
+    """Return the entries of B2; none is a healthy laser."""
+    data = telegram.payload[1:-1]
+    return tuple(
+        ErrorEntry(kind & 0x7F, number, not kind & 0x80)
+        for kind, number in zip(data[0::2], data[1::2], strict=False)
+    )

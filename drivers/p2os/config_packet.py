@@ -1,0 +1,142 @@
+"""The CONFIG packet (0x20): the controller's FLASH parameters and present limits, in wire units.
+
+Source: Pioneer 2 and H8-series Operations Manuals; later fields as their clients read them.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass, fields
+from typing import Annotated, Any, get_type_hints
+
+CONFIG_TYPE = 0x20
+
+U8 = Annotated[int, "B"]
+I8 = Annotated[int, "b"]
+U16 = Annotated[int, "H"]
+I16 = Annotated[int, "h"]
+U32 = Annotated[int, "I"]
+Text = Annotated[str, "text"]  # NUL-terminated
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConfigPacket:
+    """The fields in wire order; those a shorter packet does not carry keep their zero.
+
+    ``field_count`` says how many were on the wire (36 on P2OS), ``surplus`` what followed them.
+    Speeds are in mm/s and deg/s, accelerations in mm/s^2 and deg/s^2.
+    """
+
+    robot_class: Text = ""
+    subclass: Text = ""
+    serial_number: Text = ""
+    four_motors: U8 = 0
+    turn_rate_top: U16 = 0
+    speed_top: U16 = 0
+    turn_acceleration_top: U16 = 0
+    acceleration_top: U16 = 0
+    pwm_max: U16 = 0
+    name: Text = ""
+    sip_cycle_ms: U8 = 0
+    host_baud_code: U8 = 0
+    aux1_baud_code: U8 = 0
+    gripper: U16 = 0
+    front_sonar: U16 = 0
+    rear_sonar: U8 = 0
+    low_battery_decivolts: U16 = 0
+    revcount: U16 = 0
+    watchdog_ms: U16 = 0
+    alternative_sip: U8 = 0
+    stall_pwm: U16 = 0
+    stall_pause_ms: U16 = 0
+    joystick_speed: U16 = 0
+    joystick_turn_rate: U16 = 0
+    turn_rate_max: U16 = 0
+    speed_max: U16 = 0
+    turn_acceleration: U16 = 0
+    turn_deceleration: U16 = 0
+    turn_kp: U16 = 0
+    turn_kv: U16 = 0
+    turn_ki: U16 = 0
+    acceleration: U16 = 0
+    deceleration: U16 = 0
+    speed_kp: U16 = 0
+    speed_kv: U16 = 0
+    speed_ki: U16 = 0
+    # AROS
+    front_bumper_segments: U8 = 0
+    rear_bumper_segments: U8 = 0
+    charger_type: U8 = 0
+    sonar_cycle_ms: U8 = 0
+    autobaud: U8 = 0  # 1 settable, 2 switches at once
+    gyro_type: U8 = 0
+    # ARCOS
+    drift_factor: I16 = 0
+    aux2_baud_code: U8 = 0
+    aux3_baud_code: U8 = 0
+    ticks_per_mm: U16 = 0
+    shutdown_decivolts: U16 = 0
+    firmware_version: Text = ""
+    gyro_clockwise: U16 = 0
+    gyro_counter_clockwise: U16 = 0
+    kinematics_delay_ms: U8 = 0
+    lateral_speed_top: U16 = 0
+    lateral_acceleration_top: U16 = 0
+    lateral_speed_max: U16 = 0
+    lateral_acceleration: U16 = 0
+    lateral_deceleration: U16 = 0
+    charge_threshold: U16 = 0
+    power_board_port: U8 = 0
+    gyro_rate_limit: U16 = 0
+    high_temperature_celsius: I8 = 0
+    power_bits: U16 = 0
+    battery_type: U8 = 0
+    low_charge_percent: U16 = 0
+    shutdown_charge_percent: U16 = 0
+    bootloader_version: Text = ""
+    config_flags: U32 = 0
+    gyro_firmware: I16 = 0
+
+    field_count: int = 36
+    surplus: bytes = b""
+
+    def encode(self) -> bytes:
+        """Return the packet's data: the first ``field_count`` fields and the surplus."""
+        parts = [bytes((CONFIG_TYPE,))]
+        for name, code in _LAYOUT[: self.field_count]:
+            value = getattr(self, name)
+            if code == "text":
+                parts.append(value.encode("latin-1") + b"\0")
+            else:
+                parts.append(struct.pack("<" + code, value))
+        return b"".join(parts) + self.surplus
+
+
+def _wire_layout() -> list[tuple[str, str]]:
+    hints = get_type_hints(ConfigPacket, include_extras=True)
+    names = (field.name for field in fields(ConfigPacket))
+    return [(n, hints[n].__metadata__[0]) for n in names if hasattr(hints[n], "__metadata__")]
+
+
+_LAYOUT = _wire_layout()
+LATER_FIELD_COUNT = [name for name, _ in _LAYOUT].index("charge_threshold") + 1
+"""Fields an AROS/ARCOS-like controller sends."""
+
+
+def decode_config(data: bytes) -> ConfigPacket | None:
+    """Read a packet's data as a CONFIG; None when it is another packet. Short ones are read as
+    far as they go."""
+    if data[0] != CONFIG_TYPE:
+        return None
+    values: dict[str, Any] = {}
+    at = 1
+    for name, code in _LAYOUT:
+        size = data.find(b"\0", at) + 1 - at if code == "text" else struct.calcsize("<" + code)
+        if size <= 0 or at + size > len(data):
+            break
+        if code == "text":
+            values[name] = data[at : at + size - 1].decode("latin-1")
+        else:
+            (values[name],) = struct.unpack_from("<" + code, data, at)
+        at += size
+    return ConfigPacket(**values, field_count=len(values), surplus=data[at:])

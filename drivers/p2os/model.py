@@ -1,0 +1,100 @@
+"""Robot models: conversion factors, limits and geometry, loaded from ``models/*.toml``."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from importlib import resources
+from typing import Annotated
+
+import msgspec
+
+Positive = Annotated[float, msgspec.Meta(gt=0.0)]
+_MODELS = resources.files("drivers.p2os.models")
+
+
+class UnknownModelError(ValueError):
+    """No model file exists for a subclass."""
+
+
+class Conversion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """SI value of one wire count."""
+
+    distance: Positive  # m per x or y count
+    speed: Positive  # m/s per wheel speed count
+    range: Positive  # m per sonar count
+    turn: Positive  # rad/s per m/s of half the wheels' speed difference: 1 / half track
+    wheel_speed: Positive  # m/s per VEL2 count
+
+
+class Body(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Rectangle of the robot seen from above, in base_link, m."""
+
+    front: Positive
+    rear: Positive
+    width: Positive
+    swing_radius: Positive
+
+
+class LaserMount(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Place of the laser in base_link."""
+
+    x: float  # m
+    y: float  # m
+    heading_deg: float
+
+
+class SonarMount(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fields=True):
+    """Place and direction of one sonar transducer in base_link."""
+
+    x: float  # m
+    y: float  # m
+    heading_deg: float
+
+    @property
+    def heading(self) -> float:
+        """Direction in base_link, rad."""
+        return math.radians(self.heading_deg)
+
+
+class RobotModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Everything the driver and the bench know of one subclass of robot.
+
+    Source: the vendor's parameter files of the models.
+    """
+
+    subclass: str
+    top_speed: Positive  # m/s
+    top_turn_rate_deg: Positive  # deg/s
+    sonar_far: Positive  # m, what a transducer reports that heard nothing
+    sonar: tuple[SonarMount, ...]
+    conversion: Conversion
+    body: Body
+    laser: LaserMount
+
+    @property
+    def top_turn_rate(self) -> float:
+        """Fastest turn in rad/s."""
+        return math.radians(self.top_turn_rate_deg)
+
+    @property
+    def laser_mount(self) -> tuple[float, float, float]:
+        """The laser's place in base_link: x and y in m, heading in rad."""
+        return self.laser.x, self.laser.y, math.radians(self.laser.heading_deg)
+
+
+def model_names() -> list[str]:
+    """Return the subclasses for which a model exists."""
+    files = (entry.name for entry in _MODELS.iterdir())
+    return sorted(name.removesuffix(".toml") for name in files if name.endswith(".toml"))
+
+
+@cache
+def load_model(subclass: str) -> RobotModel:
+    """Return the model of a subclass, in any case of letters; raises UnknownModelError."""
+    name = subclass.lower()
+    if name not in model_names():
+        known = ", ".join(model_names())
+        raise UnknownModelError(f"robot model {subclass!r}: no such model, use one of {known}")
+    text = _MODELS.joinpath(f"{name}.toml").read_text(encoding="utf-8")
+    return msgspec.toml.decode(text, type=RobotModel)

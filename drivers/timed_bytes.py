@@ -1,0 +1,13 @@
+"""Bytes together with the moment they were complete on a serial line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class TimedBytes:
+    """Bytes sent by an emulated device; ``t`` is when the last of them has left the wire, in s."""
+
+    t: float
+    data: bytes

@@ -1,0 +1,448 @@
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+import pytest
+
+from drivers.p2os.commands import CLOSE, OPEN, PULSE, STOP, Command, CommandNumber, decode_command
+from drivers.p2os.config_packet import ConfigPacket
+from drivers.p2os.framing import PacketFramer, encode_packet
+from drivers.p2os.robot_identity import RobotIdentity
+from drivers.p2os.session import P2osSession, SessionState
+from drivers.p2os.settings import BaseSettings
+from drivers.requests import SetBaud, Write
+
+if TYPE_CHECKING:
+    from conftest import Bench
+
+N = CommandNumber
+MakeBench = Callable[..., "Bench"]
+IDLE_SIP = bytes.fromhex(
+    "FAFB1B3200000000000000000000800000000000000000050000FF00387F".replace(" ", "")
+)
+
+
+def written(session: P2osSession) -> list[Command]:
+    framer = PacketFramer()
+    writes = (r.data for r in session.take_requests() if isinstance(r, Write))
+    return [decode_command(packet) for data in writes for packet in framer.feed(data)]
+
+
+def motion(bench: Bench) -> list[tuple[float, Command]]:
+    return [(t, c) for t, c in bench.heard if c.number in (N.VEL, N.RVEL, N.STOP, N.ENABLE)]
+
+
+def sip(flags: int = 0x0003, left: int = 0, right: int = 0) -> bytes:
+    data = bytearray(IDLE_SIP[3:-2])
+    data[7:11] = left.to_bytes(2, "little", signed=True) + right.to_bytes(2, "little", signed=True)
+    data[16:18] = flags.to_bytes(2, "little")
+    return encode_packet(bytes(data))
+
+
+def opened(subclass: str = "p2dx", **settings: object) -> P2osSession:
+    """A session up to the robot's answer to SYNC2 at t = 0."""
+    session = P2osSession(BaseSettings(**settings))  # type: ignore[arg-type]
+    session.link_up(0.0)
+    for data in (b"\x00", b"\x01", RobotIdentity("R", "Pioneer", subclass).encode()):
+        session.feed(encode_packet(data), 0.0)
+    assert session.state is SessionState.OPENING
+    return session
+
+
+def ready(flags: int = 0x0003, **settings: object) -> P2osSession:
+    """A READY session at t = 1.0 whose robot has just reported ``flags``."""
+    session = opened(**settings)
+    session.feed(encode_packet(ConfigPacket().encode()), 0.1)
+    for tick in range(20):
+        session.feed(sip(flags), 0.05 * (tick + 1))
+        session.tick(0.05 * (tick + 1))
+    assert session.state is SessionState.READY
+    session.take_requests()
+    return session
+
+
+def keep_reporting(
+    session: P2osSession, start: float, end: float, report: bytes
+) -> Iterator[float]:
+    """SIPs and ticks at 20 Hz."""
+    for step in range(1, round((end - start) * 20) + 1):
+        t = start + 0.05 * step
+        session.feed(report, t)
+        session.tick(t)
+        yield t
+
+
+def test_connects_and_sets_up_before_ready(bench: MakeBench) -> None:
+    wire = bench(max_speed=0.4, deceleration=0.5, bump_stall="both")
+    wire.connect()
+    assert wire.t < 1.5
+    assert wire.session.identity == RobotIdentity("Emulated", "Pioneer", "p2dx")
+    assert wire.session.config is not None
+    assert wire.session.config.subclass == "p2dx"
+    wire.run(0.1)
+    sent = [(c.number, c.argument) for _, c in wire.heard]
+    assert sent == [
+        (N.STOP, None),
+        (N.SYNC0, None),
+        (N.SYNC1, None),
+        (N.SYNC2, None),
+        (N.OPEN, 1),
+        (N.CONFIG, 1),
+        (N.SETV, 400),
+        (N.SETRV, 100),
+        (N.SETA, 300),
+        (N.SETA, -500),
+        (N.SETRA, 100),
+        (N.SETRA, -100),
+        (N.BUMP_STALL, 3),
+        (N.SONAR, 1),
+        (N.STOP, None),
+        (N.VEL, 0),
+        (N.RVEL, 0),
+    ]
+    assert not wire.emulator.motors_enabled
+    assert wire.states[-1].sonar_on
+
+
+def test_setup_is_paced(bench: MakeBench) -> None:
+    wire = bench(baud=115200, robot_baud=115200)
+    wire.connect()
+    times = [t for t, c in wire.heard if c.number in (N.SETV, N.SETA, N.SETRA, N.SONAR)]
+    for window in range(round(wire.t / 0.05)):
+        start = 0.05 * window
+        assert sum(start <= t < start + 0.05 for t in times) <= 2
+
+
+def test_config_is_asked_three_times_then_done_without() -> None:
+    session = opened()
+    asked = [0.0]
+    for t in keep_reporting(session, 0.0, 0.95, sip()):
+        asked += [t for c in written(session) if c.number == N.CONFIG and t > 0.1]
+    assert len(asked) == 3
+    assert asked[1:] == pytest.approx([0.35, 0.70], abs=0.051)
+    assert session.state is SessionState.OPENING
+    for _ in keep_reporting(session, 0.95, 2.0, sip()):
+        pass
+    assert session.state is SessionState.READY
+    assert session.config is None
+
+
+@pytest.mark.parametrize(
+    ("reported", "used"), [("P3DX", "p3dx"), ("p2de", "p2de"), ("seekur", "p2at")]
+)
+def test_model_follows_the_reported_subclass(reported: str, used: str) -> None:
+    session = opened(subclass=reported, model="p2at")
+    assert session.model.subclass == used
+    assert session.identity is not None
+    assert session.identity.subclass == reported
+
+
+def test_old_session_is_stopped_then_closed_then_connected(bench: MakeBench) -> None:
+    wire = bench()
+    wire.connect()
+    wire.enable()
+    wire.run(1.5, lambda t: wire.session.drive(t, 0.3, 0.0))
+    assert wire.emulator.velocity[0] == pytest.approx(0.3)
+    # The agent dies while the robot drives; the watchdog halts it; another agent takes over.
+    wire.session = P2osSession(BaseSettings())
+    wire.run(5.0)
+    assert wire.emulator.watchdog_expired
+    assert wire.emulator.velocity == (0.0, 0.0)
+    assert wire.emulator.session_open
+    path = wire.path
+    wire.heard.clear()
+    wire.connect()
+    numbers = [c.number for _, c in wire.heard]
+    assert numbers[:4] == [N.STOP, N.SYNC0, N.STOP, N.CLOSE]
+    assert wire.path == path
+    assert wire.session.handshake.old_sessions == 1
+    assert wire.emulator.counters.sessions == 2
+
+
+@pytest.mark.parametrize("robot_baud", [19200, 38400, 57600, 115200])
+def test_rate_is_searched(bench: MakeBench, robot_baud: int) -> None:
+    wire = bench(robot_baud=robot_baud)
+    wire.connect()
+    assert wire.session.baud == wire.baud == robot_baud
+    assert wire.t < 7.0
+
+
+def test_old_session_at_another_rate_falls_back_to_the_start_rate(bench: MakeBench) -> None:
+    wire = bench()
+    wire.connect()
+    wire.emulator.feed(Command(N.HOSTBAUD, 2).encode(), wire.t)
+    assert wire.emulator.baud == 38400
+    wire.session = P2osSession(BaseSettings())
+    wire.run(0.5)
+    wire.connect()
+    assert wire.session.baud == 9600
+    assert wire.emulator.counters.sessions == 2
+
+
+def test_rates_are_tried_in_order_and_again() -> None:
+    session = P2osSession(BaseSettings(baud=38400))
+    session.link_up(0.0)
+    rates: list[int] = []
+    for tick in range(130):
+        session.tick(0.05 * tick)
+        rates += [r.baud for r in session.take_requests() if isinstance(r, SetBaud)]
+    assert rates[:6] == [38400, 9600, 19200, 57600, 115200, 38400]
+
+
+@pytest.mark.parametrize("reply", [b"\xff", b"\x01", b"\x02"])
+def test_sync_trouble_restarts_after_a_pause(reply: bytes) -> None:
+    session = P2osSession(BaseSettings())
+    session.link_up(0.0)
+    session.take_requests()
+    session.feed(encode_packet(reply), 0.1)
+    session.feed(encode_packet(b"\x00"), 0.2)
+    session.tick(0.25)
+    assert written(session) == []
+    session.tick(0.4)
+    assert written(session) == [STOP, Command(0)]
+
+
+def test_half_finished_handshake_is_unstuck(bench: MakeBench) -> None:
+    wire = bench()
+    for number in range(3):
+        wire.emulator.feed(Command(number).encode(), 0.0)
+    wire.emulator.take_output(1.0)
+    session = wire.session
+    session.link_up(0.0)
+    session.take_requests()
+    session.tick(0.5)
+    assert written(session) == [STOP, OPEN, Command(0)]
+    wire.connect()
+
+
+def test_noise_does_not_keep_a_robot_from_connecting(bench: MakeBench) -> None:
+    wire = bench()
+    wire.session.feed(b"\xfa\xfb\xff", 0.0)
+    wire.session.link_up(0.0)
+    wire.session.feed(b"WMS2\r\xfa\xfb\xfe\x00", 0.0)
+    wire.emulator.feed(b"\xfa\xfb\xc8\x01", 0.0)
+    wire.run_until(lambda: wire.session.state is SessionState.READY, 5.0)
+
+
+def test_motors_stay_off_until_asked_and_first_motion_is_zero(bench: MakeBench) -> None:
+    wire = bench()
+    wire.connect()
+    wire.heard.clear()
+    wire.run(1.0, lambda t: wire.session.drive(t, 0.3, 0.5))
+    assert all(c.integer == 0 for _, c in motion(wire))
+    assert not wire.emulator.motors_enabled
+    wire.heard.clear()
+    wire.session.enable_motors(wire.t)
+    wire.session.enable_motors(wire.t)
+    wire.run(0.15)
+    assert [(c.number, c.integer) for _, c in motion(wire)][:3] == [
+        (N.VEL, 0),
+        (N.RVEL, 0),
+        (N.ENABLE, 1),
+    ]
+    wire.run_until(lambda: wire.states[-1].motors_enabled, 1.0)
+    wire.session.enable_motors(wire.t)
+    wire.run(1.0)
+    assert [c.number for _, c in wire.heard].count(N.ENABLE) == 1
+
+
+def test_enable_is_sent_again_until_the_sip_shows_it() -> None:
+    session = ready(flags=0x0002)
+    session.enable_motors(1.0)
+    enables = []
+    for t in keep_reporting(session, 1.0, 2.2, sip(flags=0x0002)):
+        commands = written(session)
+        enables += [t for c in commands if c.number == N.ENABLE]
+    assert len(enables) == 3
+    assert min(b - a for a, b in itertools.pairwise(enables)) >= 0.4
+    for _ in keep_reporting(session, 2.2, 3.5, sip(flags=0x0003)):
+        assert all(c.number != N.ENABLE for c in written(session))
+
+
+def test_drive_sends_changes_at_once_and_refreshes() -> None:
+    session = ready()
+    session.drive(1.0, 0.25, math.radians(-10.0))
+    assert written(session) == [Command(N.VEL, 250), Command(N.RVEL, -10)]
+    session.drive(1.1, 0.25, math.radians(-10.0))
+    assert written(session) == []
+    session.drive(1.2, 0.25, math.radians(12.0))
+    assert written(session) == [Command(N.RVEL, 12)]
+    session.drive(1.25, 0.25, math.radians(12.0))
+    assert written(session) == [Command(N.VEL, 250)]
+    session.drive(1.3, 9.0, -9.0)
+    assert written(session) == [Command(N.VEL, 500), Command(N.RVEL, -100)]
+
+
+def test_stale_wish_becomes_standstill_and_pulses_wait_for_it() -> None:
+    session = ready()
+    session.drive(1.0, 0.3, 0.2)
+    session.take_requests()
+    moving = sip(left=300, right=300)
+    sent = [(t, c) for t in keep_reporting(session, 1.0, 3.0, moving) for c in written(session)]
+    first = [(round(t, 2), c.number, c.integer) for t, c in sent[:2]]
+    assert first in ([(1.35, N.VEL, 0), (1.35, N.RVEL, 0)], [(1.3, N.VEL, 0), (1.3, N.RVEL, 0)])
+    assert PULSE.number not in [c.number for _, c in sent]
+    assert session.counters.stale_wishes == 1
+    sent = [(t, c) for t in keep_reporting(session, 3.0, 5.0, sip()) for c in written(session)]
+    assert {c.number for _, c in sent} == {PULSE.number}
+    gaps = [b - a for (a, _), (b, _) in itertools.pairwise(sent)]
+    assert max(gaps) < 0.5
+
+
+def test_idle_session_holds_off_the_watchdog(bench: MakeBench) -> None:
+    wire = bench()
+    wire.connect()
+    wire.run(6.0)
+    assert not wire.emulator.watchdog_expired
+    assert wire.session.state is SessionState.READY
+
+
+@pytest.mark.parametrize("wish", [(math.nan, 0.1), (0.1, math.inf), (-math.inf, math.nan)])
+def test_wish_that_is_no_number_is_standstill(wish: tuple[float, float]) -> None:
+    session = ready()
+    session.drive(1.0, 0.3, 0.1)
+    session.take_requests()
+    session.drive(1.1, *wish)
+    assert written(session) == [Command(N.VEL, 0), Command(N.RVEL, 0)]
+
+
+def test_frozen_process_sends_stop_before_anything_else() -> None:
+    session = ready()
+    session.drive(1.0, 0.3, 0.0)
+    session.take_requests()
+    session.feed(sip(), 3.1)
+    session.drive(3.1, 0.2, 0.0)
+    assert written(session)[:2] == [STOP, Command(N.VEL, 200)]
+    session.drive(3.2, 0.25, 0.0)
+    assert written(session)[:1] == [Command(N.VEL, 250)]
+
+
+def test_stop_is_immediate_and_whole() -> None:
+    session = ready()
+    session.drive(1.0, 0.3, 0.0)
+    session.take_requests()
+    session.stop(1.01)
+    assert written(session) == [STOP, Command(N.VEL, 0), Command(N.RVEL, 0)]
+    session.stop(1.02)
+    assert written(session) == []
+    session.stop(1.27)
+    assert written(session) == [Command(N.VEL, 0), Command(N.RVEL, 0)]
+
+
+def test_shut_down_leaves_a_closed_robot_standing(bench: MakeBench) -> None:
+    wire = bench()
+    wire.connect()
+    wire.enable()
+    wire.run(1.0, lambda t: wire.session.drive(t, 0.3, 0.0))
+    wire.session.shut_down(wire.t)
+    assert wire.session.state is SessionState.DOWN
+    wire.run(0.3)
+    assert [c for _, c in wire.heard][-3:] == [STOP, Command(N.ENABLE, 0), CLOSE]
+    assert not wire.emulator.session_open
+    assert not wire.emulator.motors_enabled
+    assert wire.emulator.velocity == (0.0, 0.0)
+    wire.session.drive(wire.t, 0.3, 0.0)
+    wire.session.shut_down(wire.t)
+    assert wire.session.take_requests() == []
+
+
+def test_silent_robot_is_found_again_and_stopped_first(bench: MakeBench) -> None:
+    wire = bench()
+    wire.connect()
+    wire.enable()
+    wire.run(2.0, lambda t: wire.session.drive(t, 0.3, 0.0))
+    x = wire.states[-1].x
+    wire.cut = True
+    wire.run(3.0, lambda t: wire.session.drive(t, 0.3, 0.0))
+    assert wire.session.state is SessionState.SILENT
+    assert wire.session.counters.silences == 1
+    assert wire.emulator.velocity[0] == pytest.approx(0.0, abs=0.3)
+    wire.cut = False
+    wire.heard.clear()
+    wire.run_until(lambda: wire.session.state is SessionState.READY, 8.0)
+    assert wire.heard[0][1] == STOP
+    assert wire.emulator.velocity == (0.0, 0.0)
+    assert not wire.emulator.motors_enabled
+    assert wire.states[-1].x == pytest.approx(x, abs=0.05)
+    assert wire.states[-1].x >= x
+
+
+def test_link_lost_and_back(bench: MakeBench) -> None:
+    wire = bench()
+    wire.connect()
+    wire.enable()
+    wire.run(1.0, lambda t: wire.session.drive(t, 0.3, 0.0))
+    wire.session.link_down(wire.t)
+    assert wire.session.state is SessionState.DOWN
+    assert wire.session.take_requests() == []
+    wire.run(0.5, lambda t: wire.session.drive(t, 0.3, 0.0))
+    wire.heard.clear()
+    wire.connect()
+    assert wire.heard[0][1] == STOP
+
+
+def test_time_measured_is_when_the_sip_left_the_controller() -> None:
+    session = ready()
+    report = sip()
+    (state,) = session.feed(report, 2.0)
+    assert state.t == pytest.approx(2.0 - len(report) * 10 / 9600)
+    first, second = session.feed(report + report + b"\xfa", 3.0)
+    assert second.t == pytest.approx(3.0 - (len(report) + 1) * 10 / 9600)
+    assert first.t == pytest.approx(3.0 - (2 * len(report) + 1) * 10 / 9600)
+
+
+def test_unknown_and_cut_packets_are_counted() -> None:
+    session = ready()
+    assert session.feed(encode_packet(b"\x90\x01") + encode_packet(b"\x32\x01"), 1.1) == []
+    assert session.counters.other_packets == 1
+    assert session.counters.cut_packets == 1
+
+
+def test_drive_and_odometry_agree(bench: MakeBench) -> None:
+    wire = bench()
+    wire.connect()
+    wire.enable()
+    wire.run(6.0, lambda t: wire.session.drive(t, 0.3, 0.35))
+    assert wire.states[-1].v == pytest.approx(0.3, abs=0.002)
+    assert wire.states[-1].w == pytest.approx(math.radians(20.0), abs=0.01)
+    wire.run(4.0, lambda t: wire.session.stop(t))
+    final = wire.states[-1]
+    assert final.standing
+    assert (final.x, final.y) == pytest.approx((wire.pose.x, wire.pose.y), abs=0.001)
+    assert math.remainder(final.theta - wire.pose.theta, math.tau) == pytest.approx(0.0, abs=0.002)
+    assert final.theta == pytest.approx(2.0, abs=0.3)
+
+
+def test_odometry_is_continuous_over_the_wrap_of_the_counters(bench: MakeBench) -> None:
+    wire = bench()
+    wire.connect()
+    wire.enable()
+    wire.run_until(
+        lambda: (wire.session.drive(wire.t, 0.5, 0.0), wire.states[-1].x > 30.0)[1], 70.0
+    )
+    steps = [b.x - a.x for a, b in zip(wire.states, wire.states[1:], strict=False)]
+    assert max(steps) < 0.06
+    assert min(steps) > -0.001
+    assert wire.path > 32768 * 0.00084
+    assert wire.states[-1].x == pytest.approx(wire.path, abs=0.05)
+
+
+def test_odometry_goes_on_after_a_new_session(bench: MakeBench) -> None:
+    wire = bench()
+    wire.connect()
+    wire.enable()
+    wire.run(3.0, lambda t: wire.session.drive(t, 0.3, 0.3))
+    wire.run(2.0, lambda t: wire.session.stop(t))
+    before = wire.states[-1]
+    wire.session.link_down(wire.t)
+    wire.connect()
+    after = wire.states[-1]
+    assert (after.x, after.y, after.theta) == pytest.approx((before.x, before.y, before.theta))
+    wire.enable()
+    wire.run(2.0, lambda t: wire.session.drive(t, 0.3, 0.0))
+    wire.run(2.0, lambda t: wire.session.stop(t))
+    final = wire.states[-1]
+    assert (final.x, final.y) == pytest.approx((wire.pose.x, wire.pose.y), abs=0.003)

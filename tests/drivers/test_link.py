@@ -1,0 +1,327 @@
+"""The link with real threads over real ptys and TCP, against the emulated laser."""
+
+from __future__ import annotations
+
+import os
+import queue
+import select
+import socket
+import threading
+import time
+import tty
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from drivers.emulated_port import PtyPort, TcpPort
+from drivers.link import Link, LinkState
+from drivers.lms200.emulator import Lms200Emulator
+from drivers.lms200.framing import Telegram, TelegramFramer, encode_telegram
+from drivers.lms200.scan import Scan
+from drivers.lms200.session import Lms200Session
+from drivers.lms200.settings import LaserSettings
+from drivers.requests import SetBaud
+
+LIMIT = 10.0  # s, generous: nothing waits that long when it works
+READ_TYPE = encode_telegram(b"\x3a")
+TO_38400 = encode_telegram(b"\x20\x40")
+STREAM = encode_telegram(b"\x20\x24")
+
+
+class Heard:
+    """A listener that queues what it is told, as the agent's inbox does."""
+
+    def __init__(self) -> None:
+        self.events: queue.Queue[tuple[str, float, object]] = queue.Queue()
+
+    def received(self, t: float, data: bytes) -> None:
+        self.events.put(("received", t, data))
+
+    def link_up(self, t: float) -> None:
+        self.events.put(("up", t, None))
+
+    def link_down(self, t: float, reason: str) -> None:
+        self.events.put(("down", t, reason))
+
+    def wait_for(self, kind: str) -> object:
+        """Return what came with the next event of a kind; earlier others are dropped."""
+        while True:
+            heard, _t, what = self.events.get(timeout=LIMIT)
+            if heard == kind:
+                return what
+
+    def wait_for_telegram(self) -> Telegram:
+        framer = TelegramFramer()
+        while True:
+            data = self.wait_for("received")
+            assert isinstance(data, bytes)
+            for item in framer.feed(data):
+                if isinstance(item, Telegram):
+                    return item
+
+
+@contextmanager
+def pumped(port: PtyPort | TcpPort) -> Iterator[str]:
+    """Run an emulated port in real time; yields its URL."""
+    done = threading.Event()
+
+    def pump() -> None:
+        while not done.wait(0.002):
+            port.pump(time.monotonic())
+
+    thread = threading.Thread(target=pump)
+    thread.start()
+    try:
+        yield port.url
+    finally:
+        done.set()
+        thread.join()
+        port.close()
+
+
+@contextmanager
+def linked(url: str, baud: int = 9600) -> Iterator[tuple[Link, Heard]]:
+    heard = Heard()
+    link = Link(url, baud, heard, time.monotonic)
+    link.start()
+    try:
+        yield link, heard
+    finally:
+        link.close()
+
+
+def read_exactly(descriptor: int, count: int) -> bytes:
+    data = b""
+    while len(data) < count:
+        assert select.select([descriptor], [], [], LIMIT)[0], f"only {data!r} came"
+        data += os.read(descriptor, 100)
+    return data
+
+
+def laser(baud: int = 9600) -> Lms200Emulator:
+    return Lms200Emulator(baud=baud, scan_source=lambda t, n, step: np.linspace(1.0, 3.0, n))
+
+
+Port = Callable[[Lms200Emulator], PtyPort | TcpPort]
+both_ports = pytest.mark.parametrize("make_port", [PtyPort, TcpPort])
+
+
+@both_ports
+def test_bytes_flow_both_ways(make_port: Port) -> None:
+    with pumped(make_port(laser())) as url, linked(url) as (link, heard):
+        heard.wait_for("up")
+        link.write(READ_TYPE)
+        assert heard.wait_for_telegram().code == 0xBA
+        assert link.counters.bytes_out == len(READ_TYPE)
+        assert link.counters.bytes_in > 20
+        assert link.state is LinkState.UP
+
+
+@both_ports
+@pytest.mark.parametrize("start_baud", [9600, 38400])
+def test_session_reaches_scans(make_port: Port, start_baud: int) -> None:
+    settings = LaserSettings(baud=38400 if start_baud == 38400 else 9600)
+    session = Lms200Session(settings)
+    scans: list[Scan] = []
+    arrivals: list[float] = []
+    with pumped(make_port(laser(start_baud))) as url, linked(url, settings.baud) as (link, heard):
+        give_up = time.monotonic() + LIMIT
+        while len(scans) < 2:
+            assert time.monotonic() < give_up, session.state
+            try:
+                kind, t, what = heard.events.get(timeout=0.05)
+            except queue.Empty:
+                session.tick(time.monotonic())
+            else:
+                if kind == "up":
+                    session.link_up(t)
+                elif isinstance(what, bytes):
+                    found = session.feed(what, t)
+                    scans += found
+                    arrivals += [t] * len(found)
+            for request in session.take_requests():
+                if isinstance(request, SetBaud):
+                    link.set_baud(request.baud)
+                else:
+                    link.write(request.data)
+    wire_time = 372 * 10 / settings.baud
+    assert scans[0].ranges[0] == pytest.approx(1.0)
+    assert scans[0].ranges[-1] == pytest.approx(3.0)
+    assert scans[0].t == pytest.approx(arrivals[0] - wire_time - 0.00666, abs=1e-6)
+
+
+def test_rate_change_is_followed_by_both_ends() -> None:
+    with pumped(PtyPort(laser())) as url, linked(url) as (link, heard):
+        heard.wait_for("up")
+        link.write(TO_38400)
+        assert heard.wait_for_telegram().payload[:2] == b"\xa0\x00"
+        link.set_baud(38400)
+        link.write(READ_TYPE)
+        assert heard.wait_for_telegram().code == 0xBA
+
+
+def test_rate_mismatch_garbles() -> None:
+    with pumped(PtyPort(laser(38400))) as url, linked(url, 38400) as (link, heard):
+        heard.wait_for("up")
+        link.write(STREAM)
+        while heard.wait_for_telegram().code != 0xB0:
+            pass
+        link.set_baud(9600)
+        received = b""
+        while len(received) < 4 * 732:
+            data = heard.wait_for("received")
+            assert isinstance(data, bytes)
+            received += data
+        framer = TelegramFramer()
+        framer.feed(received[2 * 732 :])
+        framer.flush()
+        assert framer.counters.good == 0
+        link.set_baud(38400)
+        assert heard.wait_for_telegram().code == 0xB0
+
+
+def test_pty_unplugged_and_plugged_in_again(tmp_path: Path) -> None:
+    device = tmp_path / "laser"
+    with linked(str(device)) as (link, heard):
+        reason = heard.wait_for("down")
+        assert isinstance(reason, str)
+        assert reason.startswith(f"no such port: {device}")
+        for _ in range(2):
+            with pumped(PtyPort(laser())) as url:
+                device.symlink_to(url)
+                heard.wait_for("up")
+                link.write(READ_TYPE)
+                assert heard.wait_for_telegram().code == 0xBA
+                device.unlink()
+            reason = heard.wait_for("down")
+            assert isinstance(reason, str)
+            assert reason == f"device is gone: was {device} unplugged?"
+        assert link.counters.times_up == link.counters.times_lost == 2
+
+
+def test_tcp_server_gone_and_back() -> None:
+    port = TcpPort(laser())
+    number = int(port.url.rsplit(":", 1)[1])
+    with linked(port.url) as (link, heard):
+        with pumped(port):
+            heard.wait_for("up")
+            link.write(READ_TYPE)
+            assert heard.wait_for_telegram().code == 0xBA
+        assert heard.wait_for("down") == "connection closed by the other side"
+        reason = heard.wait_for("down")
+        assert isinstance(reason, str)
+        assert reason.startswith(f"nothing listens at {port.url}")
+        with pumped(TcpPort(laser(), number)):
+            heard.wait_for("up")
+            link.write(READ_TYPE)
+            assert heard.wait_for_telegram().code == 0xBA
+
+
+def test_same_trouble_is_told_once(tmp_path: Path) -> None:
+    device = tmp_path / "laser"
+    with linked(str(device)) as (link, heard):
+        heard.wait_for("down")
+        with pumped(PtyPort(laser())) as url:
+            give_up = time.monotonic() + LIMIT
+            while link.counters.attempts < 3:
+                assert time.monotonic() < give_up
+                time.sleep(0.01)
+            device.symlink_to(url)
+            kind, _t, _what = heard.events.get(timeout=LIMIT)
+            assert kind == "up"
+
+
+def test_port_in_use_is_told_and_taken_when_free() -> None:
+    with pumped(PtyPort(laser())) as url, linked(url) as (first, first_heard):
+        first_heard.wait_for("up")
+        with linked(url) as (second, heard):
+            assert (
+                heard.wait_for("down") == f"{url} is in use by another process: end that one first"
+            )
+            assert second.state is LinkState.DOWN
+            first.write(READ_TYPE)
+            assert first_heard.wait_for_telegram().code == 0xBA
+            first.close()
+            heard.wait_for("up")
+
+
+@pytest.mark.parametrize("kind", ["pty", "tcp"])
+def test_output_that_nobody_takes_is_link_down(kind: str) -> None:
+    if kind == "pty":
+        master, slave = os.openpty()
+        tty.setraw(slave)
+        url = os.ttyname(slave)
+        ends: list[Callable[[], None]] = [lambda: os.close(master), lambda: os.close(slave)]
+    else:
+        server = socket.create_server(("127.0.0.1", 0))
+        url = f"socket://127.0.0.1:{server.getsockname()[1]}"
+        ends = [server.close]
+    try:
+        with linked(url) as (link, heard):
+            heard.wait_for("up")
+            for _ in range(2000):
+                link.write(bytes(60000))
+                if not heard.events.empty():
+                    break
+            assert heard.wait_for("down") == f"output stalled: {url} takes no more bytes"
+    finally:
+        for end in ends:
+            end()
+
+
+def test_last_writes_leave_before_closing() -> None:
+    master, slave = os.openpty()
+    tty.setraw(slave)
+    try:
+        with linked(os.ttyname(slave)) as (link, heard):
+            heard.wait_for("up")
+            for number in range(50):
+                link.write(bytes((number,)))
+        assert read_exactly(master, 50) == bytes(range(50))
+    finally:
+        os.close(master)
+        os.close(slave)
+
+
+def test_order_of_writes_and_rate_changes_is_kept_at_any_rate() -> None:
+    master, slave = os.openpty()
+    tty.setraw(slave)
+    try:
+        with linked(os.ttyname(slave)) as (link, heard):
+            heard.wait_for("up")
+            for number, baud in enumerate([9600, 38400, 500000, 19200]):
+                link.set_baud(baud)
+                link.write(bytes((number, number)))
+        assert read_exactly(master, 8) == bytes((0, 0, 1, 1, 2, 2, 3, 3))
+        assert tty.tcgetattr(slave)[5] == tty.B19200
+    finally:
+        os.close(master)
+        os.close(slave)
+
+
+@both_ports
+def test_close_leaves_nothing_behind(make_port: Port) -> None:
+    with pumped(make_port(laser())) as url:
+        before = set(Path("/proc/self/fd").iterdir())
+        threads = threading.active_count()
+        with linked(url) as (link, heard):
+            heard.wait_for("up")
+            assert threading.active_count() == threads + 1
+            link.close()
+            link.close()
+            assert link.state is LinkState.CLOSED
+            assert threading.active_count() == threads
+            link.write(READ_TYPE)
+            assert link.counters.bytes_dropped == len(READ_TYPE)
+        if make_port is PtyPort:
+            assert set(Path("/proc/self/fd").iterdir()) == before
+
+
+def test_close_before_start_and_second_start() -> None:
+    link = Link("/nonexistent", 9600, Heard(), time.monotonic)
+    link.close()
+    with linked("/nonexistent") as (started, _heard), pytest.raises(RuntimeError, match="once"):
+        started.start()

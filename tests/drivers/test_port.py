@@ -1,0 +1,76 @@
+"""Opening a port: every failure says which port, why, and what to do, in one line."""
+
+from __future__ import annotations
+
+import errno
+import os
+import socket
+from pathlib import Path
+
+import pytest
+
+from drivers.port import PortError, explain, open_port
+
+
+@pytest.mark.parametrize(
+    ("number", "says"),
+    [
+        (errno.ENOENT, "no such port"),
+        (errno.EACCES, "group dialout"),
+        (errno.EPERM, "group dialout"),
+        (errno.EAGAIN, "in use by another process"),
+        (errno.EBUSY, "in use by another process"),
+        (errno.EIO, "plugged in"),
+        (errno.ENXIO, "plugged in"),
+        (errno.ECONNREFUSED, "nothing listens"),
+        (errno.EHOSTUNREACH, "cannot open /dev/ttyS2"),
+    ],
+)
+def test_reasons(number: int, says: str) -> None:
+    text = explain("/dev/ttyS2", OSError(number, os.strerror(number)))
+    assert says in text
+    assert "/dev/ttyS2" in text
+    assert "\n" not in text
+
+
+@pytest.mark.parametrize(
+    ("url", "says"),
+    [
+        ("/dev/no-such-port", "no such port: /dev/no-such-port"),
+        ("/dev/null", "not a serial port"),
+        ("/", "not a serial port"),
+        ("rfc2217://host:1", "unknown kind of port"),
+        ("socket://127.0.0.1", "port number missing"),
+        ("socket://127.0.0.1:99999", "bad port number"),
+        ("socket://:4000", "host or port number missing"),
+    ],
+)
+def test_ports_that_cannot_be_opened(url: str, says: str) -> None:
+    with pytest.raises(PortError, match=says):
+        open_port(url, 9600)
+
+
+def test_plain_file_is_no_port(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_text("text")
+    with pytest.raises(PortError, match="not a serial port"):
+        open_port(str(file), 9600)
+
+
+def test_nobody_listening() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        number = server.getsockname()[1]
+    with pytest.raises(PortError, match="nothing listens"):
+        open_port(f"socket://127.0.0.1:{number}", 9600)
+
+
+def test_rate_the_port_cannot_run_at() -> None:
+    master, slave = os.openpty()
+    port = open_port(os.ttyname(slave), 9600)
+    try:
+        with pytest.raises(PortError, match="-1 baud"):
+            port.set_baud(-1)
+    finally:
+        port.close()
+        os.close(master)
+        os.close(slave)
