@@ -1,0 +1,1 @@
+"""Particle-filter localization against a pre-built map."""

@@ -1,0 +1,101 @@
+"""The best cluster of a weighted particle set: where most of the belief is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from localization.kld import bin_keys
+from maps.pose import Pose
+
+_BIN_XY = 0.5  # m
+_BIN_THETA = math.radians(30.0)
+_REACH_XY = 1.0  # m; particles this near to the cluster's middle belong to it
+_REACH_THETA = math.radians(45.0)
+_CANDIDATES = 4  # bins to grow a cluster from
+_TIGHT = 0.25  # m; a set with a smaller spread is one cluster
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cluster:
+    """Particles that agree on roughly one pose."""
+
+    mean: Pose
+    """Weighted mean (map_from_base)."""
+    covariance: NDArray[np.float64]
+    """(3, 3) of x, y, theta in the map frame; m^2, m rad, rad^2."""
+    share: float
+    """Share of the whole weight, 0..1."""
+
+    @property
+    def spread(self) -> float:
+        """Standard deviation of the position along its worst direction, m."""
+        half_trace = 0.5 * (self.covariance[0, 0] + self.covariance[1, 1])
+        half_difference = 0.5 * (self.covariance[0, 0] - self.covariance[1, 1])
+        return math.sqrt(half_trace + math.hypot(half_difference, self.covariance[0, 1]))
+
+
+def best_cluster(particles: NDArray[np.float64], weights: NDArray[np.float64]) -> Cluster:
+    """Return the heaviest cluster of particles (n, 3) with weights (n,) summing to 1."""
+    best = _moments(particles, weights, 1.0)
+    if best.spread < _TIGHT and best.covariance[2, 2] < _TIGHT**2:
+        return best
+    _, members = np.unique(bin_keys(particles, _BIN_XY, _BIN_THETA), return_inverse=True)
+    left, best_share = weights.copy(), 0.0
+    for _ in range(_CANDIDATES):
+        heaviest = members == np.bincount(members, left).argmax()
+        cluster = _grown(particles, weights, heaviest)
+        if cluster.share > best_share:
+            best, best_share = cluster, cluster.share
+        # The heaviest bin need not be of the heaviest cluster: one across an edge fills several.
+        left[heaviest | _near(particles, cluster.mean)] = 0.0
+        if float(left.sum()) <= best_share:
+            break
+    return best
+
+
+def _grown(
+    particles: NDArray[np.float64], weights: NDArray[np.float64], seed: NDArray[np.bool_]
+) -> Cluster:
+    """Return the cluster round the particles of one bin, which may be its edge."""
+    cluster = _members_of(particles, weights, seed)
+    for _ in range(2):
+        near = _near(particles, cluster.mean)
+        if not weights[near].any():
+            break
+        cluster = _members_of(particles, weights, near)
+    return cluster
+
+
+def _near(particles: NDArray[np.float64], middle: Pose) -> NDArray[np.bool_]:
+    distance = np.hypot(particles[:, 0] - middle.x, particles[:, 1] - middle.y)
+    turn = np.abs(_wrap(particles[:, 2] - middle.theta))
+    near: NDArray[np.bool_] = (distance < _REACH_XY) & (turn < _REACH_THETA)
+    return near
+
+
+def _members_of(
+    particles: NDArray[np.float64], weights: NDArray[np.float64], chosen: NDArray[np.bool_]
+) -> Cluster:
+    share = float(weights[chosen].sum())
+    return _moments(particles[chosen], weights[chosen] / share, share)
+
+
+def _moments(particles: NDArray[np.float64], weights: NDArray[np.float64], share: float) -> Cluster:
+    """Return weighted mean and covariance; weights sum to 1. The mean heading is circular."""
+    sine = float(weights @ np.sin(particles[:, 2]))
+    cosine = float(weights @ np.cos(particles[:, 2]))
+    x, y = (float(value) for value in weights @ particles[:, :2])
+    mean = Pose(x, y, math.atan2(sine, cosine))
+    away = particles - mean
+    away[:, 2] = _wrap(away[:, 2])
+    covariance = (away * weights[:, np.newaxis]).T @ away
+    return Cluster(mean, covariance, share)
+
+
+def _wrap(angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    wrapped: NDArray[np.float64] = angles - math.tau * np.rint(angles / math.tau)
+    return wrapped

@@ -1,0 +1,43 @@
+"""What the localizer tells the rest of the robot after a scan."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from localization.health import Health
+from maps.pose import Pose
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Estimate:
+    """The pose at a scan, with how sure it is."""
+
+    t: float
+    """Time the scan was measured, s."""
+    pose: Pose
+    """map_from_base at the scan."""
+    odometry: Pose
+    """odom_from_base at the scan."""
+    covariance: NDArray[np.float64]
+    """(3, 3) of x, y, theta in the map frame; m^2, m rad, rad^2."""
+    health: Health
+    particle_count: int
+    effective_sample_size: float
+    likelihood: float
+    """Mean fit of the scan's beams to the map at the pose, 0..1; 0 if it has too few to tell."""
+    cluster_share: float
+    """Share of the belief in the cluster the pose comes from, 0..1."""
+    refined: bool
+    """Whether the scan-to-map refinement was accepted."""
+
+    @property
+    def map_from_odom(self) -> Pose:
+        """The correction of the odometry's drift."""
+        return self.pose.compose(self.odometry.inverse())
+
+    def pose_at(self, odometry: Pose) -> Pose:
+        """Carry the pose forward by odometry: map_from_base where odometry is odom_from_base."""
+        return self.pose.compose(self.odometry.between(odometry))

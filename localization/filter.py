@@ -1,0 +1,82 @@
+"""Particle filter over poses: predict with odometry, weigh with scans, resample when needed."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from localization.kld import needed_samples
+from localization.likelihood_field import LikelihoodField
+from localization.odometry import move_particles
+from localization.resampling import draw_low_variance, effective_sample_size
+from localization.settings import MotionSettings, SampleSettings
+from maps.pose import Pose
+
+_MUCH_LARGER = 2.0  # times the needed number of particles: then the set is thinned
+
+
+class ParticleFilter:
+    """A weighted set of poses (map_from_base) standing for the belief."""
+
+    def __init__(
+        self,
+        motion: MotionSettings,
+        field: LikelihoodField,
+        rng: np.random.Generator,
+    ) -> None:
+        self._motion = motion
+        self._field = field
+        self._rng = rng
+        self.restart(np.zeros((1, 3)))
+
+    def restart(self, particles: NDArray[np.float64]) -> None:
+        """Forget everything and believe equally in each of particles (n, 3)."""
+        self.particles = particles
+        self.weights = np.full(len(particles), 1.0 / len(particles))
+        self.effective_sample_size = float(len(particles))
+
+    def doubt(self, others: NDArray[np.float64], kept: int) -> None:
+        """Believe as much in the particles ``others`` (n, 3) as in ``kept`` drawn from before."""
+        before = self.particles[self._draw(kept)]
+        self.particles = np.vstack((before, others))
+        self.weights = np.concatenate(
+            (np.full(kept, 0.5 / kept), np.full(len(others), 0.5 / len(others)))
+        )
+
+    def predict(self, increment: Pose) -> None:
+        """Move the particles by a step of the odometry (base_then_from_base_now)."""
+        self.particles = move_particles(self.particles, increment, self._motion, self._rng)
+
+    def weigh(self, points: NDArray[np.float64], independent_beams: float) -> None:
+        """Multiply the weights by the likelihood of a scan's end points (m, 2) in base_link.
+
+        independent_beams: how many independent beams the scan is worth.
+        """
+        with np.errstate(divide="ignore"):
+            log_weights = np.log(self.weights)
+        log_weights += self._field.log_weights(self.particles, points, independent_beams)
+        weights = np.exp(log_weights - log_weights.max())
+        self.weights = weights / weights.sum()
+        self.effective_sample_size = effective_sample_size(self.weights)
+
+    def resample(self, samples: SampleSettings) -> None:
+        """Draw the particles anew if few of them carry the weight or many are superfluous.
+
+        samples: how many particles are needed.
+        """
+        count = len(self.weights)
+        if self.effective_sample_size < samples.resample_below * count:
+            drawn = self._draw(count)
+            needed = needed_samples(self.particles[drawn], samples)
+            if needed != count:
+                drawn = self._draw(needed)
+        else:
+            needed = needed_samples(self.particles, samples)
+            if count <= _MUCH_LARGER * needed:
+                return
+            drawn = self._draw(needed)
+        self.particles = self.particles[drawn]
+        self.weights = np.full(needed, 1.0 / needed)
+
+    def _draw(self, count: int) -> NDArray[np.intp]:
+        return draw_low_variance(self.weights, count, self._rng)

@@ -1,0 +1,48 @@
+"""Particles over the whole map: for a start at an unknown pose, and to be found again."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from localization.settings import GlobalSettings
+from maps.occupancy_map import FREE, MapError, OccupancyMap
+
+
+class GlobalSearch:
+    """The free floor clear of walls: where the robot may stand if nothing is known."""
+
+    def __init__(self, settings: GlobalSettings, occupancy: OccupancyMap) -> None:
+        self._settings = settings
+        self._occupancy = occupancy
+        standable = (occupancy.cells == FREE) & (occupancy.distance_field() >= settings.clearance)
+        self._floor = np.flatnonzero(standable).astype(np.int32)
+
+    @property
+    def possible(self) -> bool:
+        """Whether there is such floor on the map."""
+        return self._floor.size > 0
+
+    def sample(self, rng: np.random.Generator) -> NDArray[np.float64]:
+        """Return particles (n, 3) (map_from_base) uniform over floor and headings.
+
+        Raises MapError on a map without such floor.
+        """
+        if not self.possible:
+            raise MapError("the map has no free floor clear of walls to search for the robot on")
+        resolution, origin = self._occupancy.resolution, self._occupancy.origin
+        area = self._floor.size * resolution**2
+        wanted = math.ceil(area * self._settings.particles_per_area)
+        count = min(wanted, self._settings.maximum)
+        cells = self._floor[rng.integers(self._floor.size, size=count)]
+        rows, cols = np.divmod(cells, self._occupancy.cells.shape[1])
+        inside = rng.random((2, count))
+        return np.column_stack(
+            (
+                origin.x + (cols + inside[0]) * resolution,
+                origin.y + (rows + inside[1]) * resolution,
+                rng.uniform(-math.pi, math.pi, count),
+            )
+        )

@@ -1,0 +1,81 @@
+"""Odometry motion model: particles moved by the wheels' count and scattered by its errors.
+
+Thrun, Burgard, Fox, "Probabilistic Robotics", table 5.6 (sample_motion_model_odometry): a step is
+a rotation, a translation and a rotation. Two additions: a floor of noise at every step, and a few
+particles scattered widely, so that slipping wheels do not leave the filter behind.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from localization.settings import MotionSettings
+from maps.pose import Pose, wrap_angle
+
+_LEAST_TRANSLATION = 0.01  # m; below it the direction of travel means nothing
+
+
+def decompose(increment: Pose) -> tuple[float, float, float]:
+    """Split a step (base_then_from_base_now) into first rotation, translation, second rotation.
+
+    rad, m, rad. A step backwards keeps its small rotations and gets a negative translation.
+    """
+    translation = math.hypot(increment.x, increment.y)
+    if translation < _LEAST_TRANSLATION:
+        return 0.0, increment.x, increment.theta
+    first = math.atan2(increment.y, increment.x)
+    if abs(first) > math.pi / 2:
+        first, translation = wrap_angle(first + math.pi), -translation
+    return first, translation, wrap_angle(increment.theta - first)
+
+
+def move_particles(
+    particles: NDArray[np.float64],
+    increment: Pose,
+    settings: MotionSettings,
+    rng: np.random.Generator,
+) -> NDArray[np.float64]:
+    """Return particles (n, 3) (map_from_base) moved by a sample each of the odometry's step.
+
+    ``increment`` is the raw odometry's step in the frame of the robot at the last update.
+    """
+    count = len(particles)
+    first, translation, second = decompose(increment)
+    noise = rng.standard_normal((4, count), dtype=np.float32)
+    floor_xy = np.full(count, settings.floor_xy, dtype=np.float32)
+    floor_theta = np.full(count, settings.floor_theta, dtype=np.float32)
+    if settings.slip_share > 0.0:
+        scouts = slice(None, None, max(1, round(1.0 / settings.slip_share)))
+        floor_xy[scouts] += settings.slip_xy
+        floor_theta[scouts] += settings.slip_theta
+    travel_sigma = np.hypot(floor_xy, _translation_sigma(first, translation, second, settings))
+    turn_sigma = np.hypot(floor_theta, _rotation_sigma(second, translation, settings))
+    heading = particles[:, 2] + (first + _rotation_sigma(first, translation, settings) * noise[0])
+    ahead = translation + travel_sigma * noise[1]
+    aside = floor_xy * noise[2]
+    # Single precision is ample for the direction of a step of a metre or so.
+    cosine, sine = np.cos(heading.astype(np.float32)), np.sin(heading.astype(np.float32))
+    theta = heading + second + turn_sigma * noise[3]
+    moved = np.empty_like(particles)
+    moved[:, 0] = particles[:, 0] + (ahead * cosine - aside * sine)
+    moved[:, 1] = particles[:, 1] + (ahead * sine + aside * cosine)
+    moved[:, 2] = theta - math.tau * np.rint(theta / math.tau)
+    return moved
+
+
+def _rotation_sigma(rotation: float, translation: float, settings: MotionSettings) -> float:
+    return math.hypot(
+        settings.rotation_per_rotation * rotation, settings.rotation_per_translation * translation
+    )
+
+
+def _translation_sigma(
+    first: float, translation: float, second: float, settings: MotionSettings
+) -> float:
+    return math.hypot(
+        settings.translation_per_translation * translation,
+        settings.translation_per_rotation * math.hypot(first, second),
+    )

@@ -1,0 +1,125 @@
+"""Scan-to-map refinement: the estimate slid along the distance field until the scan fits best.
+
+Gauss-Newton (iterated re-weighted least squares) on the interpolated distance from each end point
+to the mapped surface, with a Welsch kernel so that people and teammates do not pull, and the
+particle cloud as prior, so that a direction the scan does not determine (along a bare corridor)
+stays where the filter has it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from localization.distance_surface import DistanceSurface
+from localization.likelihood_field import spread_evenly
+from localization.settings import RefinementSettings
+from maps.occupancy_map import OccupancyMap
+from maps.pose import Pose, wrap_angle
+
+_CLOUD_SIGMAS = 4.0  # a refinement farther than this from the cloud's mean is refused
+_FAR_KERNELS = 3.0  # end points farther from the map than this pull no more
+_CONVERGED = 3e-3  # m and rad
+_TOO_FEW_POINTS = 10
+
+
+class Refinement:
+    """Refines poses against one map."""
+
+    def __init__(self, settings: RefinementSettings, occupancy: OccupancyMap) -> None:
+        self._settings = settings
+        least = (settings.least_xy, settings.least_xy, settings.least_theta)
+        self._least_covariance = np.diag(np.square(least))
+        self._surface = DistanceSurface(occupancy, _FAR_KERNELS * settings.kernel)
+
+    def refine(
+        self, mean: Pose, covariance: NDArray[np.float64], points: NDArray[np.float64]
+    ) -> Pose | None:
+        """Return a better map_from_base near the cloud, or None if there is none to be trusted.
+
+        mean, covariance (3, 3): the particle cloud's. points (m, 2): end points in base_link, m.
+        """
+        ends = _as_complex(spread_evenly(points, self._settings.points))
+        if len(ends) < _TOO_FEW_POINTS:
+            return None
+        information = np.linalg.inv(covariance + self._least_covariance)
+        away: NDArray[np.float64] = np.zeros(3)
+        best = away
+        start_cost = best_cost = math.inf
+        for step in range(self._settings.steps + 1):
+            cost, gradient, curvature = self._linearize(_moved(mean, away), ends)
+            pull_back = information @ away
+            cost += 0.5 * float(away @ pull_back)
+            if step == 0:
+                start_cost = cost
+            if cost < best_cost:
+                best_cost, best = cost, away
+            change = _solve(curvature + information, -(gradient + pull_back))
+            if np.abs(change).max() < _CONVERGED:
+                break
+            away = away + change
+        if best_cost >= start_cost or not self._is_near(best, information):
+            return None
+        return _moved(mean, best)
+
+    def fit(self, pose: Pose, points: NDArray[np.float64], sigma: float) -> float | None:
+        """Return how well end points (m, 2) fit the map at a pose: mean of exp(-d^2/2 sigma^2).
+
+        1: all on mapped surfaces, 0: none near one, None: too few points to tell.
+        """
+        ends = _as_complex(spread_evenly(points, self._settings.points))
+        if len(ends) < _TOO_FEW_POINTS:
+            return None
+        distance = self._surface.sample(pose, _turned(ends, pose))[2]
+        return float(np.exp(distance * distance * np.float32(-0.5 / sigma**2)).mean())
+
+    def _linearize(
+        self, pose: Pose, ends: NDArray[np.complex64]
+    ) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
+        """Return cost, gradient (3,) and Gauss-Newton curvature (3, 3) of the scan's misfit."""
+        arms = _turned(ends, pose)
+        slope_x, slope_y, distance = self._surface.sample(pose, arms)
+        # Turning the robot moves an end point at right angles to its lever arm.
+        slope_theta = slope_y * arms.real - slope_x * arms.imag
+        rows = np.array((slope_x, slope_y, slope_theta, distance))
+        pull = np.exp(distance * distance * np.float32(-0.5 / self._settings.kernel**2))
+        scale = self._information_per_point(len(ends))
+        moments = ((rows * pull) @ rows.T).astype(np.float64) * scale
+        cost = scale * self._settings.kernel**2 * float(len(ends) - pull.sum())
+        return cost, moments[:3, 3], moments[:3, :3]
+
+    def _information_per_point(self, count: int) -> float:
+        return min(1.0, self._settings.independent_points / count) / self._settings.sigma**2
+
+    def _is_near(self, away: NDArray[np.float64], information: NDArray[np.floating[Any]]) -> bool:
+        limits = self._settings
+        return (
+            math.hypot(away[0], away[1]) <= limits.limit_xy
+            and abs(away[2]) <= limits.limit_theta
+            and float(away @ information @ away) <= _CLOUD_SIGMAS**2
+        )
+
+
+def _as_complex(points: NDArray[np.float64]) -> NDArray[np.complex64]:
+    """Return points (m, 2) as x + iy: turning them is then one multiplication."""
+    return (points[:, 0] + 1j * points[:, 1]).astype(np.complex64)
+
+
+def _turned(ends: NDArray[np.complex64], pose: Pose) -> NDArray[np.complex64]:
+    """Return (m,) the lever arms from the robot to its end points along the map's axes."""
+    return ends * np.complex64(complex(math.cos(pose.theta), math.sin(pose.theta)))
+
+
+def _moved(pose: Pose, away: NDArray[np.float64]) -> Pose:
+    x, y, theta = away.tolist()
+    return Pose(pose.x + x, pose.y + y, wrap_angle(pose.theta + theta))
+
+
+def _solve(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Solve a symmetric positive definite 3x3 system (cv2's is the quicker for so small a one)."""
+    _, solution = cv2.solve(matrix, right[:, np.newaxis], flags=cv2.DECOMP_CHOLESKY)
+    return np.asarray(solution[:, 0], dtype=np.float64)

@@ -1,0 +1,94 @@
+"""The likelihood field on hand-drawn grids."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from localization.likelihood_field import LikelihoodField, spread_evenly
+from localization.settings import SensorSettings
+from maps.occupancy_map import OCCUPIED, UNKNOWN, OccupancyMap
+from maps.pose import Pose
+
+SETTINGS = SensorSettings(sigma=0.2, random_share=0.1)
+
+
+def one_wall() -> OccupancyMap:
+    """10 x 20 cells of 0.1 m from (-1, 2); one occupied cell, its centre at (0.05, 2.55)."""
+    cells = np.zeros((10, 20), dtype=np.uint8)
+    cells[5, 10] = OCCUPIED
+    cells[0, 0] = UNKNOWN
+    return OccupancyMap(cells, 0.1, Pose(-1.0, 2.0, 0.0))
+
+
+def log_weight(pose: tuple[float, float, float], points: list[tuple[float, float]]) -> float:
+    field = LikelihoodField(SETTINGS, one_wall())
+    return float(field.log_weights(np.array([pose]), np.array(points), 1.0)[0])
+
+
+def expected(distance: float) -> float:
+    return math.log(0.9 * math.exp(-0.5 * (distance / 0.2) ** 2) + 0.1)
+
+
+def test_end_point_on_the_wall_is_certain() -> None:
+    assert log_weight((0.05, 2.55, 0.0), [(0.0, 0.0)]) == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(("dx", "dy"), [(0.2, 0.0), (-0.3, 0.0), (0.0, 0.4), (0.3, -0.4)])
+def test_end_point_away_from_the_wall_is_rated_by_its_distance(dx: float, dy: float) -> None:
+    found = log_weight((0.05, 2.55, 0.0), [(dx, dy)])
+    assert found == pytest.approx(expected(math.hypot(dx, dy)), abs=1e-5)
+
+
+def test_points_turn_with_the_particle() -> None:
+    """One metre ahead of a robot looking up (+y) from a metre below the wall."""
+    assert log_weight((0.05, 1.55, math.pi / 2), [(1.0, 0.0)]) == pytest.approx(0.0, abs=1e-5)
+    assert log_weight((0.05, 1.55, -math.pi / 2), [(1.0, 0.0)]) == pytest.approx(expected(9.9))
+
+
+def test_outside_the_map_only_the_random_share_is_left() -> None:
+    assert log_weight((50.0, -80.0, 0.0), [(1.0, 0.0)]) == pytest.approx(math.log(0.1), abs=1e-6)
+
+
+def test_the_product_over_beams_is_tempered() -> None:
+    field = LikelihoodField(SETTINGS, one_wall())
+    pose = np.array([[0.05, 2.55, 0.0]])
+    beams = np.tile([[0.2, 0.0]], (30, 1))
+    assert field.log_weights(pose, beams, 6.0)[0] == pytest.approx(6 * expected(0.2), rel=1e-4)
+    few = field.log_weights(pose, beams[:3], 6.0)[0]
+    assert few == pytest.approx(3 * expected(0.2), rel=1e-4)
+
+
+def test_no_beams_tell_nothing() -> None:
+    field = LikelihoodField(SETTINGS, one_wall())
+    assert not field.log_weights(np.zeros((7, 3)), np.empty((0, 2)), 6.0).any()
+
+
+def test_many_particles_give_what_each_gives_alone() -> None:
+    field = LikelihoodField(SETTINGS, one_wall())
+    rng = np.random.default_rng(3)
+    particles = rng.uniform((-1, 2, -3), (1, 3, 3), (4500, 3))
+    points = rng.uniform(-1, 1, (40, 2))
+    together = field.log_weights(particles, points, 10.0)
+    for index in (0, 1999, 2000, 4499):
+        alone = field.log_weights(particles[index : index + 1], points, 10.0)
+        assert together[index] == pytest.approx(alone[0], rel=1e-4)
+
+
+def test_a_map_without_obstacles_is_harmless() -> None:
+    empty = OccupancyMap(np.zeros((5, 5), dtype=np.uint8), 0.1, Pose(0, 0, 0))
+    weights = LikelihoodField(SETTINGS, empty).log_weights(
+        np.array([[0.2, 0.2, 0.0]]), np.array([[0.1, 0.0]]), 1.0
+    )
+    assert weights == pytest.approx([math.log(0.1)], abs=1e-6)
+
+
+def test_beams_are_spread_over_the_whole_scan() -> None:
+    points = np.column_stack((np.arange(181), np.zeros(181)))
+    chosen = spread_evenly(points, 60)
+    assert len(chosen) == 60
+    assert np.diff(chosen[:, 0]).max() <= 4
+    assert chosen[-1, 0] >= 176
+    assert spread_evenly(points, 500) is points

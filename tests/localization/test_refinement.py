@@ -1,0 +1,124 @@
+"""Scan-to-map refinement: finds the true pose, and keeps its hands off when it should."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from localization.distance_surface import DistanceSurface
+from localization.refinement import Refinement
+from localization.settings import RefinementSettings
+from maps.occupancy_map import OCCUPIED, OccupancyMap
+from maps.pose import Pose
+
+TRUTH = Pose(3.0, 2.0, 0.4)
+CLOUD = np.diag([0.05**2, 0.05**2, 0.03**2])
+
+
+def test_surface_has_the_slope_of_its_own_values() -> None:
+    rng = np.random.default_rng(1)
+    cells = (rng.random((30, 40)) < 0.05).astype(np.uint8)
+    surface = DistanceSurface(OccupancyMap(cells, 0.1, Pose(-1, 3, 0)), 2.0)
+    places = (rng.uniform(0, 2.5, 50) + 1j * rng.uniform(0, 2.5, 50)).astype(np.complex64)
+    here = Pose(-0.9, 3.1, 0)
+    slope_x, slope_y, distance = surface.sample(here, places)
+    step = 1e-3
+    east = surface.sample(Pose(here.x + step, here.y, 0), places)[2]
+    north = surface.sample(Pose(here.x, here.y + step, 0), places)[2]
+    # A place within a step of a cell's edge has another slope on the other side.
+    assert np.median(np.abs((east - distance) / step - slope_x)) < 1e-2
+    assert np.median(np.abs((north - distance) / step - slope_y)) < 1e-2
+
+
+def test_surface_is_the_distance_field_at_cell_centres_and_far_outside() -> None:
+    cells = np.zeros((5, 6), dtype=np.uint8)
+    cells[2, 3] = OCCUPIED
+    occupancy = OccupancyMap(cells, 0.5, Pose(10.0, -4.0, 0.0))
+    surface = DistanceSurface(occupancy, 1.2)
+    rows, cols = np.divmod(np.arange(30), 6)
+    centres = ((cols + 0.5) * 0.5 + 1j * (rows + 0.5) * 0.5).astype(np.complex64)
+    distance = surface.sample(Pose(10.0, -4.0, 0.0), centres)[2]
+    expected = np.minimum(occupancy.distance_field().ravel(), 1.2)
+    assert distance == pytest.approx(expected, abs=1e-5)
+    outside = np.array([100 + 100j, -100 - 100j], dtype=np.complex64)
+    assert surface.sample(Pose(10, -4, 0), outside)[2] == pytest.approx([1.2, 1.2], abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    "off", [(0.08, -0.05, 0.03), (-0.1, 0.0, -0.04), (0.0, 0.1, 0.05), (0.03, 0.03, -0.06)]
+)
+def test_finds_the_true_pose_from_beside_it(room, off: tuple[float, float, float]) -> None:
+    points = room.scan(TRUTH, np.random.default_rng(1))
+    start = Pose(TRUTH.x + off[0], TRUTH.y + off[1], TRUTH.theta + off[2])
+    refined = Refinement(RefinementSettings(), room.map).refine(start, CLOUD, points)
+    assert refined is not None
+    assert math.hypot(refined.x - TRUTH.x, refined.y - TRUTH.y) < 0.02
+    assert abs(refined.theta - TRUTH.theta) < math.radians(0.5)
+
+
+def test_people_do_not_pull(room) -> None:
+    rng = np.random.default_rng(2)
+    points = room.scan(TRUTH, rng)
+    points[60:100] *= 0.4
+    start = Pose(TRUTH.x + 0.06, TRUTH.y - 0.04, TRUTH.theta + 0.02)
+    refined = Refinement(RefinementSettings(), room.map).refine(start, CLOUD, points)
+    assert refined is not None
+    assert math.hypot(refined.x - TRUTH.x, refined.y - TRUTH.y) < 0.03
+
+
+def test_never_jumps_beyond_its_limits(room) -> None:
+    """From anywhere near, with any scan: either refused or within the limits."""
+    settings = RefinementSettings(limit_xy=0.15, limit_theta=0.08)
+    refinement = Refinement(settings, room.map)
+    rng = np.random.default_rng(3)
+    accepted = 0
+    for _ in range(300):
+        pose = Pose(*rng.uniform((0.5, 0.5, -3), (6, 4.5, 3)))
+        off = rng.normal(0, (0.3, 0.3, 0.3))
+        start = Pose(pose.x + off[0], pose.y + off[1], pose.theta + off[2])
+        spread = rng.uniform(0.01, 0.5)
+        refined = refinement.refine(start, np.eye(3) * spread**2, room.scan(pose, rng))
+        if refined is not None:
+            accepted += 1
+            assert math.hypot(refined.x - start.x, refined.y - start.y) <= 0.15
+            turn = math.remainder(refined.theta - start.theta, math.tau)
+            assert abs(turn) <= 0.08 + 1e-9
+    assert 0 < accepted < 300
+
+
+def test_a_bare_corridor_leaves_the_position_along_it_to_the_cloud() -> None:
+    cells = np.zeros((60, 400), dtype=np.uint8)
+    cells[[10, 50], :] = OCCUPIED
+    corridor = OccupancyMap(cells, 0.05, Pose(0, 0, 0))
+    along = np.linspace(-4, 4, 90)
+    walls = np.vstack(
+        (np.column_stack((along, np.full(90, 1.0))), np.column_stack((along, np.full(90, -1.0))))
+    )
+    truth = Pose(10.0, 1.525, 0.0)
+    start = Pose(truth.x + 0.1, truth.y + 0.08, 0.03)
+    refined = Refinement(RefinementSettings(), corridor).refine(start, CLOUD, walls)
+    assert refined is not None
+    assert refined.y == pytest.approx(truth.y, abs=0.01)
+    assert refined.theta == pytest.approx(0.0, abs=0.005)
+    assert refined.x == pytest.approx(start.x, abs=0.01)
+
+
+def test_too_few_points_tell_nothing(room) -> None:
+    refinement = Refinement(RefinementSettings(), room.map)
+    points = room.scan(TRUTH)[:9]
+    assert refinement.refine(TRUTH, CLOUD, points) is None
+    assert refinement.fit(TRUTH, points, 0.1) is None
+
+
+def test_fit_falls_with_the_distance_from_the_truth(room) -> None:
+    refinement = Refinement(RefinementSettings(), room.map)
+    points = room.scan(TRUTH)
+    fits = [
+        refinement.fit(Pose(TRUTH.x + off, TRUTH.y + off, TRUTH.theta), points, 0.1)
+        for off in (0.0, 0.1, 0.3, 1.0)
+    ]
+    assert fits[0] > 0.95
+    assert fits == sorted(fits, reverse=True)
+    assert fits[-1] < 0.35
