@@ -1,0 +1,1 @@
+"""Maps and borders: what is known of the world before the patrol starts."""

@@ -1,0 +1,101 @@
+"""How much room a border leaves: the distance from each of its points to the nearest wall."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maps.border import Border
+from maps.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
+
+NEEDED_CLEARANCE = (
+    0.45  # m: the robot's 0.29 m circumscribed radius, 0.1 m off the border, a margin
+)
+_STEP = 0.01  # m along the border
+
+
+@dataclass(frozen=True, slots=True)
+class BorderPlace:
+    """A place on a border: x, y in m in the map frame, abscissa in m."""
+
+    x: float
+    y: float
+    abscissa: float
+
+    def __str__(self) -> str:
+        return f"x {self.x:.2f}, y {self.y:.2f} (s = {self.abscissa:.2f} m)"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Clearance:
+    """The room along a border.
+
+    abscissae (n,), distances (n,): m, each centimetre; from the border to the nearest occupied
+    cell's edge, 0 inside one, width plus height of the map if it has no wall. narrowest: where the
+    distance is smallest. first_outside, first_unknown, first_occupied: where the border first
+    leaves the map, enters unknown cells, enters a wall; None if it does not.
+    """
+
+    abscissae: NDArray[np.float64]
+    distances: NDArray[np.float64]
+    narrowest: BorderPlace
+    first_outside: BorderPlace | None
+    first_unknown: BorderPlace | None
+    first_occupied: BorderPlace | None
+
+    @property
+    def minimum(self) -> float:
+        """Smallest distance to a wall, m."""
+        return float(self.distances.min())
+
+
+def border_clearance(occupancy: OccupancyMap, border: Border) -> Clearance:
+    """Measure the room along a border on a map.
+
+    The distance field is read at the border's points by bilinear interpolation; half a cell is
+    taken off, for the field counts to the centres of occupied cells.
+    """
+    points = border.polyline(_STEP)
+    abscissae = np.linspace(0.0, border.length, len(points))
+    rows, cols = occupancy.cells_at(points)
+    inside = occupancy.inside(rows, cols)
+    states = np.full(len(points), FREE, dtype=np.uint8)
+    states[inside] = occupancy.cells[rows[inside], cols[inside]]
+    field = np.minimum(occupancy.distance_field(), sum(occupancy.size))  # inf * 0 is no number
+    to_centers = _interpolate(occupancy, field, points)
+    distances = np.maximum(to_centers - occupancy.resolution / 2, 0.0)
+    distances[states == OCCUPIED] = 0.0
+
+    def place(index: np.intp) -> BorderPlace:
+        x, y = points[index]
+        return BorderPlace(float(x), float(y), float(abscissae[index]))
+
+    def first(where: NDArray[np.bool_]) -> BorderPlace | None:
+        return place(np.argmax(where)) if where.any() else None
+
+    return Clearance(
+        abscissae=abscissae,
+        distances=distances,
+        narrowest=place(np.argmin(distances)),
+        first_outside=first(~inside),
+        first_unknown=first(states == UNKNOWN),
+        first_occupied=first(states == OCCUPIED),
+    )
+
+
+def _interpolate(
+    occupancy: OccupancyMap, field: NDArray[np.float32], points: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Value (n,) of a field of cell centres at points (n, 2); the edge's value beyond it."""
+    limits = np.array(field.shape[::-1]) - 1
+    place = (points - occupancy.origin[:2]) / occupancy.resolution - 0.5
+    place = np.clip(place, 0.0, limits)
+    low = np.minimum(place.astype(np.intp), np.maximum(limits - 1, 0))
+    high = np.minimum(low + 1, limits)
+    right, up = (place - low).T
+    (col0, row0), (col1, row1) = low.T, high.T
+    bottom = field[row0, col0] * (1.0 - right) + field[row0, col1] * right
+    top = field[row1, col0] * (1.0 - right) + field[row1, col1] * right
+    return np.asarray(bottom * (1.0 - up) + top * up, dtype=np.float64)

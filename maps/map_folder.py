@@ -1,0 +1,79 @@
+"""Map folders: an occupancy map, its borders, and the bytes of both, so a recording can carry them.
+
+A folder holds ``map.yaml``, the image it names and one ``<name>.toml`` per border; the default
+border is ``border.toml`` and may be absent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from maps.border import Border, BorderError
+from maps.border_file import read_border
+from maps.occupancy_map import MapError, OccupancyMap, assemble_map, read_description, read_map_file
+
+DEFAULT_BORDER = "border"
+_DESCRIPTION = "map.yaml"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MapFolder:
+    """What a robot knows of a place before it starts.
+
+    name: of the folder. files: name -> content of the files in use (map.yaml, image, border).
+    """
+
+    name: str
+    map: OccupancyMap
+    border: Border | None
+    files: dict[str, bytes]
+
+
+def load_map_folder(folder: Path, border: str = DEFAULT_BORDER) -> MapFolder:
+    """Read a map folder and one of its borders.
+
+    Raises MapError or BorderError naming the file; a missing border is one unless it is the
+    default one.
+    """
+    description = read_map_file(folder / _DESCRIPTION)
+    image = read_description(description, str(folder / _DESCRIPTION)).image
+    if Path(image).name != image:
+        # A recording carries the folder's files by name, and must be able to put them back.
+        raise MapError(
+            f"{folder / _DESCRIPTION}: image '{image}' must lie in the map folder itself"
+        )
+    files = {_DESCRIPTION: description, image: read_map_file(folder / image)}
+    border_file = f"{border}.toml"
+    if (folder / border_file).is_file():
+        files[border_file] = (folder / border_file).read_bytes()
+    return _assemble(folder.resolve().name, str(folder), files, border)
+
+
+def map_folder_from_files(
+    name: str, files: Mapping[str, bytes], border: str = DEFAULT_BORDER
+) -> MapFolder:
+    """Make a map folder of its files' bytes, e.g. those a recording carries.
+
+    Raises as ``load_map_folder`` does.
+    """
+    return _assemble(name, name, files, border)
+
+
+def _assemble(name: str, place: str, files: Mapping[str, bytes], border: str) -> MapFolder:
+    if _DESCRIPTION not in files:
+        raise MapError(f"{place}/{_DESCRIPTION}: missing, a map folder needs one")
+    description = read_description(files[_DESCRIPTION], f"{place}/{_DESCRIPTION}")
+    if description.image not in files:
+        raise MapError(f"{place}/{description.image}: missing, it is named in {_DESCRIPTION}")
+    occupancy = assemble_map(description, files[description.image], f"{place}/{description.image}")
+    used = [_DESCRIPTION, description.image]
+    border_file = f"{border}.toml"
+    line = None
+    if border_file in files:
+        line = read_border(files[border_file], f"{place}/{border_file}")
+        used.append(border_file)
+    elif border != DEFAULT_BORDER:
+        raise BorderError(f"{place}/{border_file}: there is no such border in the map folder")
+    return MapFolder(name, occupancy, line, {key: files[key] for key in used})
