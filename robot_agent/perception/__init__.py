@@ -1,0 +1,1 @@
+"""Perception: where the teammates are, from laser points that the map does not explain."""

@@ -1,0 +1,198 @@
+"""Segments: runs of neighbouring unexplained points, sized against a Pioneer's outline.
+
+A Pioneer (0.511 x 0.425 m with its bumpers, 0.44 x 0.38 m of body) shows 0.38 to 0.67 m across
+the line of sight. Its centre lies behind its nearest point by half its depth, which follows from
+the width seen: end-on or sideways it is narrow and shallow, seen across a corner wide and deep.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum, auto
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robot_agent.perception.settings import PerceptionSettings
+
+_LEAST_POINTS = 3
+_LEAST_FILL = 0.6  # share of the beams a solid object of this width would return
+_MOST_SEGMENTS = 6  # nearest ones kept: a scan that fits no map must not flood the tracker
+_COARSEST_INCREMENT = math.radians(1.0)
+_FINEST_INCREMENT = math.radians(0.25)
+_OCCLUDER_STEP = 0.15  # m by which a neighbouring beam must be nearer to hide an edge
+
+# Depth from the nearest point to the centre, m, against the width seen, m: the means over the
+# headings of a 0.511 x 0.425 m rectangle that show that width.
+_WIDTHS = (0.425, 0.511, 0.665)
+_HALF_DEPTHS = (0.255, 0.255, 0.325)
+
+
+class Edge(Enum):
+    """How a segment ends, towards the next beam."""
+
+    CLEAR = auto()  # the next beam passes by, to something farther
+    HIDDEN = auto()  # the next beam meets something nearer, or there is none
+    JOINED = auto()  # the surface goes on in points that the map explains
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """A robot-sized object in one scan.
+
+    x, y: estimated centre in base_link, m. extent: width seen across the line of sight, m.
+    sigma_along, sigma_across: standard deviations of the centre along and across the line of
+    sight, m. points: how many beams met it. whole: enough of it is seen to tell its size; otherwise
+    it is a part that may belong to a robot already known, or to somebody's leg.
+    """
+
+    x: float
+    y: float
+    extent: float
+    sigma_along: float
+    sigma_across: float
+    points: int
+    whole: bool
+
+
+def find_segments(
+    points: NDArray[np.float64],
+    ranges: NDArray[np.float64],
+    unexplained: NDArray[np.bool_],
+    settings: PerceptionSettings,
+) -> list[Segment]:
+    """Return the robot-sized segments of a scan, nearest first.
+
+    points: (n, 2) base_link, ordered by bearing, counter-clockwise; ranges: (n,) their distances,
+    m; unexplained: (n,) which of them the map does not account for.
+    """
+    indices = np.flatnonzero(unexplained)
+    if len(indices) < _LEAST_POINTS:
+        return []
+    increment = _angular_increment(points)
+    firsts, lasts = _runs(points, ranges, indices, increment, settings.segment_gap)
+    segments = [
+        segment
+        for first, last in zip(firsts.tolist(), lasts.tolist(), strict=True)
+        if last - first + 1 >= _LEAST_POINTS
+        and (segment := _segment(points, ranges, first, last, increment, settings)) is not None
+    ]
+    segments.sort(key=lambda segment: math.hypot(segment.x, segment.y))
+    return segments[:_MOST_SEGMENTS]
+
+
+def _angular_increment(points: NDArray[np.float64]) -> float:
+    """Return the angle between neighbouring beams, rad: the median, as some have no return."""
+    steps = np.diff(np.arctan2(points[:, 1], points[:, 0]))
+    middle = len(steps) // 2
+    median = float(np.partition(steps, middle)[middle])
+    return min(max(median, _FINEST_INCREMENT), _COARSEST_INCREMENT)
+
+
+def _runs(
+    points: NDArray[np.float64],
+    ranges: NDArray[np.float64],
+    indices: NDArray[np.intp],
+    increment: float,
+    least_gap: float,
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return first and last index of each run of neighbouring points without a gap."""
+    steps = np.diff(points[indices], axis=0)
+    gaps = np.hypot(steps[:, 0], steps[:, 1])
+    # Beams fan out: the gap allowed leaves room for one missing return.
+    allowed = np.maximum(least_gap, 2.5 * increment * ranges[indices[1:]])
+    breaks = np.flatnonzero((np.diff(indices) > 1) | (gaps > allowed))
+    firsts = indices[np.concatenate(([0], breaks + 1))]
+    lasts = indices[np.concatenate((breaks, [len(indices) - 1]))]
+    return firsts, lasts
+
+
+def _segment(
+    points: NDArray[np.float64],
+    ranges: NDArray[np.float64],
+    first: int,
+    last: int,
+    increment: float,
+    settings: PerceptionSettings,
+) -> Segment | None:
+    """Return the segment of points first..last if it can be a robot, else None."""
+    right = _edge(points, ranges, first, -1, increment, settings.segment_gap)
+    left = _edge(points, ranges, last, +1, increment, settings.segment_gap)
+    if right is Edge.JOINED and left is Edge.JOINED:
+        return None  # a bulge of a known surface
+
+    # Axes along and across the line of sight to the middle of what is seen.
+    sight = points[first] / ranges[first] + points[last] / ranges[last]
+    sight /= math.hypot(sight[0], sight[1])
+    ux, uy = float(sight[0]), float(sight[1])
+    part = points[first : last + 1]
+    along = part @ sight
+    across = part @ np.array((-uy, ux))
+    near = float(along.min())
+    beam_spacing = increment * near
+    # Each edge lies between its last beam and the next one.
+    rightmost = float(across.min()) - beam_spacing / 2
+    leftmost = float(across.max()) + beam_spacing / 2
+    extent = leftmost - rightmost
+
+    count = last - first + 1
+    partial = Edge.HIDDEN in (right, left)
+    least = settings.least_partial_extent if partial else settings.least_extent
+    if not least <= extent <= settings.most_extent:
+        return None
+    span = _angle_between(points[first], points[last])
+    if count < _LEAST_FILL * (1.0 + span / increment):
+        return None
+
+    distance = near + float(np.interp(extent, _WIDTHS, _HALF_DEPTHS))
+    offset, sigma_across = _across(right, left, rightmost, leftmost, settings.half_width)
+    return Segment(
+        x=distance * ux - offset * uy,
+        y=distance * uy + offset * ux,
+        extent=extent,
+        sigma_along=0.08 if partial else 0.05,
+        sigma_across=sigma_across,
+        points=count,
+        whole=extent >= settings.least_extent,
+    )
+
+
+def _angle_between(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
+    """Return the angle from vector a to vector b, rad."""
+    return math.atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1])
+
+
+def _edge(
+    points: NDArray[np.float64],
+    ranges: NDArray[np.float64],
+    index: int,
+    step: int,
+    increment: float,
+    least_gap: float,
+) -> Edge:
+    """Return how the run that ends at ``index`` ends towards its neighbour in direction step."""
+    neighbour = index + step
+    if not 0 <= neighbour < len(points):
+        return Edge.HIDDEN
+    dx, dy = points[neighbour] - points[index]
+    if math.hypot(dx, dy) <= max(least_gap, 2.5 * increment * ranges[index]):
+        return Edge.JOINED
+    if ranges[neighbour] < ranges[index] - _OCCLUDER_STEP:
+        return Edge.HIDDEN
+    return Edge.CLEAR
+
+
+def _across(
+    right: Edge, left: Edge, rightmost: float, leftmost: float, half_width: float
+) -> tuple[float, float]:
+    """Return the centre's offset to the left of the line of sight, m, and its sigma."""
+    if right is Edge.CLEAR and left is Edge.CLEAR:
+        return 0.0, 0.03
+    half_seen = (leftmost - rightmost) / 2
+    missing = max(half_width - half_seen, 0.0)
+    if right is Edge.CLEAR:
+        return missing, 0.05 + missing / 2
+    if left is Edge.CLEAR:
+        return -missing, 0.05 + missing / 2
+    return 0.0, 0.05 + missing

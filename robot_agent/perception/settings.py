@@ -1,0 +1,63 @@
+"""Settings of teammate detection."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import msgspec
+
+Positive = Annotated[float, msgspec.Meta(gt=0.0)]
+NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]
+
+
+class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How unexplained points become segments, tracks and teammates; m, rad, s, m/s.
+
+    Raises ValueError (msgspec's ValidationError when decoding) if limits are not ordered.
+    """
+
+    # What the map explains: points nearer to an occupied cell than
+    # explained_distance + range * explained_angle.
+    explained_distance: Positive = 0.15  # m; map and position error
+    explained_angle: NotNegative = 0.035  # rad; heading error, two sigma
+    detection_range: Positive = 4.0  # m; beyond visibility, so that tracks exist on entering it
+
+    # What a Pioneer looks like in the plane of the laser.
+    segment_gap: Positive = 0.10  # m between neighbouring points of one object, close up
+    least_extent: Positive = 0.30  # m across the line of sight, both edges in view
+    least_partial_extent: Positive = 0.12  # m, an edge hidden by something nearer or out of view
+    most_extent: Positive = 0.75  # m
+    half_width: Positive = 0.27  # m from the centre to an edge, mean over headings
+
+    # How well a pose is known; adds to each position's covariance.
+    pose_sigma_xy: NotNegative = 0.05  # m
+    pose_sigma_theta: NotNegative = 0.0175  # rad
+
+    # Tracks.
+    confirm_hits: Annotated[int, msgspec.Meta(ge=1)] = 3  # detections until a track counts
+    velocity_noise: Positive = 0.05  # m^2/s^3; spectral density of the acceleration
+    first_speed_sigma: Positive = 0.35  # m/s; of a new track's velocity, per axis
+    gate: Positive = 11.8  # squared Mahalanobis distance: 99.7 % of two dimensions
+    gate_distance: Positive = 1.0  # m; no association beyond, however uncertain the track
+    memory: Positive = 3.0  # s a confirmed track is kept unseen
+    velocity_decay: Positive = 1.0  # s; time constant of an unseen track's velocity
+
+    # What makes a robot-sized track a teammate: it moves.
+    motion_window: Positive = 2.5  # s over which displacement is judged
+    motion_distance: Positive = 0.20  # m, beyond twice the position's sigma
+
+    # What the patrol is told.
+    visibility: Positive = 2.5  # m; the paper's visibility range (section III)
+    visibility_margin: NotNegative = 0.1  # m; a teammate in view is kept this much farther
+
+    def __post_init__(self) -> None:
+        """Check the order of limits."""
+        if not self.least_partial_extent <= self.least_extent < self.most_extent:
+            raise ValueError(
+                "extents must satisfy least_partial_extent <= least_extent < most_extent"
+            )
+        if self.detection_range < self.visibility + self.visibility_margin:
+            raise ValueError(
+                "detection_range must be at least visibility + visibility_margin "
+                f"({self.visibility + self.visibility_margin:g} m)"
+            )

@@ -1,0 +1,163 @@
+"""The filter behind a track: constant velocity while seen, decaying velocity while not."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from filterpy.kalman import KalmanFilter
+from numpy.typing import NDArray
+
+from robot_agent.perception.settings import PerceptionSettings
+from robot_agent.perception.track import Track
+
+_SAMPLE_PERIOD = 0.2  # s between the past positions kept to judge motion
+_BROKEN_SIGHT = 3  # misses in a row after which the thing seen next may be another one
+_POSITION_OF_STATE = np.eye(2, 4)
+
+
+@dataclass(frozen=True, slots=True)
+class Detection:
+    """A measured centre: x, y in m, map frame; variances and covariance in m^2.
+
+    whole: its size could be told, so that it may start a track.
+    """
+
+    x: float
+    y: float
+    var_x: float
+    var_y: float
+    cov_xy: float
+    whole: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _PastPosition:
+    t: float
+    x: float
+    y: float
+    variance: float
+
+
+class TrackFilter:
+    """State (x, y, vx, vy), map frame, m and m/s, with its hits, misses and signs of motion."""
+
+    def __init__(
+        self, settings: PerceptionSettings, track_id: int, t: float, detection: Detection
+    ) -> None:
+        self._settings = settings
+        self.id = track_id
+        self.first_seen = t
+        self.last_seen = t
+        self.teammate = False
+        self.hits = 1
+        self.misses = 0
+        self._t = t
+        self._past: deque[_PastPosition] = deque()
+        self._kalman = KalmanFilter(dim_x=4, dim_z=2)
+        self._kalman.H = _POSITION_OF_STATE
+        self._kalman.x = np.array((detection.x, detection.y, 0.0, 0.0))
+        self._kalman.P = np.zeros((4, 4))
+        self._kalman.P[:2, :2] = _covariance(detection)
+        self._kalman.P[2, 2] = self._kalman.P[3, 3] = settings.first_speed_sigma**2
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether it was detected often enough to be real."""
+        return self.hits >= self._settings.confirm_hits
+
+    def predict(self, t: float) -> None:
+        """Carry the state forward to t, s; an unseen robot is expected to come to rest."""
+        dt = max(t - self._t, 0.0)
+        self._t = max(t, self._t)
+        reach, kept = (dt, 1.0) if self.misses == 0 else self._decay(dt)
+        F = np.eye(4)
+        F[0, 2] = F[1, 3] = reach
+        F[2, 2] = F[3, 3] = kept
+        self._kalman.predict(F=F, Q=self._process_noise(dt))
+
+    def gate_distance(self, detection: Detection) -> float:
+        """Return the squared Mahalanobis distance of a detection, infinite outside the gate."""
+        x, P = self._kalman.x, self._kalman.P
+        dx, dy = detection.x - float(x[0]), detection.y - float(x[1])
+        if math.hypot(dx, dy) > self._settings.gate_distance:
+            return math.inf
+        sxx = float(P[0, 0]) + detection.var_x
+        syy = float(P[1, 1]) + detection.var_y
+        sxy = float(P[0, 1]) + detection.cov_xy
+        squared = (syy * dx * dx - 2.0 * sxy * dx * dy + sxx * dy * dy) / (sxx * syy - sxy * sxy)
+        return squared if squared <= self._settings.gate else math.inf
+
+    def hit(self, t: float, detection: Detection) -> None:
+        """Take in a detection made at t; call ``predict(t)`` before."""
+        self._kalman.update(np.array((detection.x, detection.y)), R=_covariance(detection))
+        self.hits += 1
+        self.misses = 0
+        self.last_seen = t
+        if self.confirmed:
+            self._judge_motion(t)
+
+    def miss(self) -> None:
+        """Note that a scan did not show it."""
+        self.misses += 1
+        if self.misses >= _BROKEN_SIGHT:
+            self._past.clear()
+
+    def track_at(self, t: float) -> Track:
+        """Return the track predicted to t, s, without changing the filter."""
+        reach, kept = self._decay(max(t - self._t, 0.0))
+        x, y, vx, vy = self._kalman.x.tolist()
+        return Track(
+            id=self.id,
+            x=x + reach * vx,
+            y=y + reach * vy,
+            vx=kept * vx,
+            vy=kept * vy,
+            covariance=self._kalman.P[:2, :2].copy(),
+            first_seen=self.first_seen,
+            last_seen=self.last_seen,
+            teammate=self.teammate,
+        )
+
+    def _decay(self, dt: float) -> tuple[float, float]:
+        """Return (s of present velocity covered in dt, share of the velocity left after it)."""
+        kept = math.exp(-dt / self._settings.velocity_decay)
+        return self._settings.velocity_decay * (1.0 - kept), kept
+
+    def _process_noise(self, dt: float) -> NDArray[np.float64]:
+        """Return Q (4, 4) of white acceleration over dt."""
+        density = self._settings.velocity_noise
+        Q = np.zeros((4, 4))
+        Q[0, 0] = Q[1, 1] = density * dt**3 / 3.0
+        Q[0, 2] = Q[2, 0] = Q[1, 3] = Q[3, 1] = density * dt**2 / 2.0
+        Q[2, 2] = Q[3, 3] = density * dt
+        return Q
+
+    def _judge_motion(self, t: float) -> None:
+        """Mark a teammate once it has moved farther than errors can explain.
+
+        Judged over a window rather than the track's whole life: the centre of a standing box
+        wanders by its own size while we drive round it, but only slowly. Over the window, the
+        distance also means a lasting speed.
+        """
+        settings = self._settings
+        if self.teammate:
+            return
+        x, y = float(self._kalman.x[0]), float(self._kalman.x[1])
+        P = self._kalman.P
+        variance = max(float(P[0, 0]), float(P[1, 1]))
+        past = self._past
+        while past and past[0].t < t - settings.motion_window:
+            past.popleft()
+        if past:
+            moved = math.hypot(x - past[0].x, y - past[0].y)
+            noise = 2.0 * math.sqrt(variance + past[0].variance)
+            self.teammate = moved > settings.motion_distance + noise
+        if not past or t - past[-1].t >= _SAMPLE_PERIOD:
+            past.append(_PastPosition(t, x, y, variance))
+
+
+def _covariance(detection: Detection) -> NDArray[np.float64]:
+    return np.array(((detection.var_x, detection.cov_xy), (detection.cov_xy, detection.var_y)))

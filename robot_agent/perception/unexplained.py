@@ -1,0 +1,59 @@
+"""Scan minus map: the points of a scan that no known wall accounts for."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maps.occupancy_map import FREE, OccupancyMap
+from maps.pose import Pose
+from robot_agent.perception.settings import PerceptionSettings
+
+
+class UnexplainedPoints:
+    """Finds laser points in known free space, farther from every wall than errors can make them.
+
+    A wall's point is displaced by the pose's error, and by range times its heading error; the
+    distance allowed therefore grows with range. Points in unknown cells or outside the map are
+    never unexplained: nothing is known there.
+    """
+
+    def __init__(self, settings: PerceptionSettings, occupancy: OccupancyMap) -> None:
+        self._settings = settings
+        clearance = np.where(occupancy.cells == FREE, occupancy.distance_field(), 0.0)
+        # A rim of zeros stands for everything outside, so that one look-up per point suffices.
+        self._clearance = np.pad(clearance, 1).astype(np.float64)
+        self._per_metre = 1.0 / occupancy.resolution
+        self._origin_x = occupancy.origin.x - occupancy.resolution
+        self._origin_y = occupancy.origin.y - occupancy.resolution
+
+    def mask(
+        self, pose: Pose, points: NDArray[np.float64], ranges: NDArray[np.float64]
+    ) -> NDArray[np.bool_]:
+        """Return (n,) which points (n, 2), base_link, the map does not explain.
+
+        pose: map_from_base. ranges: (n,) m, the points' distances from base_link.
+        """
+        settings = self._settings
+        rows, cols = self._cells(pose, points)
+        allowed = settings.explained_distance + settings.explained_angle * ranges
+        unexplained: NDArray[np.bool_] = self._clearance[rows, cols] > allowed
+        unexplained &= ranges <= settings.detection_range
+        return unexplained
+
+    def _cells(
+        self, pose: Pose, points: NDArray[np.float64]
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Return (rows, cols) in the padded grid of points in base_link, clipped to its rim."""
+        c, s = math.cos(pose.theta) * self._per_metre, math.sin(pose.theta) * self._per_metre
+        x, y = points[:, 0], points[:, 1]
+        height, width = self._clearance.shape
+        col = (pose.x - self._origin_x) * self._per_metre + c * x - s * y
+        row = (pose.y - self._origin_y) * self._per_metre + s * x + c * y
+        # Truncation equals floor: whatever is below 1 ends in the rim, row or column 0.
+        return (
+            np.minimum(np.maximum(row, 0.0), height - 1).astype(np.intp),
+            np.minimum(np.maximum(col, 0.0), width - 1).astype(np.intp),
+        )
