@@ -1,0 +1,34 @@
+"""Everything an agent can do to the world, returned by ``Agent.handle`` in order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from robot_agent.events import LinkName
+
+
+@dataclass(frozen=True, slots=True)
+class Send:
+    """Write bytes to a link."""
+
+    link: LinkName
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class ChangeBaud:
+    """Change a link's local rate after everything sent before has left."""
+
+    link: LinkName
+    baud: int
+
+
+@dataclass(frozen=True, slots=True)
+class Publish:
+    """Hand one telemetry payload (JSON) to the operator and the recording."""
+
+    stream: str
+    payload: bytes
+
+
+Effect = Send | ChangeBaud | Publish

@@ -1,0 +1,55 @@
+"""Everything that can happen to an agent. An agent's behaviour is a function of a list of these.
+
+Times are seconds since the agent's start on a monotonic clock, in whole microseconds
+(``round(t, 6)``), so that a recording reproduces them exactly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+LinkName = Literal["base", "laser"]
+
+
+@dataclass(frozen=True, slots=True)
+class BytesReceived:
+    """Bytes that arrived on a link; t is when the last of them was read."""
+
+    t: float
+    link: LinkName
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class LinkUp:
+    """A link's port was opened."""
+
+    t: float
+    link: LinkName
+
+
+@dataclass(frozen=True, slots=True)
+class LinkDown:
+    """A link's port could not be opened, or was lost."""
+
+    t: float
+    link: LinkName
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """Time passed (20 per second); lets silence be noticed."""
+
+    t: float
+
+
+@dataclass(frozen=True, slots=True)
+class Shutdown:
+    """The process was told to end: stop the robot and close both sessions."""
+
+    t: float
+
+
+Event = BytesReceived | LinkUp | LinkDown | Tick | Shutdown

@@ -1,0 +1,262 @@
+"""Messages of the Foxglove schemas we publish, so that a stock viewer draws them with no plug-in.
+
+Field names, meanings and the requirement that every field be present are those of the published
+``foxglove.*`` schemas. Lengths in m, angles in rad; JSON is written by msgspec, which has no inf
+or nan, so builders never pass one.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from enum import IntEnum
+from typing import Annotated
+
+import msgspec
+import numpy as np
+from msgspec import Meta
+from numpy.typing import NDArray
+
+from maps.pose import Pose
+
+
+class Timestamp(msgspec.Struct, frozen=True, kw_only=True):
+    """A time, split as the Foxglove schemas want it."""
+
+    sec: Annotated[int, Meta(ge=0, description="whole seconds")]
+    nsec: Annotated[int, Meta(ge=0, le=999_999_999, description="nanoseconds")]
+
+
+def timestamp_at(t: float, start_wall_ns: int = 0) -> Timestamp:
+    """Return the time stamp of agent time t (s, whole microseconds).
+
+    With the run's ``start_wall_ns`` it is a wall-clock time, without it time since the start.
+    """
+    sec, nsec = divmod(start_wall_ns + round(t * 1e6) * 1000, 1_000_000_000)
+    return Timestamp(sec=sec, nsec=nsec)
+
+
+class Vector3(msgspec.Struct, frozen=True):
+    """A position or a size (m)."""
+
+    x: float
+    y: float
+    z: float
+
+
+class Quaternion(msgspec.Struct, frozen=True):
+    """An orientation."""
+
+    x: float
+    y: float
+    z: float
+    w: float
+
+
+class Pose3(msgspec.Struct, frozen=True):
+    """A position and an orientation in space; ours lie in the plane z = 0."""
+
+    position: Vector3
+    orientation: Quaternion
+
+
+def pose3(pose: Pose) -> Pose3:
+    """Lift a planar pose into space."""
+    half = 0.5 * pose.theta
+    return Pose3(Vector3(pose.x, pose.y, 0.0), Quaternion(0.0, 0.0, math.sin(half), math.cos(half)))
+
+
+def planar_pose(pose: Pose3) -> Pose:
+    """Project a pose on the plane; the inverse of ``pose3``."""
+    q = pose.orientation
+    return Pose(pose.position.x, pose.position.y, 2.0 * math.atan2(q.z, q.w))
+
+
+class PoseInFrame(msgspec.Struct, frozen=True, kw_only=True):
+    """``foxglove.PoseInFrame``."""
+
+    timestamp: Timestamp
+    frame_id: str
+    pose: Pose3
+
+
+class PosesInFrame(msgspec.Struct, frozen=True, kw_only=True):
+    """``foxglove.PosesInFrame``."""
+
+    timestamp: Timestamp
+    frame_id: str
+    poses: list[Pose3]
+
+
+def poses_in_frame(timestamp: Timestamp, frame_id: str, poses: NDArray[np.float64]) -> PosesInFrame:
+    """Wrap poses (n, 3) of x, y (m), theta (rad), rounded to 1 mm and 1 mrad."""
+    rows: list[list[float]] = np.round(poses, 3).tolist()
+    return PosesInFrame(
+        timestamp=timestamp, frame_id=frame_id, poses=[pose3(Pose(*row)) for row in rows]
+    )
+
+
+class LaserScan(msgspec.Struct, frozen=True, kw_only=True):
+    """``foxglove.LaserScan``. A beam without a usable return has range 0.0."""
+
+    timestamp: Timestamp
+    frame_id: str
+    pose: Pose3
+    start_angle: Annotated[float, Meta(description="bearing of the first beam (rad)")]
+    end_angle: Annotated[float, Meta(description="bearing of the last beam (rad)")]
+    ranges: Annotated[list[float], Meta(description="m; 0.0 where a beam had no usable return")]
+    intensities: list[float]
+
+
+def laser_scan(
+    timestamp: Timestamp,
+    frame_id: str,
+    angle_min: float,
+    angle_increment: float,
+    ranges: NDArray[np.float64],
+) -> LaserScan:
+    """Wrap a scan whose ranges (n,) are m, inf where there was no return; rounded to 1 mm.
+
+    JSON has no inf, so "no return" is written as 0.0, which a laser never measures.
+    """
+    finite = np.where(np.isfinite(ranges), ranges, 0.0)
+    return LaserScan(
+        timestamp=timestamp,
+        frame_id=frame_id,
+        pose=pose3(Pose(0.0, 0.0, 0.0)),
+        start_angle=angle_min,
+        end_angle=angle_min + angle_increment * (len(ranges) - 1),
+        ranges=np.round(finite, 3).tolist(),
+        intensities=[],
+    )
+
+
+class LogLevel(IntEnum):
+    """Severity of a ``foxglove.Log``."""
+
+    DEBUG = 1
+    INFO = 2
+    WARNING = 3
+    ERROR = 4
+    FATAL = 5
+
+
+class Log(msgspec.Struct, frozen=True, kw_only=True):
+    """``foxglove.Log``."""
+
+    timestamp: Timestamp
+    level: Annotated[int, Meta(ge=0, le=5, description="a LogLevel")]
+    message: str
+    name: Annotated[str, Meta(description="part of the agent that speaks")]
+    file: str = ""
+    line: int = 0
+
+
+class KeyValuePair(msgspec.Struct, frozen=True):
+    """A key and its value, both text."""
+
+    key: str
+    value: str
+
+
+class Color(msgspec.Struct, frozen=True):
+    """Red, green, blue and opacity, each 0 to 1."""
+
+    r: float
+    g: float
+    b: float
+    a: float
+
+
+class CylinderPrimitive(msgspec.Struct, frozen=True, kw_only=True):
+    """An upright cylinder; pose is its centre, size its extent along each axis (m)."""
+
+    pose: Pose3
+    size: Vector3
+    bottom_scale: float = 1.0
+    top_scale: float = 1.0
+    color: Color
+
+
+class ArrowPrimitive(msgspec.Struct, frozen=True, kw_only=True):
+    """An arrow; pose is its tail, pointing along its x axis (lengths m)."""
+
+    pose: Pose3
+    shaft_length: float
+    shaft_diameter: float
+    head_length: float
+    head_diameter: float
+    color: Color
+
+
+class UnusedPrimitive(msgspec.Struct, frozen=True):
+    """Item of the primitive lists that a scene must name and that we leave empty."""
+
+
+class SceneEntity(msgspec.Struct, frozen=True, kw_only=True):
+    """``foxglove.SceneEntity``: what is drawn under one id until its lifetime ends."""
+
+    timestamp: Timestamp
+    frame_id: str
+    id: str
+    lifetime: Timestamp
+    frame_locked: bool = False
+    metadata: list[KeyValuePair]
+    arrows: list[ArrowPrimitive]
+    cubes: list[UnusedPrimitive] = []
+    spheres: list[UnusedPrimitive] = []
+    cylinders: list[CylinderPrimitive]
+    lines: list[UnusedPrimitive] = []
+    triangles: list[UnusedPrimitive] = []
+    texts: list[UnusedPrimitive] = []
+    models: list[UnusedPrimitive] = []
+
+
+class SceneUpdate(msgspec.Struct, frozen=True, kw_only=True):
+    """``foxglove.SceneUpdate``."""
+
+    deletions: list[UnusedPrimitive] = []
+    entities: list[SceneEntity]
+
+
+TRACK_LIFETIME = Timestamp(sec=1, nsec=0)  # a track that is no longer published vanishes
+TRACK_DIAMETER = 0.5  # m, about a robot
+TRACK_HEIGHT = 0.3  # m
+TEAMMATE_COLOR = Color(0.1, 0.4, 0.9, 0.8)
+STRANGER_COLOR = Color(0.6, 0.6, 0.6, 0.8)
+
+
+def track_entity(
+    timestamp: Timestamp,
+    track_id: int,
+    position: Sequence[float],
+    velocity: Sequence[float],
+    *,
+    teammate: bool,
+) -> SceneEntity:
+    """Draw one track (map frame, m and m/s): a cylinder, and an arrow as long as it goes in 1 s."""
+    color = TEAMMATE_COLOR if teammate else STRANGER_COLOR
+    x, y = position[0], position[1]
+    vx, vy = velocity[0], velocity[1]
+    arrow = ArrowPrimitive(
+        pose=pose3(Pose(x, y, math.atan2(vy, vx))),
+        shaft_length=math.hypot(vx, vy),
+        shaft_diameter=0.05,
+        head_length=0.1,
+        head_diameter=0.1,
+        color=color,
+    )
+    cylinder = CylinderPrimitive(
+        pose=Pose3(Vector3(x, y, 0.5 * TRACK_HEIGHT), Quaternion(0.0, 0.0, 0.0, 1.0)),
+        size=Vector3(TRACK_DIAMETER, TRACK_DIAMETER, TRACK_HEIGHT),
+        color=color,
+    )
+    return SceneEntity(
+        timestamp=timestamp,
+        frame_id="map",
+        id=f"track {track_id}",
+        lifetime=TRACK_LIFETIME,
+        metadata=[KeyValuePair("teammate", "true" if teammate else "false")],
+        arrows=[arrow],
+        cylinders=[cylinder],
+    )

@@ -1,0 +1,211 @@
+"""The telemetry streams: their payloads, rates and schemas, all in this one place.
+
+A payload is JSON. The same bytes go to the operator and to the recording. Payloads are made by
+the agent, so they hold nothing that a replay could not reproduce (no counters of the recorder or
+of the network). Absent values are left out of the JSON, never null; no field may be inf or nan.
+
+======== ========================================== ===== ============================
+stream   what it tells                              Hz    schema
+======== ========================================== ===== ============================
+status   battery, links, localization, health       2     patrol.Status
+decision inputs, degrees, winner, velocities, gate  10    patrol.Decision
+pose     robot in ``map``; only once localized      10    foxglove.PoseInFrame
+scan     laser in ``laser``                         5     foxglove.LaserScan
+particles particles in ``map``                      2     foxglove.PosesInFrame
+tracks   teammates and strangers in ``map``         5     foxglove.SceneUpdate
+event    what the log says                          each  foxglove.Log
+======== ========================================== ===== ============================
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import msgspec
+from msgspec import Meta
+
+from robot_agent.foxglove import (
+    LaserScan,
+    Log,
+    PoseInFrame,
+    PosesInFrame,
+    SceneUpdate,
+    Timestamp,
+)
+from robot_agent.viewer_schema import viewer_schema
+
+ACTIONS = (
+    "reach_frontier",
+    "keep_going",
+    "patrol_clockwise",
+    "patrol_counter_clockwise",
+    "avoid_teammate",
+)
+"""Names of the actions, as viewers list them (those of ``patrol.actions.Action``)."""
+
+
+class PayloadError(ValueError):
+    """Bytes that are no payload of their stream."""
+
+
+class Velocity(msgspec.Struct, frozen=True):
+    """A velocity vector in the map frame."""
+
+    x: Annotated[float, Meta(description="m/s")]
+    y: Annotated[float, Meta(description="m/s")]
+
+
+class Twist(msgspec.Struct, frozen=True):
+    """A velocity of the base in its own frame."""
+
+    v: Annotated[float, Meta(description="forward (m/s)")]
+    w: Annotated[float, Meta(description="counter-clockwise (rad/s)")]
+
+
+class PlanarPose(msgspec.Struct, frozen=True):
+    """A pose in the map frame."""
+
+    x: Annotated[float, Meta(description="m")]
+    y: Annotated[float, Meta(description="m")]
+    theta: Annotated[float, Meta(description="rad, counter-clockwise from +x")]
+
+
+class DeviceStatus(msgspec.Struct, frozen=True, kw_only=True):
+    """A device, its session and its line; counters run from the agent's start."""
+
+    state: Annotated[str, Meta(description="state of the session, e.g. ready")]
+    link_up: Annotated[bool, Meta(description="whether the port is open")]
+    link_reason: Annotated[str, Meta(description="why the port is not open")] = ""
+    packets_good: int
+    packets_bad: Annotated[int, Meta(description="frames whose checksum was wrong")]
+    bytes_discarded: Annotated[int, Meta(description="bytes outside any frame")]
+    bytes_received: int
+    last_heard: Annotated[
+        float | None, Meta(description="age of the last good packet (s); absent if none yet")
+    ] = None
+
+
+class LocalizationStatus(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """The particle filter's own view of how well it knows the pose."""
+
+    health: Annotated[str, Meta(description="localized, unsure or lost")]
+    pose: PlanarPose | None = None
+    covariance: Annotated[
+        list[float], Meta(description="of x, y, theta, row by row, 9 values (m, rad); or none")
+    ] = []
+    particle_count: int = 0
+    effective_sample_size: float = 0.0
+    likelihood: Annotated[float, Meta(description="mean per beam, 0 to 1")] = 0.0
+
+
+class StatusPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """Whether this robot is well: power, devices, localization."""
+
+    timestamp: Timestamp
+    robot: str
+    team: str
+    uptime: Annotated[float, Meta(description="time since the agent's start (s)")]
+    health: Annotated[str, Meta(description="ok, or the first thing that keeps it from patrolling")]
+    battery: Annotated[float | None, Meta(description="V; absent until the base reports")] = None
+    motors_enabled: bool = False
+    stalled: bool = False
+    bumpers: Annotated[int, Meta(description="pressed segments, front low byte, rear high")] = 0
+    base: DeviceStatus
+    laser: DeviceStatus
+    localization: LocalizationStatus
+
+
+class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """One control step: what was seen, what was chosen, what was let through."""
+
+    timestamp: Timestamp
+    robot: str
+    action: Annotated[str, Meta(description="action in force")]
+    direction: Annotated[int, Meta(description="+1 clockwise, -1 counter-clockwise")]
+    distance_from_border: Annotated[float, Meta(description="m")]
+    abscissa: Annotated[float, Meta(description="place along the border (m)")]
+    distance_from_neighbor: Annotated[
+        float | None, Meta(description="m; absent if no teammate is near")
+    ] = None
+    neighbor: Annotated[
+        PlanarPose | None, Meta(description="nearest teammate, theta its bearing")
+    ] = None
+    gamma: Annotated[float, Meta(description="neighbor state, -1 left to +1 right")] = 0.0
+    degrees: Annotated[
+        dict[str, float],
+        Meta(
+            description="degree of activation of each action, 0 to 1",
+            extra_json_schema={"properties": {name: {"type": "number"} for name in ACTIONS}},
+        ),
+    ]
+    winner: str
+    runner_up: str
+    pose: Annotated[PlanarPose, Meta(description="pose the decision was taken at")]
+    velocity: Annotated[Velocity, Meta(description="asked for by the action")]
+    wish: Annotated[Twist, Meta(description="before the gate")]
+    command: Annotated[Twist, Meta(description="after the gate, as sent to the base")]
+    gate_reason: Annotated[
+        str | None, Meta(description="why the gate changed the wish; absent if it did not")
+    ] = None
+
+
+Payload = (
+    StatusPayload | DecisionPayload | PoseInFrame | LaserScan | PosesInFrame | SceneUpdate | Log
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """One telemetry stream: its name, the payload it carries and that payload's schema name."""
+
+    name: str
+    payload: type[Payload]
+    schema_name: str
+
+    def json_schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of the payload."""
+        return viewer_schema(self.payload, self.schema_name)
+
+
+STREAMS: dict[str, Stream] = {
+    stream.name: stream
+    for stream in (
+        Stream("status", StatusPayload, "patrol.Status"),
+        Stream("decision", DecisionPayload, "patrol.Decision"),
+        Stream("pose", PoseInFrame, "foxglove.PoseInFrame"),
+        Stream("scan", LaserScan, "foxglove.LaserScan"),
+        Stream("particles", PosesInFrame, "foxglove.PosesInFrame"),
+        Stream("tracks", SceneUpdate, "foxglove.SceneUpdate"),
+        Stream("event", Log, "foxglove.Log"),
+    )
+}
+
+_encoder = msgspec.json.Encoder()
+_decoders: dict[str, msgspec.json.Decoder[Payload]] = {
+    stream.name: msgspec.json.Decoder(stream.payload) for stream in STREAMS.values()
+}
+
+
+def encode(payload: Payload) -> bytes:
+    """Encode a payload as the JSON that goes to the operator and the recording."""
+    return _encoder.encode(payload)
+
+
+def decode(stream: str, data: bytes) -> Payload:
+    """Decode a payload of a stream; unknown fields are ignored.
+
+    Raises PayloadError for a stream that does not exist or bytes that do not fit it.
+    """
+    decoder = _decoders.get(stream)
+    if decoder is None:
+        raise PayloadError(f"no stream {stream!r}; streams are {', '.join(STREAMS)}")
+    try:
+        return decoder.decode(data)
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise PayloadError(f"no payload of stream {stream!r}: {error}") from error
+
+
+def key_of(team: str, robot: str, stream: str = "") -> str:
+    """Return the telemetry key of a robot's stream, or of the robot itself (its liveliness)."""
+    return f"patrol/{team}/{robot}/{stream}" if stream else f"patrol/{team}/{robot}"

@@ -1,0 +1,85 @@
+from __future__ import annotations
+
+import socket
+import time
+from collections.abc import Callable
+
+import pytest
+import zenoh
+
+from maps.pose import Pose
+from robot_agent.foxglove import PoseInFrame, Timestamp, pose3
+from robot_agent.streams import encode
+from robot_agent.telemetry import Telemetry, TelemetrySettings, session_config
+from tools.monitor.operator import Operator, OperatorError
+
+PATIENCE_S = 15.0
+POSE = PoseInFrame(
+    timestamp=Timestamp(sec=1, nsec=0), frame_id="map", pose=pose3(Pose(1.0, 2.0, 0.5))
+)
+
+
+@pytest.fixture
+def endpoint() -> str:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline, "nothing happened"
+        time.sleep(0.01)
+
+
+def test_team_follows_what_robots_report(endpoint: str) -> None:
+    with Operator(endpoint) as operator:
+        robots = {
+            name: Telemetry(TelemetrySettings(operator=endpoint), robot=name, team="north")
+            for name in ("anna", "bob")
+        }
+        wait_until(lambda: [robot.online for robot in operator.team.snapshot()] == [True, True])
+        robots["bob"].publish("pose", encode(POSE))
+        wait_until(lambda: operator.team.snapshot()[1].pose == POSE)
+        robots["bob"].close()
+        wait_until(lambda: [robot.online for robot in operator.team.snapshot()] == [True, False])
+        anna, bob = operator.team.snapshot()
+        assert (anna.pose, bob.pose) == (None, POSE)
+        robots["anna"].close()
+
+
+def test_malformed_payload_is_counted(endpoint: str) -> None:
+    with Operator(endpoint) as operator:
+        robot = Telemetry(TelemetrySettings(operator=endpoint), robot="anna", team="north")
+        wait_until(lambda: bool(operator.team.snapshot()))
+        robot.publish("pose", b"not JSON")
+        wait_until(lambda: operator.team.snapshot()[0].malformed == 1)
+        robot.close()
+
+
+def test_deletions_and_other_keys_do_not_get_in(endpoint: str) -> None:
+    with Operator(endpoint) as operator, zenoh.open(session_config(endpoint)) as stranger:
+        wait_until(lambda: bool(stranger.info.routers_zid()))
+        stranger.delete("patrol/north/anna/status")
+        stranger.put("elsewhere/north/anna/status", b"{}")
+        stranger.put("patrol/north/zoe/pose", encode(POSE))
+        wait_until(lambda: bool(operator.team.snapshot()))
+        (robot,) = operator.team.snapshot()
+        assert (robot.robot, robot.malformed, operator.team.stray) == ("zoe", 0, 0)
+
+
+def test_taken_endpoint_is_one_error(endpoint: str) -> None:
+    with Operator(endpoint), pytest.raises(OperatorError) as raised:
+        Operator(endpoint)
+    message = str(raised.value)
+    assert message.startswith(f"cannot listen on {endpoint}: ")
+    assert "Address already in use" in message
+    assert "\n" not in message
+
+
+def test_close_is_idempotent_and_frees_the_endpoint(endpoint: str) -> None:
+    operator = Operator(endpoint)
+    operator.close()
+    operator.close()
+    Operator(endpoint).close()

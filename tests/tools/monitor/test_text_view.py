@@ -1,0 +1,178 @@
+from __future__ import annotations
+
+import io
+import socket
+import threading
+
+import pytest
+from rich.console import Console
+
+from maps.pose import Pose
+from robot_agent.foxglove import PoseInFrame, Timestamp, pose3
+from robot_agent.streams import (
+    DecisionPayload,
+    DeviceStatus,
+    LocalizationStatus,
+    PlanarPose,
+    StatusPayload,
+    Twist,
+    Velocity,
+    encode,
+)
+from robot_agent.telemetry import Telemetry, TelemetrySettings
+from tools.monitor.team_state import RobotState, TeamState
+from tools.monitor.text_view import Row, plain_table, row_of, run_text_monitor, team_table
+
+NOW = Timestamp(sec=1, nsec=0)
+
+
+def device(state: str) -> DeviceStatus:
+    return DeviceStatus(
+        state=state,
+        link_up=True,
+        packets_good=1,
+        packets_bad=0,
+        bytes_discarded=0,
+        bytes_received=20,
+    )
+
+
+POSE = PoseInFrame(timestamp=NOW, frame_id="map", pose=pose3(Pose(1.0, -2.0, 1.5707963)))
+STATUS = StatusPayload(
+    timestamp=NOW,
+    robot="anna",
+    team="north",
+    uptime=3.0,
+    health="ok",
+    battery=12.34,
+    base=device("ready"),
+    laser=device("streaming"),
+    localization=LocalizationStatus(health="unsure"),
+)
+DECISION = DecisionPayload(
+    timestamp=NOW,
+    robot="anna",
+    action="patrol_clockwise",
+    direction=1,
+    distance_from_border=0.031,
+    abscissa=17.0,
+    distance_from_neighbor=1.8,
+    degrees={},
+    winner="patrol_clockwise",
+    runner_up="keep_going",
+    pose=PlanarPose(1.0, -2.0, 1.57),
+    velocity=Velocity(0.0, 0.35),
+    wish=Twist(0.35, 0.0),
+    command=Twist(0.2, -0.1),
+    gate_reason="obstacle ahead",
+)
+
+
+def team_with(*payloads: StatusPayload | DecisionPayload | PoseInFrame) -> list[RobotState]:
+    team = TeamState()
+    team.set_liveliness("patrol/north/anna", online=True)
+    streams = {StatusPayload: "status", DecisionPayload: "decision", PoseInFrame: "pose"}
+    for payload in payloads:
+        team.receive(f"patrol/north/anna/{streams[type(payload)]}", encode(payload), 100.0)
+    return team.snapshot()
+
+
+def test_row_tells_everything_about_a_robot() -> None:
+    (robot,) = team_with(POSE, STATUS, DECISION)
+    assert row_of(robot, 100.7) == Row(
+        robot="north/anna",
+        pose="1.00 -2.00 90°",
+        action="patrol_clockwise (cw)",
+        border="0.03 m",
+        teammate="1.80 m",
+        battery="12.3 V",
+        base="ready",
+        laser="streaming",
+        localization="unsure",
+        speed="0.20 m/s -0.10 rad/s",
+        gate="obstacle ahead",
+        age="0.7 s",
+    )
+
+
+def test_row_of_a_silent_robot_has_no_figures() -> None:
+    (robot,) = team_with()
+    row = row_of(robot, 5.0)
+    assert row.robot == "north/anna"
+    assert row.age == "never"
+    assert set(row) - {row.robot, row.age} == {"-"}
+
+
+def test_offline_robot_is_told() -> None:
+    team = TeamState()
+    team.receive("patrol/north/anna/status", encode(STATUS), 100.0)
+    (robot,) = team.snapshot()
+    assert row_of(robot, 130.0).age == "offline (30.0 s)"
+
+
+def test_plain_table_is_aligned() -> None:
+    heading, row = plain_table(team_with(STATUS, DECISION), 100.0).splitlines()
+    assert heading.split() == list(Row._fields)
+    assert heading.index("battery") == row.index("12.3 V")
+    assert heading.index("gate") == row.index("obstacle ahead")
+
+
+def test_text_from_the_network_is_neither_markup_nor_control() -> None:
+    team = TeamState()
+    team.set_liveliness("patrol/[bold]/\x1b[2J", online=True)
+    console = Console(file=io.StringIO(), width=200)
+    console.print(team_table(team.snapshot(), 0.0))
+    shown = console.file.getvalue() + plain_table(team.snapshot(), 0.0)  # type: ignore[attr-defined]
+    assert shown.count("[bold]/") == 2
+    assert "\x1b" not in shown
+
+
+@pytest.fixture
+def endpoint() -> str:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
+
+
+def monitor_a_robot(endpoint: str, out: io.StringIO) -> str:
+    """Run the monitor while a robot reports; return what it showed."""
+    robot = Telemetry(TelemetrySettings(operator=endpoint), robot="anna", team="north")
+    shown = threading.Event()
+
+    def report() -> None:
+        while not shown.wait(0.05):
+            robot.publish("decision", encode(DECISION))
+
+    reporter = threading.Thread(target=report)
+    reporter.start()
+    try:
+        run_text_monitor(endpoint, 1.2, out=out, period=60.0)
+    finally:
+        shown.set()
+        reporter.join()
+        robot.close()
+    return out.getvalue()
+
+
+def test_monitor_prints_plain_lines_where_there_is_no_terminal(endpoint: str) -> None:
+    heading, row = monitor_a_robot(endpoint, io.StringIO()).splitlines()
+    assert heading.startswith("robot")
+    assert row.startswith("north/anna")
+    assert "patrol_clockwise (cw)" in row
+
+
+class Terminal(io.StringIO):
+    """An output that says it is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def test_monitor_shows_a_live_table_in_a_terminal(
+    endpoint: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "220")
+    monkeypatch.setenv("TERM", "xterm")
+    shown = monitor_a_robot(endpoint, Terminal())
+    assert "north/anna" in shown
+    assert "patrol_clockwise (cw)" in shown

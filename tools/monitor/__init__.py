@@ -1,0 +1,1 @@
+"""The operator's side: hears the team's telemetry and shows it."""

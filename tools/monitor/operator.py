@@ -1,0 +1,99 @@
+"""The operator's end of the network: hears every robot, lets nobody in any further.
+
+A Zenoh router that the robots dial. Its access control denies everything but what robots need to
+report (``put`` and ``liveliness_token``, inwards only): nobody can subscribe, query or be sent
+anything through it, so robots stay unable to hear each other and nothing can reach one.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from types import TracebackType
+from typing import Self
+
+import zenoh
+
+from robot_agent.telemetry import LEASE_MS, plain_reason
+from tools.monitor.team_state import TeamState
+
+ACCESS_CONTROL = {
+    "enabled": True,
+    "default_permission": "deny",
+    "rules": [
+        {
+            "id": "robots report",
+            "permission": "allow",
+            "flows": ["ingress"],
+            "messages": ["put", "liveliness_token"],
+            "key_exprs": ["patrol/**"],
+        }
+    ],
+    "subjects": [{"id": "anybody"}],
+    "policies": [{"rules": ["robots report"], "subjects": ["anybody"]}],
+}
+
+
+class OperatorError(ValueError):
+    """The operator cannot listen; the message names endpoint, reason and remedy."""
+
+
+class Operator:
+    """Listens for robots and keeps ``team`` up to date, until closed."""
+
+    def __init__(self, listen: str) -> None:
+        """Listen on an endpoint such as ``tcp/0.0.0.0:7447``.
+
+        Raises:
+            OperatorError: the endpoint is not one, or is taken.
+        """
+        self.team = TeamState()
+        try:
+            self._session = zenoh.open(_session_config(listen))
+        except zenoh.ZError as error:
+            raise OperatorError(
+                f"cannot listen on {listen}: {plain_reason(error)}; "
+                "give a free endpoint, e.g. tcp/0.0.0.0:7447"
+            ) from error
+        self._session.declare_subscriber("patrol/*/*/*", self._on_sample)
+        self._session.liveliness().declare_subscriber(
+            "patrol/*/*", self._on_liveliness, history=True
+        )
+
+    def _on_sample(self, sample: zenoh.Sample) -> None:
+        if sample.kind == zenoh.SampleKind.PUT:
+            self.team.receive(str(sample.key_expr), bytes(sample.payload), time.monotonic())
+
+    def _on_liveliness(self, sample: zenoh.Sample) -> None:
+        online = sample.kind == zenoh.SampleKind.PUT
+        self.team.set_liveliness(str(sample.key_expr), online=online)
+
+    def close(self) -> None:
+        """Stop listening; idempotent."""
+        self._session.close()  # type: ignore[no-untyped-call]
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+
+def _session_config(listen: str) -> zenoh.Config:
+    config = zenoh.Config()
+    for key, value in {
+        "mode": "router",
+        "listen/endpoints": [listen],
+        "scouting/multicast/enabled": False,
+        "scouting/gossip/enabled": False,
+        "transport/shared_memory/enabled": False,
+        "transport/link/tx/lease": LEASE_MS,
+        "access_control": ACCESS_CONTROL,
+    }.items():
+        config.insert_json5(key, json.dumps(value))
+    return config

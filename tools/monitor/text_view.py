@@ -1,0 +1,179 @@
+"""The team as a table in a terminal, or as plain lines where there is none."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Callable, Iterable
+from typing import NamedTuple, TextIO
+
+from rich.console import Console
+from rich.live import Live
+from rich.table import Table
+from rich.text import Text
+
+from robot_agent.foxglove import planar_pose
+from robot_agent.streams import DecisionPayload, StatusPayload
+from tools.monitor.operator import Operator
+from tools.monitor.team_state import RobotState
+
+REFRESH_S = 0.25
+PLAIN_PERIOD_S = 5.0
+ABSENT = "-"
+
+
+class Row(NamedTuple):
+    """One robot's line; the field names are the headings."""
+
+    robot: str
+    pose: str  # x, y (m), heading (deg)
+    action: str
+    border: str  # distance from it, m
+    teammate: str  # distance of the nearest, m
+    battery: str  # V
+    base: str
+    laser: str
+    localization: str
+    speed: str  # m/s, rad/s, as sent
+    gate: str
+    age: str  # s since the last message
+
+
+def row_of(robot: RobotState, now: float) -> Row:
+    """Tell one robot's state at the operator's time now (s, monotonic)."""
+    decision, status = robot.decision, robot.status
+    row = Row(
+        robot=f"{robot.team}/{robot.robot}",
+        pose=_pose(robot),
+        action=ABSENT if decision is None else _action(decision),
+        border=ABSENT if decision is None else f"{decision.distance_from_border:.2f} m",
+        teammate=_quantity(None if decision is None else decision.distance_from_neighbor, "m", 2),
+        battery=_quantity(None if status is None else status.battery, "V", 1),
+        base=ABSENT if status is None else status.base.state,
+        laser=ABSENT if status is None else status.laser.state,
+        localization=ABSENT if status is None else status.localization.health,
+        speed=ABSENT if decision is None else _speed(decision),
+        gate=_gate(decision, status),
+        age=_age(robot, now),
+    )
+    return Row(*map(_printable, row))
+
+
+def _printable(cell: str) -> str:
+    """Keep control characters that came over the network out of the terminal."""
+    return cell if cell.isprintable() else repr(cell)
+
+
+def _pose(robot: RobotState) -> str:
+    if robot.pose is None:
+        return ABSENT
+    x, y, theta = planar_pose(robot.pose.pose)
+    return f"{x:.2f} {y:.2f} {math.degrees(theta):.0f}°"
+
+
+def _action(decision: DecisionPayload) -> str:
+    sense = "cw" if decision.direction > 0 else "ccw"
+    return f"{decision.action} ({sense})"
+
+
+def _speed(decision: DecisionPayload) -> str:
+    return f"{decision.command.v:.2f} m/s {decision.command.w:.2f} rad/s"
+
+
+def _quantity(value: float | None, unit: str, digits: int) -> str:
+    return ABSENT if value is None else f"{value:.{digits}f} {unit}"
+
+
+def _gate(decision: DecisionPayload | None, status: StatusPayload | None) -> str:
+    """Tell why the robot is held back: the gate's reason, else what ails it."""
+    if decision is not None and decision.gate_reason:
+        return decision.gate_reason
+    if status is not None and status.health != "ok":
+        return status.health
+    return ABSENT
+
+
+def _age(robot: RobotState, now: float) -> str:
+    age = "never" if robot.last_heard is None else f"{now - robot.last_heard:.1f} s"
+    return age if robot.online else f"offline ({age})"
+
+
+def team_table(team: Iterable[RobotState], now: float) -> Table:
+    """Return the table of the team at the operator's time now."""
+    table = Table()
+    for heading in Row._fields:
+        table.add_column(heading)
+    for robot in team:
+        style = None if robot.online else "dim"
+        table.add_row(*map(Text, row_of(robot, now)), style=style)
+    return table
+
+
+def plain_table(team: Iterable[RobotState], now: float) -> str:
+    """Return the same as lines of text, columns aligned."""
+    rows = [Row._fields, *(row_of(robot, now) for robot in team)]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(Row._fields))]
+    return "\n".join(
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    )
+
+
+def run_text_monitor(
+    listen: str,
+    duration: float | None = None,
+    *,
+    out: TextIO | None = None,
+    period: float = PLAIN_PERIOD_S,
+) -> None:
+    """Listen for robots and show the team for a duration (s), or until interrupted.
+
+    Raises:
+        OperatorError: cannot listen there.
+    """
+    end = math.inf if duration is None else time.monotonic() + duration
+    with Operator(listen) as operator:
+        show_team(operator, lambda: time.monotonic() < end, out=out, period=period)
+
+
+def show_team(
+    operator: Operator,
+    going_on: Callable[[], bool],
+    *,
+    out: TextIO | None = None,
+    period: float = PLAIN_PERIOD_S,
+) -> None:
+    """Show an operator's team for as long as something is going on.
+
+    A terminal gets a live table; any other ``out`` (default: standard output) gets a plain one
+    every ``period`` seconds, and one at the end.
+    """
+    out = sys.stdout if out is None else out
+    if out.isatty():
+        _show_live(operator, going_on, out)
+    else:
+        _print_plain(operator, going_on, out, period)
+
+
+def _show_live(operator: Operator, going_on: Callable[[], bool], out: TextIO) -> None:
+    with Live(console=Console(file=out), auto_refresh=False) as live:
+        while going_on():
+            time.sleep(REFRESH_S)
+            live.update(team_table(operator.team.snapshot(), time.monotonic()), refresh=True)
+
+
+def _print_plain(
+    operator: Operator, going_on: Callable[[], bool], out: TextIO, period: float
+) -> None:
+    due = time.monotonic() + period
+    while going_on():
+        time.sleep(REFRESH_S)
+        if time.monotonic() >= due:
+            due += period
+            _print_table(operator, out)
+    _print_table(operator, out)
+
+
+def _print_table(operator: Operator, out: TextIO) -> None:
+    print(plain_table(operator.team.snapshot(), time.monotonic()), file=out, flush=True)
