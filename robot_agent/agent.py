@@ -1,0 +1,247 @@
+"""The agent: a pure function of configuration, map, seed and the events so far.
+
+``Agent.handle(event)`` does no I/O, reads no clock and starts no thread; whoever calls it delivers
+bytes and carries out the effects. The same event list gives the same effects, bit for bit.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from drivers.lms200.scan import Scan
+from drivers.lms200.session import Lms200Session
+from drivers.lms200.session import SessionState as LaserState
+from drivers.p2os.base_state import BaseState
+from drivers.p2os.model import load_model
+from drivers.p2os.session import P2osSession, SessionState
+from drivers.requests import Request, Write
+from localization.health import Health
+from localization.localizer import Localizer
+from maps.map_folder import MapFolder
+from maps.pose import Pose
+from robot_agent.config import AgentConfig
+from robot_agent.effects import ChangeBaud, Effect, Publish, Send
+from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
+from robot_agent.foxglove import LogLevel
+from robot_agent.motion.gate import GateDecision, GateInputs, GateReason, SafetyGate
+from robot_agent.motion.heading_loop import HeadingLoop
+from robot_agent.obstacles import Obstacles
+from robot_agent.odometry_history import OdometryHistory
+from robot_agent.patrol.patrol import Patrol, PatrolDecision
+from robot_agent.perception.tracker import TeammateTracker
+from robot_agent.reports import Reports
+from robot_agent.scan_points import ScanProjector
+from robot_agent.streams import Payload, encode
+
+STOPPING = frozenset(
+    {
+        GateReason.STALE_BASE,
+        GateReason.STALE_LASER,
+        GateReason.NOT_LOCALIZED,
+        GateReason.STALLED,
+        GateReason.BUMPER,
+        GateReason.OVERSPEED,
+        GateReason.OBSTACLE,
+        GateReason.INVALID,
+    }
+)
+"""Reasons of the gate that mean the robot is being held, not merely kept to its limits."""
+
+_LEVELS = {
+    Health.LOCALIZED: LogLevel.INFO,
+    Health.UNSURE: LogLevel.WARNING,
+    Health.LOST: LogLevel.ERROR,
+}
+
+
+class Agent:
+    """One robot's whole onboard reasoning."""
+
+    def __init__(self, config: AgentConfig, folder: MapFolder, start_wall_ns: int = 0) -> None:
+        """Build every stage; nothing happens before the first event.
+
+        A folder without a border gives an agent that localizes and sees, but never moves.
+        """
+        rng = np.random.default_rng(config.robot.seed)
+        model = load_model(config.base.model)
+        self.config = config
+        self.base = P2osSession(config.base)
+        self.laser = Lms200Session(config.laser)
+        self.odometry = OdometryHistory()
+        self.localizer = Localizer(config.localization, folder.map, rng)
+        self.tracker = TeammateTracker(config.perception, folder.map)
+        self.patrol = Patrol(config.patrol, folder.border, rng) if folder.border else None
+        self.heading_loop = HeadingLoop(config.heading)
+        self.gate = SafetyGate(config.gate)
+        self.reports = Reports(self, start_wall_ns)
+        self.decision: PatrolDecision | None = None
+        self.gate_decision: GateDecision | None = None
+        self.gate_stops = 0
+        self._projector = ScanProjector(Pose(*(config.laser.mount or model.laser_mount)))
+        self._obstacles = Obstacles()
+        self._ending = False
+        self._effects: list[Effect] = []
+        if config.start is None:
+            self.localizer.start_anywhere()
+        else:
+            start = config.start
+            self.localizer.start_at(
+                Pose(start.x, start.y, start.theta), start.sigma_xy, start.sigma_theta
+            )
+
+    def handle(self, event: Event) -> list[Effect]:
+        """Take one event; return what to do about it, in order."""
+        self._effects = []
+        match event:
+            case BytesReceived(t, "base", data):
+                self._take_base_bytes(t, data)
+            case BytesReceived(t, "laser", data):
+                self._take_laser_bytes(t, data)
+            case Tick(t):
+                self.base.tick(t)
+                self.laser.tick(t)
+                self._publish(self.reports.on_time(t))
+            case LinkUp(t, link):
+                self._link_up(t, link)
+            case LinkDown(t, link, reason):
+                self._link_down(t, link, reason)
+            case Shutdown(t):
+                self._ending = True
+                self.base.shut_down(t)
+                self.laser.shut_down(t)
+        self._carry_out("base", self.base.take_requests())
+        self._carry_out("laser", self.laser.take_requests())
+        return self._effects
+
+    # --- input -------------------------------------------------------------------------------
+
+    def _take_base_bytes(self, t: float, data: bytes) -> None:
+        """Decode base reports; each is one control step."""
+        states = self.base.feed(data, t)
+        self.reports.hear("base", t, data, understood=bool(states))
+        for state in states:
+            self.odometry.add(state)
+            self._control_step(t, state)
+
+    def _take_laser_bytes(self, t: float, data: bytes) -> None:
+        """Decode scans and look at each."""
+        scans = self.laser.feed(data, t)
+        self.reports.hear("laser", t, data, understood=bool(scans))
+        for scan in scans:
+            self._look(t, scan)
+
+    def _look(self, t: float, scan: Scan) -> None:
+        """Take in one scan: obstacles, pose, teammates."""
+        odometry = self.odometry.at(scan.t)
+        if odometry is None:
+            return  # nobody knows where the robot was when this was measured
+        # 1. What stands in the way, wherever the map says we are.
+        points = self._projector.points(scan)
+        self._obstacles.see(scan.t, odometry, points)
+        # 2. Where the robot was.
+        estimate = self.localizer.update(scan.t, odometry, points)
+        self._say(t, "localization", estimate.health, _LEVELS[estimate.health])
+        # 3. Who else is there.
+        if estimate.health is not Health.LOST:
+            self.tracker.update(scan.t, estimate.pose, points)
+        self._publish(self.reports.on_scan(t, scan))
+
+    # --- one control step ----------------------------------------------------------------------
+
+    def _control_step(self, t: float, state: BaseState) -> None:
+        """Decide and act, once per base report."""
+        pose = self._pose_now(t)
+        if pose is None or self.patrol is None or self._ending:
+            self.base.drive(t, 0.0, 0.0)
+            return
+        # 1. Decide: closest teammate, action, velocity in the map.
+        track = self.tracker.closest(t, pose)
+        teammate = None if track is None else (track.x, track.y)
+        decision = self.patrol.step(t, pose, teammate)
+        # 2. Act: turn that velocity into wheel speeds.
+        wish = self.heading_loop.command(t, decision.velocity, pose.theta, decision.curvature)
+        # 3. Gate: nothing moves the robot but what leaves here.
+        gate = self.gate.permit(t, wish, self._gate_inputs(t, state))
+        if gate.reason is GateReason.MOTORS_OFF:
+            self.base.enable_motors(t)  # all else permits motion
+        self.base.drive(t, gate.v, gate.w)
+        # 4. Tell.
+        self._note_gate(t, gate)
+        self.decision, self.gate_decision = decision, gate
+        self._publish(self.reports.on_decision(t, pose, decision, wish, gate, teammate))
+
+    def _pose_now(self, t: float) -> Pose | None:
+        """Return map_from_base at t: the last estimate carried forward by odometry."""
+        estimate = self.localizer.estimate
+        odometry = self.odometry.at(t)
+        if estimate is None or odometry is None:
+            return None
+        return estimate.pose_at(odometry)
+
+    def _gate_inputs(self, t: float, state: BaseState) -> GateInputs:
+        odometry = self.odometry.at(t)
+        estimate = self.localizer.estimate
+        assert odometry is not None
+        assert estimate is not None
+        return GateInputs(
+            base_time=state.t,
+            scan_time=self._obstacles.seen_at,
+            health=estimate.health,
+            motors_enabled=state.motors_enabled,
+            stalled=state.stall_left or state.stall_right,
+            bumpers=state.front_bumpers | state.rear_bumpers,
+            obstacles=self._obstacles.around(odometry),
+            v=state.v,
+            w=state.w,
+        )
+
+    def _note_gate(self, t: float, gate: GateDecision) -> None:
+        """Count and tell when the gate begins to hold the robot."""
+        before = self.gate_decision
+        if gate.reason in STOPPING and (before is None or before.reason not in STOPPING):
+            self.gate_stops += 1
+        self._say(t, "gate", f"gate: {gate.reason}", LogLevel.INFO)
+
+    # --- links and output --------------------------------------------------------------------
+
+    def _link_up(self, t: float, link: LinkName) -> None:
+        self.reports.links[link].opened()
+        self._session(link).link_up(t)
+        self._say(t, link, "port open", LogLevel.INFO)
+
+    def _link_down(self, t: float, link: LinkName, reason: str) -> None:
+        self.reports.links[link].lost(reason)
+        self._session(link).link_down(t)
+        self._say(t, link, reason, LogLevel.ERROR)
+
+    def _session(self, link: LinkName) -> P2osSession | Lms200Session:
+        return self.base if link == "base" else self.laser
+
+    def _say(self, t: float, part: str, words: str, level: LogLevel) -> None:
+        self._publish(self.reports.on_news(t, part, words, level))
+
+    def _publish(self, payloads: list[tuple[str, Payload]]) -> None:
+        self._effects += [Publish(stream, encode(payload)) for stream, payload in payloads]
+
+    def _carry_out(self, link: LinkName, requests: list[Request]) -> None:
+        """Turn a session's requests into effects."""
+        for request in requests:
+            if isinstance(request, Write):
+                self._effects.append(Send(link, request.data))
+            else:
+                self._effects.append(ChangeBaud(link, request.baud))
+
+    def health(self) -> str:
+        """Return "ok", or the first thing that keeps the robot from patrolling."""
+        if self.base.state is not SessionState.READY:
+            return f"base {self.base.state}"
+        if self.laser.state is not LaserState.STREAMING:
+            return f"laser {self.laser.state}"
+        estimate = self.localizer.estimate
+        if estimate is None:
+            return "not localized yet"
+        if estimate.health is not Health.LOCALIZED:
+            return f"localization {estimate.health}"
+        if self.gate_decision is not None and self.gate_decision.reason in STOPPING:
+            return f"gate: {self.gate_decision.reason}"
+        return "ok"

@@ -1,0 +1,155 @@
+"""One robot's configuration: a TOML file over defaults in code, strict at every depth."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any
+
+import msgspec
+import tomli_w
+
+from drivers.lms200.settings import LaserSettings
+from drivers.p2os.settings import BaseSettings
+from localization.settings import LocalizationSettings
+from maps.map_folder import MapFolder, load_map_folder
+from robot_agent.motion.gate import GateSettings
+from robot_agent.motion.heading_loop import HeadingSettings
+from robot_agent.patrol.settings import PatrolSettings
+from robot_agent.perception.settings import PerceptionSettings
+from robot_agent.telemetry import TelemetrySettings
+
+KeyPart = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9_-]+$")]
+
+
+class ConfigError(ValueError):
+    """A configuration that cannot be used; the message names file, key and remedy."""
+
+
+class RobotSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Who this robot is."""
+
+    name: KeyPart = "robot1"
+    team: KeyPart = "team"
+    seed: Annotated[int, msgspec.Meta(ge=0)] = 0
+    """Seed of all the agent's random draws."""
+
+
+class MapSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where the robot patrols."""
+
+    folder: str = "paper_lab"
+    """A map folder, relative to the configuration file, or the name of a shipped map."""
+    border: str = "border"
+    """Which border file of the folder, without ``.toml``."""
+
+
+class StartSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where the robot stands when the agent starts: ``map_from_base`` and how sure that is."""
+
+    x: float
+    """m"""
+    y: float
+    """m"""
+    theta: float
+    """rad"""
+    sigma_xy: Annotated[float, msgspec.Meta(gt=0.0, le=5.0)] = 0.2
+    """Standard deviation of x and of y, m."""
+    sigma_theta: Annotated[float, msgspec.Meta(gt=0.0, le=3.2)] = 0.15
+    """Standard deviation of theta, rad."""
+
+
+class RecorderSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The flight recorder."""
+
+    folder: str = ""
+    """Where recordings go; empty means none is made."""
+
+
+class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Everything one agent can be told."""
+
+    robot: RobotSettings = RobotSettings()
+    map: MapSettings = MapSettings()
+    start: StartSettings | None = None
+    base: BaseSettings = BaseSettings()
+    laser: LaserSettings = LaserSettings()
+    localization: LocalizationSettings = LocalizationSettings()
+    perception: PerceptionSettings = PerceptionSettings()
+    patrol: PatrolSettings = PatrolSettings()
+    heading: HeadingSettings = HeadingSettings()
+    gate: GateSettings = GateSettings()
+    telemetry: TelemetrySettings = TelemetrySettings()
+    recorder: RecorderSettings = RecorderSettings()
+
+
+def load_config(path: Path) -> AgentConfig:
+    """Read a robot's TOML file.
+
+    Raises:
+        ConfigError: the file is missing, is not TOML, or has an unknown key, a wrong type or a
+            value out of range, at any depth.
+    """
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise ConfigError(
+            f"{path}: cannot be read ({error.strerror}); give the path of a robot's TOML file"
+        ) from error
+    return parse_config(content, str(path))
+
+
+def parse_config(content: bytes, source: str) -> AgentConfig:
+    """Decode a configuration; ``source`` names it in errors.
+
+    Raises:
+        ConfigError: as ``load_config``.
+    """
+    try:
+        return msgspec.convert(tomllib.loads(content.decode()), AgentConfig)
+    except msgspec.ValidationError as error:
+        raise ConfigError(_explain(source, str(error))) from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{source}: is not TOML: {error}; correct that line") from error
+
+
+def _explain(source: str, complaint: str) -> str:
+    """Turn msgspec's complaint into «file: key: reason; remedy»."""
+    reason, _, place = complaint.partition(" - at `$")
+    section = place.rstrip("`").lstrip(".")
+    unknown = re.match(r"Object contains unknown field `(.*)`", reason)
+    if unknown:
+        key = ".".join(part for part in (section, unknown[1]) if part)
+        return f"{source}: {key}: unknown key; see `patrol agent --print-config` for the known ones"
+    return (
+        f"{source}: {section or 'top level'}: {reason[:1].lower()}{reason[1:]}; correct the value"
+    )
+
+
+def format_config(config: AgentConfig) -> str:
+    """Return the whole effective configuration as TOML; ``parse_config`` gives it back."""
+    return tomli_w.dumps(_without_none(msgspec.to_builtins(config)))
+
+
+def _without_none(value: Any) -> Any:
+    """Drop what TOML cannot say: an absent key is None again when read."""
+    if isinstance(value, dict):
+        return {key: _without_none(item) for key, item in value.items() if item is not None}
+    return value
+
+
+def load_map(config: AgentConfig, relative_to: Path) -> MapFolder:
+    """Load the configured map: a path from ``relative_to``, else a shipped map of that name.
+
+    Raises:
+        MapError, BorderError: the map or its border cannot be used.
+    """
+    return load_map_folder(find_map(config.map.folder, relative_to), config.map.border)
+
+
+def find_map(folder: str, relative_to: Path) -> Path:
+    """Resolve a map's folder or shipped name to a path (which need not exist)."""
+    shipped = Path(__file__).resolve().parent.parent / "maps" / folder
+    is_name = Path(folder).name == folder
+    return shipped if is_name and shipped.is_dir() else relative_to / folder

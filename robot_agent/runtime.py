@@ -1,0 +1,158 @@
+"""The live side of an agent: real links, real time, threads. The only file of the agent with them.
+
+Reader threads put time-stamped events into one inbox; one consumer hands them to the agent and
+carries out its effects. Recorder and telemetry get copies and can never hold the consumer up.
+"""
+
+from __future__ import annotations
+
+import signal
+import time
+from contextlib import ExitStack
+from queue import Empty, SimpleQueue
+from types import FrameType
+
+from drivers.link import Link
+from robot_agent.agent import Agent
+from robot_agent.effects import ChangeBaud, Effect, Publish, Send
+from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
+from robot_agent.recorder import Recorder
+from robot_agent.telemetry import Telemetry
+
+TICK_S = 0.05
+FAREWELL_S = 0.3
+"""How long the last commands get to leave and take effect before the ports close."""
+
+
+class Clock:
+    """Seconds since the agent's start, monotonic, in whole microseconds."""
+
+    def __init__(self) -> None:
+        self.start_wall_ns = time.time_ns()
+        self.start_monotonic_ns = time.monotonic_ns()
+
+    def __call__(self) -> float:
+        """Return the time now."""
+        return (time.monotonic_ns() - self.start_monotonic_ns) // 1000 / 1e6
+
+
+class LinkInbox:
+    """Puts what one link reports into the inbox (called on the link's thread)."""
+
+    def __init__(self, link: LinkName, inbox: SimpleQueue[Event]) -> None:
+        self._link = link
+        self._inbox = inbox
+
+    def received(self, t: float, data: bytes) -> None:
+        """Take bytes that arrived."""
+        self._inbox.put(BytesReceived(t, self._link, data))
+
+    def link_up(self, t: float) -> None:
+        """Take note that the port was opened."""
+        self._inbox.put(LinkUp(t, self._link))
+
+    def link_down(self, t: float, reason: str) -> None:
+        """Take note that the port was lost or cannot be opened."""
+        self._inbox.put(LinkDown(t, self._link, reason))
+
+
+class Runtime:
+    """Runs one agent until it is told to end."""
+
+    def __init__(
+        self, agent: Agent, clock: Clock, recorder: Recorder | None, telemetry: Telemetry
+    ) -> None:
+        """Wire everything up; nothing is opened before ``run``."""
+        self._agent = agent
+        self._clock = clock
+        self._recorder = recorder
+        self._telemetry = telemetry
+        self._inbox: SimpleQueue[Event] = SimpleQueue()
+        self._links: dict[LinkName, Link] = {
+            "base": self._make_link("base", agent.config.base.url, agent.config.base.baud),
+            "laser": self._make_link("laser", agent.config.laser.url, agent.config.laser.baud),
+        }
+
+    def _make_link(self, name: LinkName, url: str, baud: int) -> Link:
+        return Link(url, baud, LinkInbox(name, self._inbox), self._clock)
+
+    def end(self) -> None:
+        """Ask the agent to stop the robot and end; safe from any thread and signal handler."""
+        self._inbox.put(Shutdown(self._clock()))
+
+    def run(self) -> None:
+        """Serve events until a Shutdown has been handled; the robot is stopped on every way out."""
+        with ExitStack() as stack:
+            stack.callback(self._close_links)
+            for link in self._links.values():
+                link.start()
+            try:
+                self._serve()
+            except BaseException:
+                self._stop_robot()
+                raise
+
+    def _serve(self) -> None:
+        """Handle events as they come, and ticks in between."""
+        next_tick = self._clock()
+        while True:
+            event = self._next_event(next_tick)
+            if isinstance(event, Tick):
+                next_tick = event.t + TICK_S
+            self._handle(event)
+            if isinstance(event, Shutdown):
+                self._say_farewell()
+                return
+
+    def _next_event(self, next_tick: float) -> Event:
+        """Return the next event of the inbox, or a tick when one is due."""
+        wait = next_tick - self._clock()
+        if wait > 0:
+            try:
+                return self._inbox.get(timeout=wait)
+            except Empty:
+                pass
+        return Tick(self._clock())
+
+    def _handle(self, event: Event) -> None:
+        if self._recorder is not None:
+            self._recorder.record_event(event)
+        for effect in self._agent.handle(event):
+            self._carry_out(effect)
+            if self._recorder is not None:
+                self._recorder.record_effect(event.t, effect)
+
+    def _carry_out(self, effect: Effect) -> None:
+        match effect:
+            case Send(link, data):
+                self._links[link].write(data)
+            case ChangeBaud(link, baud):
+                self._links[link].set_baud(baud)
+            case Publish(stream, payload):
+                self._telemetry.publish(stream, payload)
+
+    def _say_farewell(self) -> None:
+        """Keep serving for a moment so that the last commands leave in their due order."""
+        until = self._clock() + FAREWELL_S
+        while (now := self._clock()) < until:
+            self._handle(self._next_event(now + TICK_S))
+
+    def _stop_robot(self) -> None:
+        """Stop the robot after a fault of our own: the sessions may still be sound."""
+        for effect in self._agent.handle(Shutdown(self._clock())):
+            if isinstance(effect, Send):
+                self._links[effect.link].write(effect.data)
+
+    def _close_links(self) -> None:
+        for link in self._links.values():
+            link.close()
+
+
+def end_on_signals(runtime: Runtime) -> None:
+    """Let SIGINT and SIGTERM end the run in good order."""
+
+    def handler(_number: int, _frame: FrameType | None) -> None:
+        runtime.end()
+
+    signal.signal(signal.SIGINT, handler)
+    signal.signal(signal.SIGTERM, handler)

@@ -1,0 +1,156 @@
+"""Many robots in lockstep: emulated devices, the real agents, every byte encoded and decoded."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from maps.map_folder import MapFolder
+from maps.pose import Pose
+from robot_agent.agent import Agent
+from robot_agent.config import AgentConfig, RobotSettings, StartSettings
+from tools.bench.lockstep import LockstepAgent, Observer
+from tools.bench.metrics import RobotRun, bench_figures
+from tools.bench.rig import RobotRig, make_rigs
+from tools.bench.start_poses import free_start_poses
+from tools.bench.world import World
+
+STEP_S = 0.01
+SAMPLE_S = 0.1
+
+
+@dataclass(frozen=True)
+class FleetRobot:
+    """One robot of the fleet: its hardware and its mind."""
+
+    rig: RobotRig
+    lockstep: LockstepAgent
+
+    @property
+    def agent(self) -> Agent:
+        """The robot's agent."""
+        return self.lockstep.agent
+
+
+class Fleet:
+    """A world of robots under a virtual clock."""
+
+    def __init__(
+        self,
+        folder: MapFolder,
+        robots: int,
+        seed: int,
+        config: AgentConfig | None = None,
+        starts: list[Pose] | None = None,
+        observer: Callable[[str, AgentConfig], Observer] | None = None,
+    ) -> None:
+        """Place the robots (at seeded random starts unless given) and power them.
+
+        ``observer`` makes the recorder of the robot of that name.
+        """
+        rng = np.random.default_rng(seed)
+        self.folder = folder
+        self.t = 0.0
+        self.world = World(folder.map, rng)
+        if starts is None:
+            assert folder.border is not None, "random starts lie near a border"
+            starts = free_start_poses(folder.map, folder.border, robots, rng)
+        rigs = make_rigs(self.world, starts, self.t)
+        self.robots = []
+        for number, rig in enumerate(rigs):
+            settings = _configure(config or AgentConfig(), rig, seed * 1000 + number)
+            lockstep = LockstepAgent(
+                Agent(settings, folder),
+                {"base": rig.base, "laser": rig.laser},
+                observer(rig.name, settings) if observer else None,
+            )
+            self.robots.append(FleetRobot(rig, lockstep))
+        for robot in self.robots:
+            robot.lockstep.start(self.t)
+
+    def step(self) -> None:
+        """Let STEP_S pass."""
+        self.t = round(self.t + STEP_S, 6)
+        for robot in self.robots:
+            robot.rig.advance(self.t)
+        for robot in self.robots:
+            robot.lockstep.deliver(self.t)
+
+    def shut_down(self) -> None:
+        """End every agent in good order."""
+        for robot in self.robots:
+            robot.lockstep.shut_down(self.t)
+
+
+def _configure(config: AgentConfig, rig: RobotRig, seed: int) -> AgentConfig:
+    """Give a robot its name, its seed and about where it is."""
+    start = rig.body.pose
+    return msgspec.structs.replace(
+        config,
+        robot=RobotSettings(name=rig.name, team=config.robot.team, seed=seed),
+        start=StartSettings(x=start.x, y=start.y, theta=start.theta),
+    )
+
+
+class FleetLog:
+    """Samples the truth and the decisions of a fleet."""
+
+    def __init__(self, fleet: Fleet) -> None:
+        """Nothing is sampled before the first ``sample``."""
+        self._fleet = fleet
+        self._times: list[float] = []
+        self._rows: dict[str, list[tuple[float, float, str, int]]] = {
+            robot.rig.name: [] for robot in fleet.robots
+        }
+
+    def sample(self) -> None:
+        """Take down where every robot truly is and what it has decided."""
+        self._times.append(self._fleet.t)
+        for robot in self._fleet.robots:
+            decision = robot.agent.decision
+            action, direction = (str(decision.action), decision.direction) if decision else ("", 0)
+            pose = robot.rig.body.pose
+            self._rows[robot.rig.name].append((pose.x, pose.y, action, direction))
+
+    def runs(self) -> list[RobotRun]:
+        """Return what was sampled, one run per robot."""
+        t = np.array(self._times)
+        return [
+            RobotRun(
+                name=name,
+                t=t,
+                position=np.array([row[:2] for row in rows]).reshape(-1, 2),
+                action=[row[2] for row in rows],
+                direction=np.array([row[3] for row in rows], dtype=np.int8),
+            )
+            for name, rows in self._rows.items()
+        ]
+
+
+def run_bench(
+    fleet: Fleet, duration: float, progress: Callable[[float], None] = lambda _: None
+) -> dict[str, Any]:
+    """Run a fleet for a duration (s, virtual) and return the figures of ``bench --json``."""
+    started = time.perf_counter()
+    log = FleetLog(fleet)
+    next_sample = fleet.t
+    while fleet.t < duration:
+        fleet.step()
+        if fleet.t >= next_sample:
+            log.sample()
+            next_sample += SAMPLE_S
+            progress(fleet.t)
+    fleet.shut_down()
+    assert fleet.folder.border is not None
+    return {
+        "robots": len(fleet.robots),
+        "duration_s": duration,
+        "wall_s": time.perf_counter() - started,
+        **bench_figures(fleet.folder.border, log.runs(), fleet.world.contacts),
+        "gate_stops": sum(robot.agent.gate_stops for robot in fleet.robots),
+    }

@@ -1,0 +1,107 @@
+"""An agent wired to two emulated devices under a virtual clock, byte for byte."""
+
+from __future__ import annotations
+
+from heapq import merge
+from typing import Protocol
+
+from drivers.emulated_port import EmulatedDevice, garbled
+from robot_agent.agent import Agent
+from robot_agent.effects import ChangeBaud, Effect, Send
+from robot_agent.events import BytesReceived, Event, LinkName, LinkUp, Shutdown, Tick
+
+TICK_S = 0.05
+BITS_PER_BYTE = 10
+
+
+class Observer(Protocol):
+    """Sees every event and effect in order, as the live recorder does."""
+
+    def record_event(self, event: Event) -> None:
+        """Take an event before it is handled."""
+
+    def record_effect(self, t: float, effect: Effect) -> None:
+        """Take an effect of the event at t."""
+
+
+class LockstepAgent:
+    """Delivers the devices' bytes to the agent at their wire times, and its bytes to them."""
+
+    def __init__(
+        self,
+        agent: Agent,
+        devices: dict[LinkName, EmulatedDevice],
+        observer: Observer | None = None,
+    ) -> None:
+        """Nothing is delivered before ``start``."""
+        self.agent = agent
+        self._devices = devices
+        self._observer = observer
+        self._local_baud: dict[LinkName, int] = {
+            "base": agent.config.base.baud,
+            "laser": agent.config.laser.baud,
+        }
+        self._next_tick = 0.0
+
+    def start(self, t: float) -> None:
+        """Open both links."""
+        self._next_tick = t + TICK_S
+        for link in self._devices:
+            self._handle(LinkUp(round(t, 6), link))
+
+    def deliver(self, t: float) -> None:
+        """Deliver everything that reached the agent by t, and the ticks due by then, in order."""
+        arrivals = merge(*(self._arrivals(link, t) for link in self._devices), key=_time)
+        for event in arrivals:
+            self._tick_until(event.t)
+            self._handle(event)
+        self._tick_until(t)
+
+    def shut_down(self, t: float) -> None:
+        """End the agent as SIGTERM does."""
+        self._handle(Shutdown(round(t, 6)))
+
+    def _arrivals(self, link: LinkName, t: float) -> list[BytesReceived]:
+        """Return what the line delivered by t, garbled where the rates differ."""
+        device = self._devices[link]
+        arrivals: list[BytesReceived] = []
+        while True:
+            baud = device.baud  # a device may change its rate after a reply
+            chunks = device.take_output(t)
+            if not chunks:
+                return arrivals
+            for chunk in chunks:
+                data = self._over_line(link, chunk.data, baud)
+                arrivals.append(BytesReceived(round(chunk.t, 6), link, data))
+
+    def _over_line(self, link: LinkName, data: bytes, device_baud: int) -> bytes:
+        return data if device_baud == self._local_baud[link] else garbled(data)
+
+    def _tick_until(self, t: float) -> None:
+        while self._next_tick <= t:
+            self._handle(Tick(round(self._next_tick, 6)))
+            self._next_tick += TICK_S
+
+    def _handle(self, event: Event) -> None:
+        if self._observer is not None:
+            self._observer.record_event(event)
+        for effect in self.agent.handle(event):
+            if self._observer is not None:
+                self._observer.record_effect(event.t, effect)
+            self._carry_out(event.t, effect)
+
+    def _carry_out(self, t: float, effect: Effect) -> None:
+        match effect:
+            case Send(link, data):
+                self._send(t, link, data)
+            case ChangeBaud(link, baud):
+                self._local_baud[link] = baud
+
+    def _send(self, t: float, link: LinkName, data: bytes) -> None:
+        device = self._devices[link]
+        wire_time = len(data) * BITS_PER_BYTE / self._local_baud[link]
+        device.feed(self._over_line(link, data, device.baud), t + wire_time)
+
+
+def _time(event: BytesReceived) -> float:
+    return event.t

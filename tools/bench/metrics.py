@@ -1,0 +1,228 @@
+"""Figures of a run, from the simulator's true positions and the agents' decisions.
+
+Definitions of idleness follow patrolling_sim: a point of the border is visited when a robot is
+within ``VISIT_RADIUS`` of it; the gaps between visits are its idleness.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maps.border import Border
+from robot_agent.patrol.actions import PATROLLING, Action
+
+ARRIVED_M = 0.10
+MEETING_M = 2.5
+VISIT_RADIUS = 0.25
+BORDER_STEP = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class RobotRun:
+    """One robot's run: true positions with the decision in force, all arrays of length n."""
+
+    name: str
+    t: NDArray[np.float64]
+    """Time, s, common to all robots of the run."""
+    position: NDArray[np.float64]
+    """True base position in ``map``, shape (n, 2), m."""
+    action: Sequence[str]
+    """Action in force, empty before the first decision."""
+    direction: NDArray[np.int8]
+    """Patrol direction in force: +1 clockwise, -1 counter-clockwise."""
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Two robots within sight of each other, from coming near to parting."""
+
+    t: float
+    robots: tuple[str, str]
+    actions: tuple[str, str]
+    """What each did at their closest approach's decision: the strongest reaction of each."""
+    directions_after: tuple[int, int]
+    closest_m: float
+    parted: bool
+    """False when the run ended before they were apart."""
+
+    @property
+    def outcome(self) -> str:
+        """How the meeting ended, in words."""
+        if not self.parted:
+            return "still together"
+        if Action.AVOID_TEAMMATE in self.actions:
+            return "avoided"
+        if set(self.actions) == {Action.PATROL_CLOCKWISE, Action.PATROL_COUNTER_CLOCKWISE}:
+            return "turned back"
+        return "passed by"
+
+
+def distance_from_border(border: Border, run: RobotRun) -> NDArray[np.float64]:
+    """True distance from the border at each time, shape (n,), m."""
+    return border.project_many(run.position)[1]
+
+
+def arrival_index(distance: NDArray[np.float64]) -> int | None:
+    """Index of the first time within ``ARRIVED_M`` of the border; None if never."""
+    arrived = np.flatnonzero(distance <= ARRIVED_M)
+    return int(arrived[0]) if arrived.size else None
+
+
+def patrolling_distances(border: Border, run: RobotRun) -> NDArray[np.float64]:
+    """Distances from the border after first arrival while a patrol action is in force."""
+    distance = distance_from_border(border, run)
+    start = arrival_index(distance)
+    if start is None:
+        return np.empty(0)
+    patrolling = np.isin(np.asarray(run.action), sorted(PATROLLING))
+    patrolling[:start] = False
+    return distance[patrolling]
+
+
+def reach_time(border: Border, run: RobotRun) -> float | None:
+    """Seconds from the run's start to the first arrival at the border; None if never."""
+    index = arrival_index(distance_from_border(border, run))
+    return None if index is None else float(run.t[index] - run.t[0])
+
+
+def spread(values: NDArray[np.float64]) -> dict[str, float | None]:
+    """Median, p95, p99 and maximum; None where there are no values."""
+    if not values.size:
+        return {"median": None, "p95": None, "p99": None, "max": None}
+    median, p95, p99 = np.percentile(values, (50, 95, 99))
+    return {
+        "median": float(median),
+        "p95": float(p95),
+        "p99": float(p99),
+        "max": float(values.max()),
+    }
+
+
+def action_share(runs: Sequence[RobotRun]) -> dict[str, float]:
+    """Share of the time spent in each action, over all robots."""
+    names = [name for run in runs for name in run.action if name]
+    return {str(action): names.count(action) / len(names) if names else 0.0 for action in Action}
+
+
+def longest_avoid(runs: Sequence[RobotRun]) -> float:
+    """Longest uninterrupted Avoid Teammate of any robot, s."""
+    longest = 0.0
+    for run in runs:
+        started: float | None = None
+        for t, action in zip(run.t, run.action, strict=True):
+            if action != Action.AVOID_TEAMMATE:
+                started = None
+                continue
+            started = float(t) if started is None else started
+            longest = max(longest, float(t) - started)
+    return longest
+
+
+def closest_approach(runs: Sequence[RobotRun]) -> float | None:
+    """Smallest distance between two robots' centres, m; None with fewer than two robots."""
+    distances = [
+        float(np.hypot(*(a.position - b.position).T).min()) for a, b in combinations(runs, 2)
+    ]
+    return min(distances, default=None)
+
+
+def meetings(runs: Sequence[RobotRun]) -> list[Meeting]:
+    """All meetings of a run, in order of time."""
+    found = [meeting for a, b in combinations(runs, 2) for meeting in _meetings_of(a, b)]
+    return sorted(found, key=lambda meeting: meeting.t)
+
+
+def _meetings_of(a: RobotRun, b: RobotRun) -> list[Meeting]:
+    distance = np.hypot(*(a.position - b.position).T)
+    near = np.concatenate(([False], distance < MEETING_M, [False]))
+    starts = np.flatnonzero(near[1:] & ~near[:-1])
+    ends = np.flatnonzero(near[:-1] & ~near[1:])
+    found = []
+    for start, end in zip(starts.tolist(), ends.tolist(), strict=True):
+        actions = (_reaction(a, start, end), _reaction(b, start, end))
+        if actions == (Action.KEEP_GOING, Action.KEEP_GOING):
+            continue  # both saw nothing that mattered: one follows the other at a distance
+        last = min(end, distance.size - 1)
+        found.append(
+            Meeting(
+                t=float(a.t[start]),
+                robots=(a.name, b.name),
+                actions=actions,
+                directions_after=(int(a.direction[last]), int(b.direction[last])),
+                closest_m=float(distance[start:end].min()),
+                parted=bool(end < distance.size),
+            )
+        )
+    return found
+
+
+def _reaction(run: RobotRun, start: int, end: int) -> str:
+    """Return the strongest reaction within an interval: avoid, turn, or whatever was done."""
+    done = run.action[start:end]
+    for action in (Action.AVOID_TEAMMATE, Action.PATROL_CLOCKWISE, Action.PATROL_COUNTER_CLOCKWISE):
+        if action in done:
+            return action
+    return done[-1]
+
+
+def idleness(border: Border, runs: Sequence[RobotRun]) -> dict[str, float | None]:
+    """Average over border points of the mean gap between visits, and the largest gap, s.
+
+    Gaps count from the time the last robot arrived at the border to the end of the run.
+    """
+    arrivals = [arrival_index(distance_from_border(border, run)) for run in runs]
+    reached = [index for index in arrivals if index is not None]
+    if not reached:
+        return {"average": None, "worst": None}
+    start = max(reached)
+    t = runs[0].t
+    visits = _visits(border, runs, start)
+    gap_means, worst = [], 0.0
+    for column in visits.T:
+        times = np.concatenate(([t[start]], t[start:][column], [t[-1]]))
+        gaps = np.diff(times)
+        gaps = gaps[gaps > float(np.median(np.diff(t))) * 1.5]
+        worst = max(worst, float(gaps.max(initial=0.0)))
+        gap_means.append(float(gaps.mean()) if gaps.size else 0.0)
+    return {"average": float(np.mean(gap_means)), "worst": worst}
+
+
+def _visits(border: Border, runs: Sequence[RobotRun], start: int) -> NDArray[np.bool_]:
+    """Return which border points (columns, every BORDER_STEP) are visited when (rows)."""
+    points = border.polyline(BORDER_STEP)
+    visited = np.zeros((runs[0].t.size - start, len(points)), dtype=bool)
+    for run in runs:
+        offset = run.position[start:, None, :] - points[None, :, :]
+        visited |= (offset**2).sum(axis=2) <= VISIT_RADIUS**2
+    return visited
+
+
+def bench_figures(border: Border, runs: Sequence[RobotRun], contacts: int) -> dict[str, Any]:
+    """Return the figures of a run that need only true positions and actions."""
+    return {
+        "contacts": contacts,
+        "closest_m": closest_approach(runs),
+        "border_distance_m": spread(
+            np.concatenate([patrolling_distances(border, run) for run in runs])
+        ),
+        "reach_s": [reach_time(border, run) for run in runs],
+        "meetings": [
+            {
+                "t": meeting.t,
+                "robots": list(meeting.robots),
+                "actions": list(meeting.actions),
+                "closest_m": meeting.closest_m,
+                "outcome": meeting.outcome,
+            }
+            for meeting in meetings(runs)
+        ],
+        "idleness_s": idleness(border, runs),
+        "action_share": action_share(runs),
+        "longest_avoid_s": longest_avoid(runs),
+    }

@@ -1,0 +1,91 @@
+"""Start poses for simulated teams: off the border, with a free way to it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maps.border import Border
+from maps.occupancy_map import FREE, OccupancyMap
+from maps.pose import Pose
+
+_CLEAR = 0.5  # m from every wall
+_WAY_CLEAR = 0.4  # m from every wall on the straight way to the border
+_FROM_BORDER = (1.0, 3.0)  # m
+_APART = 3.0  # m between any two
+_CANDIDATES = 3000  # cells looked at
+_ORDERS = 30  # in which they are tried, before giving up
+
+
+class StartPoseError(ValueError):
+    """A map has no room for so many robots; the message says for how many."""
+
+
+def free_start_poses(
+    occupancy: OccupancyMap, border: Border, count: int, rng: np.random.Generator
+) -> list[Pose]:
+    """Return ``count`` poses (map_from_base) with random headings.
+
+    Each is at least 0.5 m clear of walls, 1 to 3 m from the border, with a straight way to the
+    border's closest point that stays 0.4 m clear, and more than 3 m from the others.
+
+    Raises StartPoseError if the map has no room for them.
+    """
+    # Clearance of what is not known to be free counts as none.
+    clearance = np.where(
+        occupancy.cells == FREE, occupancy.distance_field() - occupancy.resolution / 2, 0.0
+    )
+    points = _points_near_border(occupancy, clearance, border, rng)
+    most = 0
+    for _ in range(_ORDERS):
+        chosen: list[NDArray[np.float64]] = []
+        for point in points[rng.permutation(len(points))]:
+            if all(np.hypot(*(point - other)) > _APART for other in chosen) and _way_is_free(
+                occupancy, clearance, border, point
+            ):
+                chosen.append(point)
+                if len(chosen) == count:
+                    return [_turned_at_random(place, rng) for place in chosen]
+        most = max(most, len(chosen))
+    raise StartPoseError(
+        f"no room for {count} robots, found places for {most} "
+        f"({_FROM_BORDER[0]:g} to {_FROM_BORDER[1]:g} m from the border, {_APART:g} m apart): "
+        "use fewer robots or a larger map"
+    )
+
+
+def _turned_at_random(place: NDArray[np.float64], rng: np.random.Generator) -> Pose:
+    """Return a pose at a place with a random heading."""
+    return Pose(float(place[0]), float(place[1]), rng.uniform(-math.pi, math.pi))
+
+
+def _points_near_border(
+    occupancy: OccupancyMap,
+    clearance: NDArray[np.float64],
+    border: Border,
+    rng: np.random.Generator,
+) -> NDArray[np.float64]:
+    """Return centres (n, 2), map frame, of clear cells at the right distance from the border."""
+    cells = np.argwhere(clearance >= _CLEAR)[:, ::-1]
+    points = (cells + 0.5) * occupancy.resolution + (occupancy.origin.x, occupancy.origin.y)
+    _, distances = border.project_many(points)
+    near = points[(distances >= _FROM_BORDER[0]) & (distances <= _FROM_BORDER[1])]
+    return np.asarray(near[rng.permutation(len(near))[:_CANDIDATES]])
+
+
+def _way_is_free(
+    occupancy: OccupancyMap,
+    clearance: NDArray[np.float64],
+    border: Border,
+    point: NDArray[np.float64],
+) -> bool:
+    """Return whether the straight way from a point to the border stays clear of walls."""
+    foot = border.project(float(point[0]), float(point[1]))
+    steps = math.ceil(foot.distance / occupancy.resolution) + 1
+    way = np.linspace(point, (foot.x, foot.y), steps)
+    rows, cols = occupancy.cells_at(way)
+    if not occupancy.inside(rows, cols).all():
+        return False
+    return bool(clearance[rows, cols].min() >= _WAY_CLEAR)

@@ -1,0 +1,284 @@
+"""The simulated world: a map, the robots in it, what their wheels and sensors make of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from drivers.p2os.model import SonarMount
+from maps.occupancy_map import OCCUPIED, OccupancyMap
+from maps.pose import Pose
+from tools.bench.raycast import RayCaster, cast_bodies
+from tools.bench.robot_body import Outline, RobotBody, bumper_masks, meeting_points, overlap
+from tools.bench.world_noise import WorldNoise
+
+TOUCH = 0.005  # m; nearer than this is touching
+_PART = 0.02  # m; a contact is over when the two are farther apart than this
+_SONAR_HALF_CONE = math.radians(15.0)
+_SONAR_RANGE = 5.0  # m; also told when there is no echo
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """What came of a robot's wheel motion, and what it feels.
+
+    odometer_distance, odometer_rotation: what its encoders counted, m and rad. blocked: something
+    was in its way. front_bumpers, rear_bumpers: bit masks of the segments pressed. touching: it
+    touches a wall or another robot, anywhere on its outline.
+    """
+
+    odometer_distance: float
+    odometer_rotation: float
+    blocked: bool
+    front_bumpers: int
+    rear_bumpers: int
+    touching: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """Two bodies, or a body and a wall (other is None), came to touch; bodies by index."""
+
+    body: int
+    other: int | None
+
+
+@dataclass(slots=True, eq=False)
+class World:
+    """Everything true in a simulation; deterministic under a seeded generator.
+
+    contact_log: all contacts so far, each noted once from touching to parting.
+    """
+
+    occupancy: OccupancyMap
+    rng: np.random.Generator
+    noise: WorldNoise = field(default_factory=WorldNoise)
+    laser_max_range: float = 32.0  # m
+    bodies: list[RobotBody] = field(default_factory=list)
+    contact_log: list[Contact] = field(default_factory=list)
+    _caster: RayCaster = field(init=False)
+    _wall_distance: NDArray[np.float64] = field(init=False)
+    _in_touch: set[Contact] = field(init=False, default_factory=set)
+
+    def __post_init__(self) -> None:
+        self._caster = RayCaster(self.occupancy)
+        self._wall_distance = _distance_to_walls_and_rim(self.occupancy)
+
+    @property
+    def contacts(self) -> int:
+        """How many contacts there were so far."""
+        return len(self.contact_log)
+
+    def add_body(self, pose: Pose, outline: Outline | None = None) -> RobotBody:
+        """Put a robot at a true pose (map_from_base); its odometer's scale errors are drawn here.
+
+        Raises ValueError if it would stand in a wall or in another robot.
+        """
+        left, right = (1.0 + self.rng.normal(0.0, self.noise.wheel_scale, 2)).tolist()
+        body = RobotBody(len(self.bodies), pose, outline or Outline(), (left, right))
+        if self._blocked(body, pose):
+            raise ValueError(
+                f"robot {body.index} at ({pose.x:.2f}, {pose.y:.2f}) stands in a wall or in "
+                "another robot: choose another start pose"
+            )
+        self.bodies.append(body)
+        return body
+
+    def move(self, body: RobotBody, distance: float, rotation: float) -> Motion:
+        """Turn a robot's wheels by a motion of distance, m, and rotation, rad.
+
+        Call it for every small step (0.1 s or less), also with 0, 0: what is touched may have
+        moved by itself. A blocked robot goes as far as it can, and its wheels stop there.
+        """
+        slipped = self._slip(distance, rotation)
+        share = self._free_share(body, *slipped)
+        body.pose = _moved(body.pose, slipped[0] * share, slipped[1] * share)
+        touched = self._touched(body)
+        front, rear = bumper_masks(touched, body.outline) if len(touched) else (0, 0)
+        counted = self._odometer(body, distance * share, rotation * share)
+        return Motion(*counted, share < 1.0, front, rear, touching=len(touched) > 0)
+
+    def scan(
+        self,
+        body: RobotBody,
+        pose: Pose,
+        n: int,
+        increment: float,
+        mount: tuple[float, float, float],
+    ) -> NDArray[np.float64]:
+        """Return (n,) laser ranges, m; inf where no return.
+
+        pose: true map_from_base at the time of the scan, which may lie between two moves. Beams
+        are symmetric about the laser's axis, the first one right-most, increment rad apart.
+        mount: the laser's (x, y, theta) in base_link, m and rad.
+        """
+        laser = pose.compose(Pose(*mount))
+        beams = np.arange(n, dtype=np.float64)
+        angles = laser.theta + (beams - (n - 1) / 2) * increment
+        ranges = self._cast(body, laser.x, laser.y, angles, self.laser_max_range)
+        ranges += self.rng.normal(0.0, self.noise.laser_range, n)
+        ranges[self.rng.random(n) < self.noise.laser_dropouts] = np.inf
+        ranges[ranges > self.laser_max_range] = np.inf
+        return np.asarray(np.maximum(ranges, 0.0))
+
+    def sonar(self, body: RobotBody, ring: Sequence[SonarMount]) -> list[float]:
+        """Return each transducer's range, m: the nearest of three rays over its cone, 5 m at most.
+
+        Taken from the body's present pose.
+        """
+        mounts = np.array([(mount.x, mount.y, math.radians(mount.heading_deg)) for mount in ring])
+        c, s = math.cos(body.pose.theta), math.sin(body.pose.theta)
+        x = body.pose.x + c * mounts[:, 0] - s * mounts[:, 1]
+        y = body.pose.y + s * mounts[:, 0] + c * mounts[:, 1]
+        cone = np.array((-_SONAR_HALF_CONE, 0.0, _SONAR_HALF_CONE))
+        angles = (body.pose.theta + mounts[:, 2, None] + cone).ravel()
+        rays = self._cast(body, x.repeat(3), y.repeat(3), angles, _SONAR_RANGE)
+        echoes = rays.reshape(-1, 3).min(axis=1)
+        echoes += self.rng.normal(0.0, self.noise.sonar_range, len(echoes))
+        clipped: list[float] = np.clip(echoes, 0.0, _SONAR_RANGE).tolist()
+        return clipped
+
+    def _cast(
+        self,
+        body: RobotBody,
+        x: ArrayLike,
+        y: ArrayLike,
+        angles: NDArray[np.float64],
+        max_range: float,
+    ) -> NDArray[np.float64]:
+        """Return (n,) ranges to walls and to the other robots."""
+        ranges = self._caster.cast(x, y, angles, max_range)
+        others = np.array([other.rectangle() for other in self.bodies if other is not body])
+        return np.minimum(ranges, cast_bodies(x, y, angles, others, max_range))
+
+    def _slip(self, distance: float, rotation: float) -> tuple[float, float]:
+        """Return the motion of a free body whose wheels turn by this much."""
+        noise = self.noise
+        along, turning, veering = self.rng.normal(0.0, 1.0, 3).tolist()
+        return (
+            distance + along * noise.slip_distance * math.sqrt(abs(distance)),
+            rotation
+            + turning * noise.slip_rotation * math.sqrt(abs(rotation))
+            + veering * noise.slip_heading * math.sqrt(abs(distance)),
+        )
+
+    def _odometer(self, body: RobotBody, distance: float, rotation: float) -> tuple[float, float]:
+        """Return the distance and rotation that the encoders counted for a wheel motion."""
+        half_track = body.outline.track / 2
+        wheels = np.array((distance - rotation * half_track, distance + rotation * half_track))
+        counted = wheels * body.wheel_scales + self.noise.odometer * np.sqrt(
+            np.abs(wheels)
+        ) * self.rng.normal(0.0, 1.0, 2)
+        left, right = counted.tolist()
+        return (left + right) / 2, (right - left) / (2 * half_track)
+
+    def _free_share(self, body: RobotBody, distance: float, rotation: float) -> float:
+        """Return the share of a motion that can be done before something is in the way."""
+        if not self._blocked(body, _moved(body.pose, distance, rotation)):
+            return 1.0
+        free, blocked = 0.0, 1.0
+        for _ in range(7):
+            middle = (free + blocked) / 2
+            if self._blocked(body, _moved(body.pose, distance * middle, rotation * middle)):
+                blocked = middle
+            else:
+                free = middle
+        return free
+
+    def _blocked(self, body: RobotBody, pose: Pose) -> bool:
+        """Return whether the body at a pose would overlap a wall or another robot."""
+        return bool(self._wall_points(body, pose, 0.0).size) or any(
+            overlap(body.rectangle(pose), other.rectangle())
+            for other in self._neighbours(body, pose, 0.0)
+        )
+
+    def _touched(self, body: RobotBody) -> NDArray[np.float64]:
+        """Return the points (n, 2), base_link, at which a body is touched; count new contacts."""
+        points = []
+        near = self._wall_points(body, body.pose, _PART).size > 0
+        walls = self._wall_points(body, body.pose, TOUCH) if near else np.empty((0, 2))
+        if walls.size:
+            points.append(walls)
+        self._note(Contact(body.index, None), touching=walls.size > 0, near=near)
+        rectangle = body.rectangle()
+        for other in self.bodies:
+            if other is body:
+                continue
+            touching = overlap(rectangle, other.rectangle(margin=TOUCH))
+            if touching:
+                points.append(meeting_points(body, other, 2 * TOUCH))
+            self._note(
+                Contact(min(body.index, other.index), max(body.index, other.index)),
+                touching=touching,
+                near=overlap(rectangle, other.rectangle(margin=_PART)),
+            )
+        return np.concatenate(points) if points else np.empty((0, 2))
+
+    def _note(self, contact: Contact, *, touching: bool, near: bool) -> None:
+        """Count a contact as it begins; forget it as the two part."""
+        if touching and contact not in self._in_touch:
+            self._in_touch.add(contact)
+            self.contact_log.append(contact)
+        elif not near:
+            self._in_touch.discard(contact)
+
+    def _wall_points(self, body: RobotBody, pose: Pose, margin: float) -> NDArray[np.float64]:
+        """Return the points (n, 2), base_link, of an outline grown by a margin that lie in walls.
+
+        The way out of the map is a wall too.
+        """
+        if self._clearance(pose) > body.outline.reach + 2 * margin:
+            return np.empty((0, 2))  # the usual case
+        outline = body.outline
+        grown = Outline(outline.front + margin, outline.rear + margin, outline.half_width + margin)
+        points = grown.perimeter(self.occupancy.resolution / 2)
+        c, s = math.cos(pose.theta), math.sin(pose.theta)
+        in_map = points @ np.array(((c, s), (-s, c))) + (pose.x, pose.y)
+        rows, cols = self.occupancy.cells_at(in_map)
+        inside = self.occupancy.inside(rows, cols)
+        in_wall = ~inside
+        in_wall[inside] = self.occupancy.cells[rows[inside], cols[inside]] == OCCUPIED
+        return points[in_wall]
+
+    def _clearance(self, pose: Pose) -> float:
+        """Return a distance, m, within which there is no wall, 0 outside the map."""
+        resolution, origin = self.occupancy.resolution, self.occupancy.origin
+        row = math.floor((pose.y - origin.y) / resolution)
+        col = math.floor((pose.x - origin.x) / resolution)
+        rows, cols = self._wall_distance.shape
+        if not (0 <= row < rows and 0 <= col < cols):
+            return 0.0
+        # Half a cell's diagonal for the wall's cell, and for our own.
+        return float(self._wall_distance[row, col]) - math.sqrt(2.0) * resolution
+
+    def _neighbours(self, body: RobotBody, pose: Pose, margin: float) -> list[RobotBody]:
+        """Return the other robots near enough to be met at a pose."""
+        return [
+            other
+            for other in self.bodies
+            if other is not body
+            and math.hypot(other.pose.x - pose.x, other.pose.y - pose.y)
+            <= body.outline.reach + other.outline.reach + 2 * margin
+        ]
+
+
+def _distance_to_walls_and_rim(occupancy: OccupancyMap) -> NDArray[np.float64]:
+    """Return (rows, cols) distances, m, to the nearest wall's cell or to the edge of the map."""
+    rows, cols = occupancy.cells.shape
+    row, col = np.arange(rows)[:, None], np.arange(cols)[None, :]
+    rim = np.minimum(np.minimum(row, rows - 1 - row), np.minimum(col, cols - 1 - col))
+    return np.asarray(np.minimum(occupancy.distance_field(), rim * occupancy.resolution))
+
+
+def _moved(pose: Pose, distance: float, rotation: float) -> Pose:
+    """Return a pose after an arc, taken along its chord."""
+    half = rotation / 2
+    chord = distance * (math.sin(half) / half if half else 1.0)
+    heading = pose.theta + half
+    return Pose(
+        pose.x + chord * math.cos(heading), pose.y + chord * math.sin(heading), pose.theta
+    ).compose(Pose(0.0, 0.0, rotation))

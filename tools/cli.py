@@ -1,0 +1,79 @@
+"""The ``patrol`` command: one entry point, one module per subcommand.
+
+Exit status: 0 ok, 1 failed, 2 wrong usage, 130 interrupted. Data goes to standard output, messages
+to standard error.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import sys
+from importlib.metadata import version
+from types import ModuleType
+
+ROOMS = ("drivers", "maps", "localization", "robot_agent", "tools")
+
+# Each is a module of tools.commands with configure(parser) and run(options) -> exit status. It is
+# imported when used: the agent must start without the operator's or the bench's libraries.
+COMMANDS = {
+    "agent": "run one robot: the onboard process",
+    "demo": "emulated robots on pseudo-terminals, one agent process each",
+    "bench": "emulated robots in lockstep, faster than real time",
+    "monitor": "watch the team: the operator's side",
+    "map": "build, draw, show and check maps",
+    "convert": "turn a CARMEN log into a recording of real device bytes",
+    "localize": "run localization alone on a log or recording",
+    "replay": "feed a recording to the agent again",
+    "test": "check the code and run all tests that need no hardware",
+    "benchmark": "measure the figures every change keeps",
+}
+
+
+def make_parser(command: str | None) -> argparse.ArgumentParser:
+    """Build the parser; only the chosen subcommand is imported and has its options."""
+    parser = argparse.ArgumentParser(prog="patrol", description=__doc__)
+    parser.add_argument("--version", action="version", version=version("border-patrol"))
+    subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    for name, summary in COMMANDS.items():
+        subparser = subparsers.add_parser(
+            name,
+            help=summary,
+            description=summary,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+        if name == command:
+            load_command(name).configure(subparser)
+    return parser
+
+
+def load_command(name: str) -> ModuleType:
+    """Import a subcommand's module."""
+    return importlib.import_module(f"tools.commands.{name}")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run one subcommand and return its exit status."""
+    # Our matrices are small: more BLAS threads only cost, and make sums depend on the machine.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    words = sys.argv[1:] if arguments is None else arguments
+    command = next((word for word in words if not word.startswith("-")), None)
+    options = make_parser(command).parse_args(words)
+    try:
+        status: int = load_command(options.command).run(options)
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:
+        sys.stderr.close()  # the reader of our output has gone; nobody is left to tell
+        return 1
+    except ValueError as error:
+        if type(error).__module__.split(".")[0] not in ROOMS:
+            raise  # only our own error classes are about input; any other is a fault of ours
+        print(f"patrol {options.command}: {error}", file=sys.stderr)
+        return 1
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""One module per ``patrol`` subcommand: its options, and what it calls."""

@@ -1,0 +1,84 @@
+"""``patrol agent ROBOT.toml``: the onboard process."""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import sys
+from contextlib import ExitStack
+from importlib.metadata import version
+from pathlib import Path
+
+import cv2
+
+from maps.map_folder import MapFolder
+from robot_agent.agent import Agent
+from robot_agent.config import AgentConfig, ConfigError, format_config, load_config, load_map
+from robot_agent.recorder import Recorder, RunHeader
+from robot_agent.runtime import Clock, Runtime, end_on_signals
+from robot_agent.telemetry import Telemetry
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = "example: patrol agent robot1.toml --record run.mcap"
+    parser.add_argument("config", type=Path, metavar="ROBOT.toml", help="the robot's configuration")
+    parser.add_argument("--record", type=Path, metavar="REC.mcap", help="record to this file")
+    parser.add_argument(
+        "--print-config", action="store_true", help="print the effective configuration and end"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run one robot until SIGINT or SIGTERM."""
+    config = load_config(options.config)
+    if options.print_config:
+        print(format_config(config), end="")
+        return 0
+    folder = load_map(config, options.config.parent)
+    if folder.border is None:
+        raise ConfigError(
+            f"{options.config}: map.folder: {folder.name} has no border.toml to patrol; add one"
+        )
+    cv2.setNumThreads(1)
+    clock = Clock()
+    with ExitStack() as stack:
+        recorder = make_recorder(options.record or recording_path(config), config, folder, clock)
+        if recorder is not None:
+            stack.callback(recorder.close)
+        telemetry = Telemetry(config.telemetry, robot=config.robot.name, team=config.robot.team)
+        stack.callback(telemetry.close)
+        runtime = Runtime(Agent(config, folder, clock.start_wall_ns), clock, recorder, telemetry)
+        end_on_signals(runtime)
+        print(f"patrol agent: {config.robot.name} started", file=sys.stderr, flush=True)
+        runtime.run()
+    print(f"patrol agent: {config.robot.name} ended", file=sys.stderr)
+    return 0
+
+
+def recording_path(config: AgentConfig) -> Path | None:
+    """Return where the configuration wants this run recorded; None if nowhere."""
+    if not config.recorder.folder:
+        return None
+    stamp = datetime.datetime.now(datetime.UTC).strftime("%Y%m%dT%H%M%SZ")
+    return Path(config.recorder.folder) / f"{config.robot.name}-{stamp}.mcap"
+
+
+def make_recorder(
+    path: Path | None, config: AgentConfig, folder: MapFolder, clock: Clock
+) -> Recorder | None:
+    """Start the recorder of a run that shall be recorded."""
+    if path is None:
+        return None
+    header = RunHeader(
+        robot=config.robot.name,
+        team=config.robot.team,
+        seed=config.robot.seed,
+        software_version=version("border-patrol"),
+        start_wall_ns=clock.start_wall_ns,
+        start_monotonic_ns=clock.start_monotonic_ns,
+        configuration=format_config(config).encode(),
+        map_files=folder.files,
+    )
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return Recorder(path, header)

@@ -1,0 +1,39 @@
+"""``patrol bench``: emulated robots in lockstep, every byte encoded and decoded."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from maps.border import BorderError
+from maps.map_folder import load_map_folder
+from robot_agent.config import find_map
+from tools.bench.fleet import Fleet, run_bench
+from tools.progress import Progress
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = "example: patrol bench --robots 3 --duration 600 --json out.json"
+    parser.add_argument("--robots", type=int, default=3, metavar="N")
+    parser.add_argument("--map", default="paper_lab", metavar="DIR", help="map folder or name")
+    parser.add_argument("--border", default="border", metavar="NAME", help="border file of the map")
+    parser.add_argument("--duration", type=float, default=300.0, metavar="S", help="simulated time")
+    parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument("--json", type=Path, metavar="OUT", help="write the figures to this file")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run one bench; print its figures as JSON."""
+    path = find_map(options.map, Path.cwd())
+    folder = load_map_folder(path, options.border)
+    if folder.border is None:
+        raise BorderError(f"{path}: has no border.toml to patrol; add one")
+    with Progress("bench", options.duration, "s") as progress:
+        figures = run_bench(Fleet(folder, options.robots, options.seed), options.duration, progress)
+    text = json.dumps(figures, indent=2)
+    if options.json:
+        options.json.write_text(text + "\n")
+    print(text)
+    return 0 if figures["contacts"] == 0 else 1

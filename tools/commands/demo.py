@@ -1,0 +1,73 @@
+"""``patrol demo``: emulated robots, one agent process each, and the operator's table."""
+
+from __future__ import annotations
+
+import argparse
+import socket
+import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from maps.border import BorderError
+from maps.map_folder import load_map_folder
+from robot_agent.config import find_map
+from tools.demo import Demo, DemoOptions
+from tools.demo_summary import print_summary, read_runs
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = "example: patrol demo --duration 240 --headless --record out/"
+    parser.add_argument("--robots", type=int, default=3, metavar="N")
+    parser.add_argument("--map", default="paper_lab", metavar="DIR", help="map folder or name")
+    parser.add_argument("--border", default="border", metavar="NAME", help="border file of the map")
+    parser.add_argument("--duration", type=float, metavar="S", help="end after S seconds")
+    parser.add_argument("--headless", action="store_true", help="no table, only the summary")
+    parser.add_argument("--record", type=Path, metavar="DIR", help="keep recordings in DIR")
+    parser.add_argument("--seed", type=int, default=1, metavar="N")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the demo until its duration is over or Ctrl-C; stop all; print the summary."""
+    path = find_map(options.map, Path.cwd())
+    folder = load_map_folder(path, options.border)
+    if folder.border is None:
+        raise BorderError(f"{path}: has no border.toml to patrol; add one")
+    with recordings_folder(options.record) as record:
+        demo = Demo(
+            DemoOptions(
+                map_folder=path,
+                border=options.border,
+                robots=options.robots,
+                seed=options.seed,
+                operator=free_endpoint(),
+                record=record,
+            )
+        )
+        healthy = demo.watch(options.duration, headless=options.headless)
+        recordings = {robot.name: demo.recording_path(robot.name) for robot in demo.robots}
+        runs, contacts = read_runs(demo.truth_path, recordings)
+        print_summary(folder.border, runs, contacts)
+    for name, status in demo.exit_statuses.items():
+        if status:
+            print(f"patrol demo: {name} ended with status {status}", file=sys.stderr)
+    clean = healthy and not any(demo.exit_statuses.values())
+    return 0 if clean and contacts == 0 else 1
+
+
+@contextmanager
+def recordings_folder(wanted: Path | None) -> Iterator[Path]:
+    """Give the wanted folder, or one that vanishes afterwards."""
+    if wanted is not None:
+        yield wanted
+        return
+    with tempfile.TemporaryDirectory(prefix="patrol-demo-") as folder:
+        yield Path(folder)
+
+
+def free_endpoint() -> str:
+    """Return a Zenoh endpoint on a free loopback port."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return f"tcp/127.0.0.1:{server.getsockname()[1]}"

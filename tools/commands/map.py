@@ -1,0 +1,86 @@
+"""``patrol map``: build, draw, show and check map folders."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from maps.map_folder import DEFAULT_BORDER
+from maps.occupancy_map import save_map
+from robot_agent.config import find_map
+from tools.carmen import read_carmen
+from tools.floor_plan import draw_floor_plan
+from tools.map_picture import draw_map
+from tools.mapping import build_map, check_map
+from tools.progress import Progress
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
+
+    build = actions.add_parser("build", help="build a map from a log with reference poses")
+    build.epilog = "example: patrol map build intel.log.gz -o my_map"
+    build.add_argument("log", type=Path, help="CARMEN log, plain or gzip")
+    build.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    build.add_argument("--resolution", type=float, default=0.05, metavar="M", help="cell side")
+    build.add_argument("--scans", choices=("all", "even", "odd"), default="all")
+    build.set_defaults(act=_build)
+
+    draw = actions.add_parser("draw", help="draw a map from a floor plan file")
+    draw.epilog = "example: patrol map draw floor_plan.toml -o my_map"
+    draw.add_argument("plan", type=Path, metavar="FLOOR_PLAN.toml")
+    draw.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    draw.set_defaults(act=_draw)
+
+    show = actions.add_parser("show", help="write a picture of a map and its border")
+    show.epilog = "example: patrol map show paper_lab -o paper_lab.png"
+    _add_folder(show)
+    show.add_argument("-o", "--output", type=Path, required=True, metavar="PNG")
+    show.set_defaults(act=_show)
+
+    check = actions.add_parser("check", help="check that a border can be patrolled")
+    check.epilog = "example: patrol map check paper_lab --border open"
+    _add_folder(check)
+    check.set_defaults(act=_check)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the chosen action."""
+    status: int = options.act(options)
+    return status
+
+
+def _add_folder(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", metavar="DIR", help="map folder, or a shipped map's name")
+    parser.add_argument("--border", default=DEFAULT_BORDER, metavar="NAME")
+
+
+def _build(options: argparse.Namespace) -> int:
+    log = read_carmen(options.log)
+    if log.truncated:
+        print(f"patrol map: {log.truncated}", file=sys.stderr)
+    with Progress("map", len(log.scans), "scans") as progress:
+        built = build_map(log, options.resolution, scans=options.scans, progress=progress)
+    save_map(built.map, options.output)
+    print(f"{options.output}: {built.summary()}")
+    return 0
+
+
+def _draw(options: argparse.Namespace) -> int:
+    width, height = draw_floor_plan(options.plan, options.output).size
+    print(f"{options.output}: {width:.1f} x {height:.1f} m")
+    return 0
+
+
+def _show(options: argparse.Namespace) -> int:
+    draw_map(find_map(options.folder, Path.cwd()), options.output, options.border)
+    print(options.output)
+    return 0
+
+
+def _check(options: argparse.Namespace) -> int:
+    report = check_map(find_map(options.folder, Path.cwd()), options.border)
+    print(report)
+    return 0 if report.ok else 1

@@ -1,0 +1,32 @@
+"""``patrol test``: lint, types and every test that needs no hardware."""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+
+CHECKS = (
+    ("ruff", "check", "."),
+    ("ruff", "format", "--check", "."),
+    ("mypy",),
+)
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = "example: patrol test -- tests/drivers -k sip"
+    parser.add_argument("pytest", nargs="*", help="arguments handed to pytest, after --")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run all checks, then the tests; the first failure ends it."""
+    for check in (*CHECKS, ("pytest", *options.pytest)):
+        print("+", *check, file=sys.stderr, flush=True)
+        status = subprocess.run([sys.executable, "-m", *check], cwd=ROOT, check=False).returncode
+        if status:
+            return 1
+    return 0
