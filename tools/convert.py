@@ -20,6 +20,7 @@ from tools.bench.lockstep import LockstepAgent
 from tools.carmen import CarmenLog
 from tools.log_rig import BASE_BAUD, LASER_BAUD, LogRig, Moment, play
 
+FLUSH_S = 5.0
 SPARSE_SCANS_S = 3600.0
 """Logs are thinned to a scan every few seconds: the laser's silence in between means nothing."""
 
@@ -40,9 +41,13 @@ class RecordingObserver:
     def __init__(self, writer: RecordingWriter) -> None:
         """Write to ``writer``."""
         self._writer = writer
+        self._next_flush = FLUSH_S
 
     def record_event(self, event: Event) -> None:
-        """Write an event."""
+        """Write an event; now and then finish a chunk, so that a cut file loses little."""
+        if event.t >= self._next_flush:
+            self._next_flush = event.t + FLUSH_S
+            self._writer.flush()
         self._writer.write_event(event)
 
     def record_effect(self, t: float, effect: Effect) -> None:

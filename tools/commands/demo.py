@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import socket
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -13,7 +12,7 @@ from pathlib import Path
 from maps.border import BorderError
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
-from tools.demo import Demo, DemoOptions
+from tools.demo import Demo, DemoOptions, free_endpoint
 from tools.demo_summary import print_summary, read_runs
 
 
@@ -65,9 +64,3 @@ def recordings_folder(wanted: Path | None) -> Iterator[Path]:
         return
     with tempfile.TemporaryDirectory(prefix="patrol-demo-") as folder:
         yield Path(folder)
-
-
-def free_endpoint() -> str:
-    """Return a Zenoh endpoint on a free loopback port."""
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        return f"tcp/127.0.0.1:{server.getsockname()[1]}"

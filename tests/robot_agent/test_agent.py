@@ -1,0 +1,205 @@
+"""The agent in lockstep with emulated devices: events in, effects out, nothing else."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from drivers.lms200.session import SessionState as LaserState
+from drivers.p2os.commands import CommandNumber, decode_command
+from drivers.p2os.framing import PacketFramer
+from drivers.p2os.session import SessionState
+from localization.health import Health
+from maps.map_folder import MapFolder, load_map_folder
+from maps.pose import Pose
+from robot_agent.agent import Agent
+from robot_agent.config import AgentConfig, find_map
+from robot_agent.effects import Effect, Publish, Send
+from robot_agent.events import BytesReceived, Event, LinkDown, Shutdown, Tick
+from robot_agent.motion.gate import GateReason
+from robot_agent.patrol.patrol import PATROLLING
+from robot_agent.streams import DecisionPayload, StatusPayload, decode
+from tools.bench.fleet import Fleet
+
+START = Pose(5.0, 13.4, 0.3)
+
+
+class Tape:
+    """Keeps everything that happens to an agent and all it does."""
+
+    def __init__(self) -> None:
+        self.steps: list[tuple[Event, list[Effect]]] = []
+
+    def record_event(self, event: Event) -> None:
+        self.steps.append((event, []))
+
+    def record_effect(self, _t: float, effect: Effect) -> None:
+        self.steps[-1][1].append(effect)
+
+    def effects(self) -> list[Effect]:
+        return [effect for _, effects in self.steps for effect in effects]
+
+    def sent_to_base(self) -> list[tuple[int, int | None]]:
+        framer = PacketFramer()
+        packets = framer.feed(
+            b"".join(e.data for e in self.effects() if isinstance(e, Send) and e.link == "base")
+        )
+        return [(c.number, c.integer) for c in map(decode_command, packets)]
+
+
+@pytest.fixture(scope="module")
+def folder() -> MapFolder:
+    return load_map_folder(find_map("paper_lab", Path()))
+
+
+def make_fleet(folder: MapFolder, tape: Tape | None = None) -> Fleet:
+    return Fleet(folder, 1, seed=5, starts=[START], observer=(lambda *_: tape) if tape else None)
+
+
+def run_until(fleet: Fleet, t: float) -> None:
+    while fleet.t < t:
+        fleet.step()
+
+
+def test_connects_localizes_and_patrols(folder: MapFolder) -> None:
+    fleet = make_fleet(folder)
+    run_until(fleet, 25.0)
+    agent = fleet.robots[0].agent
+    assert agent.base.state is SessionState.READY
+    assert agent.laser.state is LaserState.STREAMING
+    assert agent.localizer.estimate is not None
+    assert agent.localizer.estimate.health is Health.LOCALIZED
+    assert agent.decision is not None
+    assert agent.decision.action in PATROLLING
+    assert agent.decision.distance_from_border < 0.1
+    assert agent.health() == "ok"
+    assert fleet.robots[0].rig.base.velocity[0] == pytest.approx(0.35, abs=0.1)
+    assert fleet.world.contacts == 0
+
+
+def test_the_first_motion_command_is_zero_and_limits_come_before_motors(folder: MapFolder) -> None:
+    tape = Tape()
+    run_until(make_fleet(folder, tape), 10.0)
+    sent = tape.sent_to_base()
+    numbers = [number for number, _ in sent]
+    enabled = sent.index((CommandNumber.ENABLE, 1))
+    for limit in (CommandNumber.SETV, CommandNumber.SETRV, CommandNumber.SETA, CommandNumber.SETRA):
+        assert numbers.index(limit) < enabled
+    motion = [(n, v) for n, v in sent if n in (CommandNumber.VEL, CommandNumber.RVEL)]
+    assert motion[0] == (CommandNumber.VEL, 0)
+    assert motion[1] == (CommandNumber.RVEL, 0)
+    first_moving = next(
+        i for i, (n, v) in enumerate(sent) if n in (CommandNumber.VEL, CommandNumber.RVEL) and v
+    )
+    assert enabled < first_moving
+
+
+def test_shutdown_leaves_the_robot_standing_with_motors_off(folder: MapFolder) -> None:
+    tape = Tape()
+    fleet = make_fleet(folder, tape)
+    run_until(fleet, 15.0)
+    assert fleet.robots[0].rig.base.velocity[0] > 0.1
+    fleet.shut_down()
+    last = tape.sent_to_base()[-3:]
+    assert last[0] == (CommandNumber.STOP, last[0][1])
+    assert last[1] == (CommandNumber.ENABLE, 0)
+    assert last[2][0] == CommandNumber.CLOSE
+    run_until(fleet, 17.0)
+    assert fleet.robots[0].rig.base.velocity == (0.0, 0.0)
+
+
+def test_the_same_events_give_the_same_effects(folder: MapFolder) -> None:
+    tape = Tape()
+    fleet = make_fleet(folder, tape)
+    run_until(fleet, 20.0)
+    agent = Agent(fleet.robots[0].agent.config, folder)
+    for event, effects in tape.steps:
+        assert agent.handle(event) == effects
+
+
+def test_a_blind_laser_stops_the_robot(folder: MapFolder) -> None:
+    fleet = make_fleet(folder)
+    run_until(fleet, 15.0)
+    robot = fleet.robots[0]
+    assert robot.rig.base.velocity[0] > 0.1
+    robot.rig.laser.power_off(fleet.t)
+    run_until(fleet, 15.5)
+    assert robot.agent.gate_decision is not None
+    assert robot.agent.gate_decision.reason is GateReason.STALE_LASER
+    run_until(fleet, 17.0)
+    assert robot.rig.base.velocity == (0.0, 0.0)
+    assert "laser" in robot.agent.health() or "gate" in robot.agent.health()
+    robot.rig.laser.power_on(fleet.t)
+    run_until(fleet, 27.0)
+    assert robot.rig.base.velocity[0] > 0.1, "goes on by itself once the laser is back"
+
+
+def test_a_lost_base_link_is_a_state_and_comes_back(folder: MapFolder) -> None:
+    fleet = make_fleet(folder)
+    run_until(fleet, 15.0)
+    agent = fleet.robots[0].agent
+    agent.handle(LinkDown(round(fleet.t, 6), "base", "unplugged"))
+    assert agent.base.state is SessionState.DOWN
+    assert agent.health() == "base down"
+
+
+def test_without_a_border_it_localizes_and_never_moves(folder: MapFolder) -> None:
+    tape = Tape()
+    bare = replace(folder, border=None)
+    run_until(make_fleet(bare, tape), 12.0)
+    assert not any(
+        number in (CommandNumber.VEL, CommandNumber.RVEL) and value
+        for number, value in tape.sent_to_base()
+    )
+    assert (CommandNumber.ENABLE, 1) not in tape.sent_to_base()
+    estimates = [e for e in tape.effects() if isinstance(e, Publish) and e.stream == "particles"]
+    assert estimates, "it localizes all the same"
+
+
+def test_without_a_start_it_finds_itself(folder: MapFolder) -> None:
+    config = AgentConfig()
+    assert config.start is None
+    agent = Agent(config, folder)
+    assert agent.localizer.estimate is None
+    assert agent.handle(Tick(0.0))
+
+
+def test_every_payload_fits_its_stream(folder: MapFolder) -> None:
+    tape = Tape()
+    run_until(make_fleet(folder, tape), 12.0)
+    published = [effect for effect in tape.effects() if isinstance(effect, Publish)]
+    assert {p.stream for p in published} == {
+        "status",
+        "decision",
+        "pose",
+        "scan",
+        "particles",
+        "tracks",
+        "event",
+    }
+    payloads = [decode(p.stream, p.payload) for p in published]
+    decisions = [p for p in payloads if isinstance(p, DecisionPayload)]
+    assert all(set(d.degrees) and d.winner in d.degrees for d in decisions)
+    statuses = [p for p in payloads if isinstance(p, StatusPayload)]
+    assert statuses[-1].health == "ok"
+    assert statuses[-1].base.packets_bad == 0
+
+
+def test_noise_on_both_links_is_counted_and_nothing_else(folder: MapFolder) -> None:
+    agent = Agent(AgentConfig(), folder)
+    noise = bytes(range(256)) * 4
+    for step, link in enumerate(("base", "laser") * 20):
+        agent.handle(BytesReceived(step * 0.01, link, noise))  # type: ignore[arg-type]
+    agent.handle(Shutdown(1.0))
+
+
+def test_a_bumper_stops_the_robot_before_it_pushes(folder: MapFolder) -> None:
+    fleet = make_fleet(folder)
+    run_until(fleet, 15.0)
+    robot = fleet.robots[0]
+    robot.rig.base.set_contact(stalled=False, front_bumpers=0b00100, rear_bumpers=0)
+    state = robot.agent.odometry.latest
+    assert state is not None
+    inputs = robot.agent._gate_inputs(fleet.t, replace(state, front_bumpers=0b00100))
+    decision = robot.agent.gate.permit(fleet.t, (0.3, 0.0), inputs)
+    assert (decision.v, decision.w, decision.reason) == (0.0, 0.0, GateReason.BUMPER)

@@ -1,0 +1,75 @@
+"""The configuration: strict at every depth, defaults in code, survives a round trip."""
+
+from pathlib import Path
+
+import pytest
+
+from robot_agent.config import (
+    AgentConfig,
+    ConfigError,
+    StartSettings,
+    find_map,
+    format_config,
+    load_config,
+    load_map,
+    parse_config,
+)
+
+
+def test_empty_file_gives_the_defaults() -> None:
+    assert parse_config(b"", "robot.toml") == AgentConfig()
+
+
+def test_effective_configuration_survives_a_round_trip() -> None:
+    config = AgentConfig(start=StartSettings(x=1.0, y=2.0, theta=-0.5))
+    assert parse_config(format_config(config).encode(), "printed") == config
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("[laser]\nbauds = 9600", "robot.toml: laser.bauds: unknown key"),
+        (
+            "[localization.health]\nlost_bellow = 0.1",
+            "robot.toml: localization.health.lost_bellow: unknown key",
+        ),
+        ("[lasers]\nbaud = 9600", "robot.toml: lasers: unknown key"),
+        ("[base]\nmax_speed = 20.0", "robot.toml: base.max_speed: expected `float` <= 2.2"),
+        ('[base]\nmax_speed = "fast"', "robot.toml: base.max_speed: expected `float`, got `str`"),
+        ("[robot]\nseed = -1", "robot.toml: robot.seed: expected `int` >= 0"),
+        ('[robot]\nname = "a/b"', "robot.toml: robot.name: expected `str` matching"),
+        (
+            "[patrol]\npatrolling_distance = 3.0",
+            "robot.toml: patrol: patrolling_distance 3.0 m must be below",
+        ),
+        ("[start]\nx = 1.0", "robot.toml: start: object missing required field `y`"),
+        ("[robot\n", "robot.toml: is not TOML"),
+        ("\xff", "robot.toml: is not TOML"),
+    ],
+)
+def test_mistakes_are_named_with_file_and_key(text: str, complaint: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        parse_config(text.encode("latin-1"), "robot.toml")
+    message = str(caught.value)
+    assert message.startswith(complaint)
+    assert "\n" not in message
+    assert ";" in message, "a remedy follows"
+
+
+def test_missing_file_is_named(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match=r"nowhere\.toml: cannot be read"):
+        load_config(tmp_path / "nowhere.toml")
+
+
+def test_map_is_a_shipped_name_or_a_path_from_the_configuration(tmp_path: Path) -> None:
+    assert find_map("paper_lab", tmp_path).name == "paper_lab"
+    assert (find_map("paper_lab", tmp_path) / "map.yaml").is_file()
+    assert find_map("my_map", tmp_path) == tmp_path / "my_map"
+    assert find_map("../maps/x", tmp_path) == tmp_path / "../maps/x"
+
+
+def test_configured_map_is_loaded_with_its_border(tmp_path: Path) -> None:
+    config = parse_config(b'[map]\nfolder = "paper_lab"\nborder = "open"', "robot.toml")
+    folder = load_map(config, tmp_path)
+    assert folder.border is not None
+    assert not folder.border.closed

@@ -1,0 +1,229 @@
+"""The figures every change keeps, measured: each with its unit and its limit."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+import psutil
+
+from maps.map_folder import MapFolder, load_map_folder
+from robot_agent.config import AgentConfig, format_config
+from robot_agent.effects import Effect
+from robot_agent.events import BytesReceived, Event, LinkName
+from robot_agent.patrol.rules import RULES_FILE, load_rules
+from robot_agent.patrol.settings import PatrolSettings
+from robot_agent.recording_writer import RecordingWriter, RunHeader
+from tools.bench.fleet import Fleet, run_bench
+from tools.convert import RecordingObserver
+from tools.demo import Demo, DemoOptions, free_endpoint
+from tools.monitor.operator import Operator
+from tools.recording import read_recording
+from tools.replay import Replay
+
+SEED = 1
+SETTLED_S = 12.0
+"""An agent has connected, localized and set off by then."""
+MEASURED_S = 20.0
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One line of the table."""
+
+    name: str
+    value: float
+    unit: str
+    limit: float | None = None
+    """The value must not be above it; None: for information."""
+    at_least: bool = False
+    """The limit is one from below."""
+
+    @property
+    def kept(self) -> bool:
+        """Whether the limit is kept."""
+        if self.limit is None:
+            return True
+        return self.value >= self.limit if self.at_least else self.value <= self.limit
+
+    def cells(self) -> tuple[str, str, str, str]:
+        """Name, value, limit and verdict, for a table."""
+        bound = "at least" if self.at_least else "at most"
+        limit = "" if self.limit is None else f"{bound} {self.limit:g}"
+        verdict = "" if self.limit is None else ("ok" if self.kept else "MISSED")
+        return self.name, f"{self.value:.3g} {self.unit}", limit, verdict
+
+
+def agent_process(folder_path: Path) -> Iterator[Figure]:
+    """Measure an agent process at full sensor rate, driven by a real-time world over ptys."""
+    with tempfile.TemporaryDirectory() as record:
+        endpoint = free_endpoint()
+        options = DemoOptions(folder_path, "border", 1, SEED, endpoint, Path(record))
+        with Operator(endpoint), Demo(options) as demo:
+            process = psutil.Process(demo.agent_pids()[0])
+            time.sleep(SETTLED_S)
+            before = process.cpu_times()
+            started = time.monotonic()
+            time.sleep(MEASURED_S)
+            after = process.cpu_times()
+            elapsed = time.monotonic() - started
+            resident = process.memory_info().rss
+    used = after.user + after.system - before.user - before.system
+    yield Figure("agent process, share of one core", 100 * used / elapsed, "%", 15.0)
+    yield Figure("agent process, memory", resident / 2**20, "MB", 150.0)
+
+
+def supervisor(_folder_path: Path) -> Iterator[Figure]:
+    """Time one evaluation of the fuzzy supervisor."""
+    settings = PatrolSettings()
+    system = load_rules(
+        RULES_FILE,
+        reading=settings.reading,
+        safety_distance=settings.safety_distance,
+        open_border=False,
+    )
+    rng = np.random.default_rng(SEED)
+    inputs = [
+        {
+            "distance_from_border": border,
+            "distance_from_neighbor": neighbor,
+            "neighbor_state": gamma,
+            "distance_from_left_end": np.inf,
+            "distance_from_right_end": np.inf,
+        }
+        for border, neighbor, gamma in (
+            rng.random((2000, 3)) * (3.0, 3.0, 2.0) - (0, 0, 1)
+        ).tolist()
+    ]
+    seconds = _per_call(lambda index: system.evaluate(inputs[index]), len(inputs))
+    yield Figure("fuzzy supervisor, one evaluation", seconds * 1e3, "ms", 0.1)
+
+
+def decision_step(folder_path: Path) -> Iterator[Figure]:
+    """Time the agent's two hot events: a base report with its decision, and a scan."""
+    folder = load_map_folder(folder_path)
+    fleet = Fleet(folder, 1, SEED)
+    spent: dict[str, list[float]] = {"base": [], "laser": []}
+    agent = fleet.robots[0].agent
+    handle = agent.handle
+
+    def timed(event: Event) -> list[Effect]:
+        started = time.perf_counter()
+        effects = handle(event)
+        if isinstance(event, BytesReceived) and agent.decision is not None:
+            spent[event.link].append(time.perf_counter() - started)
+        return effects
+
+    agent.handle = timed  # type: ignore[method-assign]
+    while fleet.t < 60.0:
+        fleet.step()
+    yield Figure(
+        "base report to command bytes, median", 1e3 * float(np.median(spent["base"])), "ms"
+    )
+    yield Figure("scan to pose and tracks, median", 1e3 * float(np.median(spent["laser"])), "ms")
+
+
+def patrol_bench(folder_path: Path) -> Iterator[Figure]:
+    """Run three robots in lockstep with noise and take the distances from the border."""
+    fleet = Fleet(load_map_folder(folder_path), 3, SEED)
+    figures = run_bench(fleet, 300.0)
+    distance = figures["border_distance_m"]
+    yield Figure("distance from border while patrolling, p99", distance["p99"], "m", 0.05)
+    yield Figure("distance from border while patrolling, maximum", distance["max"], "m", 0.10)
+    yield Figure("contacts in 300 s of three robots", figures["contacts"], "", 0)
+    yield Figure("lockstep bench of three robots", 300.0 / figures["wall_s"], "x real time")
+
+
+def replay_speed(folder_path: Path) -> Iterator[Figure]:
+    """Record a robot in lockstep for three minutes and replay the recording."""
+    folder = load_map_folder(folder_path)
+    with tempfile.TemporaryDirectory() as parent:
+        path = Path(parent) / "robot1.mcap"
+        with path.open("wb") as file:
+            record_lockstep(folder, 180.0, file)
+        result = Replay(read_recording(path)).run()
+        size = path.stat().st_size
+    yield Figure(
+        "replay of a recording", result.duration / result.wall, "x real time", 50.0, at_least=True
+    )
+    yield Figure("recording of one hour", size * 3600 / result.duration / 2**20, "MB")
+
+
+def record_lockstep(folder: MapFolder, duration: float, file: BinaryIO) -> None:
+    """Record one robot of a lockstep run of a duration, s (virtual)."""
+    writers: list[RecordingWriter] = []
+
+    def observe(name: str, config: AgentConfig) -> RecordingObserver:
+        header = RunHeader(
+            robot=name,
+            team=config.robot.team,
+            seed=config.robot.seed,
+            software_version=version("border-patrol"),
+            start_wall_ns=0,
+            source="bench",
+            configuration=format_config(config).encode(),
+            map_files=folder.files,
+        )
+        writers.append(RecordingWriter(file, header))
+        return RecordingObserver(writers[-1])
+
+    fleet = Fleet(folder, 1, SEED, observer=observe)
+    while fleet.t < duration:
+        fleet.step()
+    fleet.shut_down()
+    writers[0].finish()
+
+
+def decoders(folder_path: Path) -> Iterator[Figure]:
+    """Time the decoding of base reports and of scans, from bytes to SI units."""
+    heard: dict[LinkName, list[BytesReceived]] = {"base": [], "laser": []}
+
+    class Listener:
+        """Keeps what a settled agent receives."""
+
+        def record_event(self, event: Event) -> None:
+            """Keep bytes received after the handshakes."""
+            if isinstance(event, BytesReceived) and event.t > SETTLED_S:
+                heard[event.link].append(event)
+
+        def record_effect(self, t: float, effect: Effect) -> None:
+            """Effects do not matter here."""
+
+    fleet = Fleet(load_map_folder(folder_path), 1, SEED, observer=lambda _name, _config: Listener())
+    while fleet.t < 60.0:
+        fleet.step()
+    agent = fleet.robots[0].agent
+    for name, session, events in (
+        ("base report, bytes to SI", agent.base, heard["base"]),
+        ("scan of 181 values, bytes to SI", agent.laser, heard["laser"]),
+    ):
+        started = time.perf_counter()
+        for event in events:
+            session.feed(event.data, event.t)
+        yield Figure(name, 1e6 * (time.perf_counter() - started) / len(events), "us")
+
+
+GROUPS: dict[str, Callable[[Path], Iterator[Figure]]] = {
+    "agent": agent_process,
+    "supervisor": supervisor,
+    "decision": decision_step,
+    "patrol": patrol_bench,
+    "replay": replay_speed,
+    "decoders": decoders,
+}
+
+
+def _per_call(call: Callable[[int], object], count: int) -> float:
+    """Return the median time of a call, s, over ``count`` of them."""
+    times = []
+    for index in range(count):
+        started = time.perf_counter()
+        call(index)
+        times.append(time.perf_counter() - started)
+    return float(np.median(times))

@@ -1,0 +1,49 @@
+"""``patrol emulate``: one emulated robot for any client."""
+
+from __future__ import annotations
+
+import argparse
+import signal
+import sys
+import threading
+from pathlib import Path
+
+from drivers.p2os.model import model_names
+from maps.map_folder import load_map_folder
+from robot_agent.config import find_map
+from tools.emulate import EmulateOptions, Emulation, parse_pose
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = "example: patrol emulate --p2os tcp:8101 --lms200 pty --pose 4.0,3.7,90"
+    parser.add_argument("--model", default="p2dx", metavar="NAME", help=", ".join(model_names()))
+    for name, device in (("p2os", "base"), ("lms200", "laser")):
+        parser.add_argument(
+            f"--{name}", default="pty", metavar="PLACE", help=f"{device}: pty or tcp:PORT"
+        )
+    parser.add_argument("--map", default="paper_lab", metavar="DIR", help="map folder or name")
+    parser.add_argument("--pose", metavar="X,Y,DEG", help="start; default a free place")
+    parser.add_argument("--seed", type=int, default=1, metavar="N")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Emulate until SIGINT or SIGTERM; print where each device is, one line each."""
+    folder = load_map_folder(find_map(options.map, Path.cwd()))
+    wanted = EmulateOptions(
+        model=options.model,
+        p2os=options.p2os,
+        lms200=options.lms200,
+        pose=None if options.pose is None else parse_pose(options.pose),
+        seed=options.seed,
+    )
+    ended = threading.Event()
+    with Emulation(folder, wanted) as emulation:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: ended.set())
+        for name, url in emulation.urls.items():
+            print(name, url, flush=True)
+        pose = emulation.rig.body.pose
+        print(f"patrol emulate: robot at {pose.x:.2f}, {pose.y:.2f}; Ctrl-C ends", file=sys.stderr)
+        emulation.run(lambda: not ended.is_set())
+    return 0
