@@ -79,6 +79,7 @@ class Agent:
         self.gate_stops = 0
         self._projector = ScanProjector(Pose(*(config.laser.mount or model.laser_mount)))
         self._obstacles = Obstacles()
+        self._pose_trusted = False
         self._ending = False
         self._effects: list[Effect] = []
         if config.start is None:
@@ -140,6 +141,7 @@ class Agent:
         self._obstacles.see(scan.t, odometry, points)
         # 2. Where the robot was.
         estimate = self.localizer.update(scan.t, odometry, points)
+        self._trust_pose(estimate.health)
         self._say(t, "localization", estimate.health, _LEVELS[estimate.health])
         # 3. Who else is there.
         if estimate.health is not Health.LOST:
@@ -170,11 +172,21 @@ class Agent:
         self.decision, self.gate_decision = decision, gate
         self._publish(self.reports.on_decision(t, pose, decision, wish, gate, teammate))
 
+    def _trust_pose(self, health: Health) -> None:
+        """Trust the pose once localized, until lost: unsure alone gives no trust and takes none."""
+        if health is Health.LOCALIZED:
+            self._pose_trusted = True
+        elif health is Health.LOST:
+            self._pose_trusted = False
+
     def _pose_now(self, t: float) -> Pose | None:
-        """Return map_from_base at t: the last estimate carried forward by odometry."""
+        """Return map_from_base at t: the last estimate carried forward by odometry.
+
+        None while the pose is not to be trusted.
+        """
         estimate = self.localizer.estimate
         odometry = self.odometry.at(t)
-        if estimate is None or odometry is None:
+        if estimate is None or odometry is None or not self._pose_trusted:
             return None
         return estimate.pose_at(odometry)
 
@@ -200,7 +212,10 @@ class Agent:
         before = self.gate_decision
         if gate.reason in STOPPING and (before is None or before.reason not in STOPPING):
             self.gate_stops += 1
-        self._say(t, "gate", f"gate: {gate.reason}", LogLevel.INFO)
+        if gate.reason in STOPPING:
+            self._say(t, "gate", f"holds the robot: {gate.reason}", LogLevel.WARNING)
+        else:
+            self._say(t, "gate", "lets the robot move", LogLevel.INFO)
 
     # --- links and output --------------------------------------------------------------------
 
@@ -238,8 +253,8 @@ class Agent:
         if self.laser.state is not LaserState.STREAMING:
             return f"laser {self.laser.state}"
         estimate = self.localizer.estimate
-        if estimate is None:
-            return "not localized yet"
+        if estimate is None or not self._pose_trusted:
+            return "not localized"
         if estimate.health is not Health.LOCALIZED:
             return f"localization {estimate.health}"
         if self.gate_decision is not None and self.gate_decision.reason in STOPPING:

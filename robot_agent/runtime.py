@@ -16,6 +16,7 @@ from drivers.link import Link
 from robot_agent.agent import Agent
 from robot_agent.effects import ChangeBaud, Effect, Publish, Send
 from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
+from robot_agent.journal import Journal
 from robot_agent.recorder import Recorder
 from robot_agent.telemetry import Telemetry
 
@@ -60,13 +61,19 @@ class Runtime:
     """Runs one agent until it is told to end."""
 
     def __init__(
-        self, agent: Agent, clock: Clock, recorder: Recorder | None, telemetry: Telemetry
+        self,
+        agent: Agent,
+        clock: Clock,
+        recorder: Recorder | None,
+        telemetry: Telemetry,
+        journal: Journal,
     ) -> None:
         """Wire everything up; nothing is opened before ``run``."""
         self._agent = agent
         self._clock = clock
         self._recorder = recorder
         self._telemetry = telemetry
+        self._journal = journal
         self._inbox: SimpleQueue[Event] = SimpleQueue()
         self._links: dict[LinkName, Link] = {
             "base": self._make_link("base", agent.config.base.url, agent.config.base.baud),
@@ -130,6 +137,8 @@ class Runtime:
                 self._links[link].set_baud(baud)
             case Publish(stream, payload):
                 self._telemetry.publish(stream, payload)
+                if stream == "event":
+                    self._journal.write(payload)
 
     def _say_farewell(self) -> None:
         """Keep serving for a moment so that the last commands leave in their due order."""

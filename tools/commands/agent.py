@@ -14,6 +14,7 @@ import cv2
 from maps.map_folder import MapFolder
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, ConfigError, format_config, load_config, load_map
+from robot_agent.journal import Journal
 from robot_agent.recorder import Recorder, RunHeader
 from robot_agent.runtime import Clock, Runtime, end_on_signals
 from robot_agent.telemetry import Telemetry
@@ -48,10 +49,14 @@ def run(options: argparse.Namespace) -> int:
             stack.callback(recorder.close)
         telemetry = Telemetry(config.telemetry, robot=config.robot.name, team=config.robot.team)
         stack.callback(telemetry.close)
-        runtime = Runtime(Agent(config, folder, clock.start_wall_ns), clock, recorder, telemetry)
+        agent = Agent(config, folder, clock.start_wall_ns)
+        runtime = Runtime(agent, clock, recorder, telemetry, Journal(sys.stderr))
         end_on_signals(runtime)
         print(f"patrol agent: {config.robot.name} started", file=sys.stderr, flush=True)
         runtime.run()
+    if recorder is not None and (recorder.failed or recorder.lost):
+        trouble = recorder.failed or f"{recorder.lost} records lost, the disk was too slow"
+        print(f"patrol agent: {trouble}", file=sys.stderr)
     print(f"patrol agent: {config.robot.name} ended", file=sys.stderr)
     return 0
 
