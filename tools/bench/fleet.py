@@ -16,6 +16,7 @@ from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, RobotSettings, StartSettings
 from tools.bench.lockstep import LockstepAgent, Observer
 from tools.bench.metrics import RobotRun, bench_figures
+from tools.bench.perception_log import PerceptionLog
 from tools.bench.rig import RobotRig, make_rigs
 from tools.bench.start_poses import free_start_poses
 from tools.bench.world import World
@@ -55,6 +56,7 @@ class Fleet:
         """
         rng = np.random.default_rng(seed)
         self.folder = folder
+        self.seed = seed
         self.t = 0.0
         self.world = World(folder.map, rng)
         if starts is None:
@@ -104,6 +106,7 @@ class FleetLog:
         """Nothing is sampled before the first ``sample``."""
         self._fleet = fleet
         self._times: list[float] = []
+        self._perception = PerceptionLog(fleet.world)
         self._rows: dict[str, list[tuple[float, float, str, int]]] = {
             robot.rig.name: [] for robot in fleet.robots
         }
@@ -115,7 +118,13 @@ class FleetLog:
             decision = robot.agent.decision
             action, direction = (str(decision.action), decision.direction) if decision else ("", 0)
             pose = robot.rig.body.pose
+            if decision is not None:
+                self._perception.sample(self._fleet.t, robot.rig.body, robot.agent.tracker.tracks)
             self._rows[robot.rig.name].append((pose.x, pose.y, action, direction))
+
+    def perception(self) -> dict[str, Any]:
+        """Return how well the robots saw each other."""
+        return self._perception.figures()
 
     def runs(self) -> list[RobotRun]:
         """Return what was sampled, one run per robot."""
@@ -149,8 +158,10 @@ def run_bench(
     assert fleet.folder.border is not None
     return {
         "robots": len(fleet.robots),
+        "seed": fleet.seed,
         "duration_s": duration,
         "wall_s": time.perf_counter() - started,
         **bench_figures(fleet.folder.border, log.runs(), fleet.world.contacts),
+        "perception": log.perception(),
         "gate_stops": sum(robot.agent.gate_stops for robot in fleet.robots),
     }

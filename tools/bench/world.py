@@ -125,6 +125,10 @@ class World:
         ranges[ranges > self.laser_max_range] = np.inf
         return np.asarray(np.maximum(ranges, 0.0))
 
+    def free_way(self, x: float, y: float, direction: float) -> float:
+        """Return the distance, m, from a place to the next wall in a direction, rad."""
+        return float(self._caster.cast(x, y, np.array([direction]), self.laser_max_range)[0])
+
     def sonar(self, body: RobotBody, ring: Sequence[SonarMount]) -> list[float]:
         """Return each transducer's range, m: the nearest of three rays over its cone, 5 m at most.
 
