@@ -1,4 +1,4 @@
-"""The command line: bad input is one line with file and remedy, status 1 or 2; never a traceback."""
+"""Bad input to the command line: one line with file and remedy, status 1 or 2, no traceback."""
 
 import shutil
 from pathlib import Path

@@ -1,0 +1,1 @@
+"""The paper's method: elementary behaviors, actions composed of them, and the fuzzy supervisor."""

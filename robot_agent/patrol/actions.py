@@ -1,0 +1,114 @@
+"""The five actions of the paper: behaviors in order of priority (eq. 9 to 12)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import StrEnum
+from typing import NamedTuple
+
+import numpy as np
+
+from maps.border import BorderProjection
+from robot_agent.patrol.behaviors import (
+    Task,
+    Vector,
+    patrol_clockwise,
+    patrol_counter_clockwise,
+    patrol_onward,
+    reach_frontier,
+    teammate_avoidance,
+)
+from robot_agent.patrol.nsb import compose
+from robot_agent.patrol.settings import PatrolSettings
+
+
+class Action(StrEnum):
+    """What a robot can be doing; one at a time."""
+
+    REACH_FRONTIER = "reach_frontier"
+    KEEP_GOING = "keep_going"
+    PATROL_CLOCKWISE = "patrol_clockwise"
+    PATROL_COUNTER_CLOCKWISE = "patrol_counter_clockwise"
+    AVOID_TEAMMATE = "avoid_teammate"
+
+
+PATROLLING = frozenset(
+    {Action.KEEP_GOING, Action.PATROL_CLOCKWISE, Action.PATROL_COUNTER_CLOCKWISE}
+)
+
+
+class Situation(NamedTuple):
+    """What the behaviors look at, map frame: own position, its projection, closest teammate."""
+
+    position: Vector
+    foot: BorderProjection
+    teammate: Vector | None
+    direction: int  # +1 clockwise, -1 counter-clockwise
+    left_is_end: bool  # the projection is the end of an open border at abscissa 0
+    right_is_end: bool
+
+
+def action_velocity(action: Action, situation: Situation, settings: PatrolSettings) -> Vector:
+    """Return the velocity (vx, vy) of an action, m/s in the map frame, within approach_speed."""
+    tasks = _COMPOSITIONS[action](situation, settings)
+    vx, vy = compose(tasks, settings.approach_speed).tolist()
+    return vx, vy
+
+
+def _reach_frontier(situation: Situation, settings: PatrolSettings) -> Sequence[Task]:
+    return (_reaching(situation, settings),)
+
+
+def _keep_going(situation: Situation, settings: PatrolSettings) -> Sequence[Task]:
+    onward = patrol_onward(situation.foot, situation.direction, speed=settings.patrol_speed)
+    return _reaching(situation, settings), _stopped_at_end(onward, situation.direction, situation)
+
+
+def _patrol_clockwise(situation: Situation, settings: PatrolSettings) -> Sequence[Task]:
+    onward = patrol_clockwise(situation.foot, speed=settings.patrol_speed)
+    return _reaching(situation, settings), _stopped_at_end(onward, 1, situation)
+
+
+def _patrol_counter_clockwise(situation: Situation, settings: PatrolSettings) -> Sequence[Task]:
+    onward = patrol_counter_clockwise(situation.foot, speed=settings.patrol_speed)
+    return _reaching(situation, settings), _stopped_at_end(onward, -1, situation)
+
+
+def _avoid_teammate(situation: Situation, settings: PatrolSettings) -> Sequence[Task]:
+    reaching = _reaching(situation, settings)
+    if situation.teammate is None:
+        return (reaching,)
+    avoiding = teammate_avoidance(
+        situation.position,
+        situation.teammate,
+        gain=settings.avoid_gain,
+        safety_distance=settings.safety_distance,
+        speed_limit=settings.escape_speed,
+        fallback=situation.foot.normal,
+    )
+    return avoiding, reaching
+
+
+_COMPOSITIONS = {
+    Action.REACH_FRONTIER: _reach_frontier,
+    Action.KEEP_GOING: _keep_going,
+    Action.PATROL_CLOCKWISE: _patrol_clockwise,
+    Action.PATROL_COUNTER_CLOCKWISE: _patrol_counter_clockwise,
+    Action.AVOID_TEAMMATE: _avoid_teammate,
+}
+
+
+def _reaching(situation: Situation, settings: PatrolSettings) -> Task:
+    return reach_frontier(
+        situation.position,
+        situation.foot,
+        gain=settings.reach_gain,
+        speed_limit=settings.approach_speed,
+        beyond_end=situation.left_is_end or situation.right_is_end,
+    )
+
+
+def _stopped_at_end(onward: Task, direction: int, situation: Situation) -> Task:
+    """Cut the tangential velocity off that would leave an open border by its end."""
+    leaves = situation.right_is_end if direction > 0 else situation.left_is_end
+    return Task(np.zeros_like(onward.velocity), onward.jacobian) if leaves else onward

@@ -1,0 +1,67 @@
+"""How the closest teammate stands to the border and to this robot: eq. 13 and its corrections.
+
+Corrections: the third case of eq. 13 is lambda, not 1; abscissae are compared round the seam of a
+closed border; at equal abscissa the last side is kept; and a teammate near in space but far along
+the border does not count as patrolling beside this robot.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from maps.border import Border, BorderProjection
+from robot_agent.patrol.settings import PatrolSettings
+
+LEFT, RIGHT = -1, 1  # lambda of eq. 13: lower or higher abscissa; a guard looks outwards
+
+
+@dataclass(frozen=True, slots=True)
+class NeighborView:
+    """Distance to the closest teammate, m (infinite if none), and gamma of eq. 13, -1 to 1."""
+
+    distance: float
+    gamma: float
+
+
+NOBODY = NeighborView(math.inf, 0.0)
+
+
+class NeighborState:
+    """Judges the closest teammate; remembers on which side it was last."""
+
+    def __init__(self, settings: PatrolSettings, border: Border) -> None:
+        self._settings = settings
+        self._border = border
+        self._side: int | None = None
+
+    def view(
+        self,
+        position: tuple[float, float],
+        foot: BorderProjection,
+        teammate: tuple[float, float] | None,
+    ) -> NeighborView:
+        """Return the view of a teammate (x, y) or None from a position with its projection."""
+        if teammate is None:
+            self._side = None
+            return NOBODY
+        distance = math.dist(position, teammate)
+        other = self._border.project(*teammate)
+        delta = self._border.difference(other.abscissa, foot.abscissa)
+        self._side = self._side_of(delta, foot, other)
+        if abs(delta) > self._settings.detour_ratio * distance + self._settings.detour_allowance:
+            return NeighborView(distance, 0.0)
+        return NeighborView(distance, self._closeness(other.distance) * self._side)
+
+    def _closeness(self, distance_from_border: float) -> float:
+        """Magnitude of eq. 13: 1 on the border, falling to 0 between the two thresholds."""
+        near, far = self._settings.patrolling_distance, self._settings.passing_distance
+        return min(max((far - distance_from_border) / (far - near), 0.0), 1.0)
+
+    def _side_of(self, delta: float, own: BorderProjection, other: BorderProjection) -> int:
+        if abs(delta) >= self._settings.same_place:
+            return LEFT if delta < 0.0 else RIGHT
+        if self._side is not None:
+            return self._side
+        # Of two robots at one place the outer one (left of a clockwise tangent) goes clockwise.
+        return LEFT if own.side * own.distance > other.side * other.distance else RIGHT

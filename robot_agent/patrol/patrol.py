@@ -1,0 +1,154 @@
+"""One robot's patrol: pose and closest teammate in, action and velocity out."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from maps.border import Border, BorderProjection
+from maps.pose import Pose
+from robot_agent.patrol.actions import PATROLLING, Action, Situation, action_velocity
+from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
+from robot_agent.patrol.neighbor_state import NeighborState, NeighborView
+from robot_agent.patrol.reversal import RandomReversal
+from robot_agent.patrol.rules import RULES_FILE, load_rules
+from robot_agent.patrol.settings import PatrolSettings
+from robot_agent.patrol.supervisor import Choice, Supervisor
+
+
+@dataclass(frozen=True, slots=True)
+class PatrolDecision:
+    """Everything about one decision, in the map frame, SI units.
+
+    Distances that do not exist (nobody seen, a border without ends) are infinite.
+    """
+
+    t: float
+    action: Action
+    raw_winner: Action  # largest degree, before the minimum dwell
+    runner_up: Action
+    degrees: dict[Action, float]
+    direction: int  # +1 clockwise, -1 counter-clockwise
+    velocity: tuple[float, float]  # m/s
+    distance_from_border: float
+    distance_from_neighbor: float
+    gamma: float  # neighbor state, eq. 13
+    distance_from_left_end: float
+    distance_from_right_end: float
+    abscissa: float
+    tangent: tuple[float, float]  # unit vector along +s at the border's nearest point
+    curvature: float  # 1/m of the way ahead in the direction of patrol, + turns left; 0 off it
+    reversed_at_random: bool
+    holding: bool  # caught between an end and a teammate: stands still
+
+
+class Patrol:
+    """The paper's control structure: behaviors, actions, fuzzy supervisor, direction memory."""
+
+    def __init__(self, settings: PatrolSettings, border: Border, rng: np.random.Generator) -> None:
+        """Load the rules; raises RulesError."""
+        self._settings = settings
+        self._border = border
+        rules = load_rules(
+            Path(settings.rules_file) if settings.rules_file else RULES_FILE,
+            reading=settings.reading,
+            safety_distance=settings.safety_distance,
+            open_border=not border.closed,
+        )
+        self._supervisor = Supervisor(rules, settings.minimum_dwell)
+        self._neighbor_state = NeighborState(settings, border)
+        self._reversal = RandomReversal(
+            settings.reversal_period, settings.reversal_probability, rng
+        )
+        self._abscissa: float | None = None
+        self._direction: int | None = None  # of the last patrol; none before the first
+
+    def step(self, t: float, pose: Pose, teammate: tuple[float, float] | None) -> PatrolDecision:
+        """Decide at t, s, from map_from_base and the closest teammate (x, y) in the map, if any."""
+        position = (pose.x, pose.y)
+        foot = self._border.project(pose.x, pose.y, self._abscissa)
+        self._abscissa = foot.abscissa
+        neighbor = self._neighbor_state.view(position, foot, teammate)
+        ends = self._distances_from_ends(foot)
+        choice = self._supervisor.choose(t, _inputs(foot, neighbor, ends))
+        reversed_at_random = self._turned_back(t, choice.winner, ends)
+        direction = self._update_direction(choice.winner, foot, pose.theta)
+        holding = self._caught(choice)
+        situation = Situation(position, foot, teammate, direction, ends[0] <= 0.0, ends[1] <= 0.0)
+        velocity = (
+            (0.0, 0.0) if holding else action_velocity(choice.winner, situation, self._settings)
+        )
+        return PatrolDecision(
+            t=t,
+            action=choice.winner,
+            raw_winner=choice.raw_winner,
+            runner_up=choice.runner_up,
+            degrees=choice.degrees,
+            direction=direction,
+            velocity=velocity,
+            distance_from_border=foot.distance,
+            distance_from_neighbor=neighbor.distance,
+            gamma=neighbor.gamma,
+            distance_from_left_end=ends[0],
+            distance_from_right_end=ends[1],
+            abscissa=foot.abscissa,
+            tangent=foot.tangent,
+            curvature=direction * foot.curvature if choice.winner in PATROLLING else 0.0,
+            reversed_at_random=reversed_at_random,
+            holding=holding,
+        )
+
+    def _distances_from_ends(self, foot: BorderProjection) -> tuple[float, float]:
+        if self._border.closed:
+            return math.inf, math.inf
+        return foot.abscissa, self._border.length - foot.abscissa
+
+    def _turned_back(self, t: float, action: Action, ends: tuple[float, float]) -> bool:
+        """Reverse at random while keeping going, but not near an end of an open border."""
+        away_from_ends = min(ends) >= self._settings.reversal_end_distance
+        keeps_going = action is Action.KEEP_GOING and self._direction is not None
+        if not self._reversal.due(t, permitted=keeps_going and away_from_ends):
+            return False
+        assert self._direction is not None
+        self._direction = -self._direction
+        return True
+
+    def _update_direction(self, action: Action, foot: BorderProjection, theta: float) -> int:
+        """Remember the direction of the last Patrol CW or CCW; at first that of the heading."""
+        if action is Action.PATROL_CLOCKWISE:
+            self._direction = CLOCKWISE
+        elif action is Action.PATROL_COUNTER_CLOCKWISE:
+            self._direction = COUNTER_CLOCKWISE
+        if self._direction is not None:
+            return self._direction
+        tx, ty = foot.tangent
+        ahead = tx * math.cos(theta) + ty * math.sin(theta) >= 0.0
+        direction = CLOCKWISE if ahead else COUNTER_CLOCKWISE
+        if action is Action.KEEP_GOING:
+            self._direction = direction
+        return direction
+
+    def _caught(self, choice: Choice) -> bool:
+        """Tell whether an end of the border and a teammate call for both directions at once."""
+        if self._border.closed:
+            return False
+        degrees = choice.degrees
+        both = min(degrees[Action.PATROL_CLOCKWISE], degrees[Action.PATROL_COUNTER_CLOCKWISE])
+        others = (Action.KEEP_GOING, Action.REACH_FRONTIER, Action.AVOID_TEAMMATE)
+        return both > max(degrees[action] for action in others)
+
+
+def _inputs(
+    foot: BorderProjection, neighbor: NeighborView, ends: tuple[float, float]
+) -> dict[str, float]:
+    """Crisp inputs by the names of the rule file."""
+    return {
+        "distance_from_border": foot.distance,
+        "distance_from_neighbor": neighbor.distance,
+        "neighbor_state": neighbor.gamma,
+        "distance_from_left_end": ends[0],
+        "distance_from_right_end": ends[1],
+    }

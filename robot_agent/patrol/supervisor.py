@@ -1,0 +1,85 @@
+"""The arbiter: the action with the largest degree of activation, held for a minimum time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from robot_agent.patrol.actions import Action
+from robot_agent.patrol.fuzzy import MamdaniSystem
+
+_EQUAL = 1e-9  # degrees nearer than this are tied
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """Degrees of activation of all actions, and what the arbiter made of them.
+
+    raw_winner has the largest degree; winner is the action taken, which differs from it while the
+    one before has not lasted its minimum time.
+    """
+
+    degrees: dict[Action, float]
+    raw_winner: Action
+    runner_up: Action
+    winner: Action
+
+
+class Supervisor:
+    """Fuzzy inference and arbiter; remembers the present action and since when."""
+
+    def __init__(self, system: MamdaniSystem, minimum_dwell: float) -> None:
+        self._system = system
+        self._minimum_dwell = minimum_dwell
+        self._present: Action | None = None
+        self._since = 0.0
+
+    def choose(self, t: float, inputs: Mapping[str, float]) -> Choice:
+        """Choose the action at t, s, from the crisp inputs of the rule base by name."""
+        levels = self._system.evaluate(inputs)
+        degrees = {action: levels[action] for action in Action}
+        ranked = self._ranked(degrees, inputs["neighbor_state"])
+        raw_winner, runner_up = ranked[0], ranked[1]
+        if raw_winner is not self._present and self._may_leave(t, raw_winner, inputs):
+            self._present, self._since = raw_winner, t
+        assert self._present is not None
+        return Choice(degrees, raw_winner, runner_up, self._present)
+
+    def _may_leave(self, t: float, winner: Action, inputs: Mapping[str, float]) -> bool:
+        """Tell whether the present action may end: at once if danger begins or has vanished."""
+        if self._present is None or winner is Action.AVOID_TEAMMATE:
+            return True
+        if self._present is Action.AVOID_TEAMMATE and inputs["distance_from_neighbor"] == _FAR:
+            return True
+        return t - self._since >= self._minimum_dwell - _EQUAL
+
+    def _ranked(self, degrees: Mapping[Action, float], gamma: float) -> list[Action]:
+        """Order actions by degree; of those tied with the best the present, else the safest."""
+        best = max(degrees.values())
+        safest = _SAFEST_LEFT if gamma <= 0.0 else _SAFEST_RIGHT
+
+        def rank(action: Action) -> tuple[bool, float, bool, int]:
+            tied = degrees[action] >= best - _EQUAL
+            degree = best if tied else degrees[action]
+            return not tied, -degree, action is not self._present, safest.index(action)
+
+        return sorted(Action, key=rank)
+
+
+_FAR = float("inf")
+
+# Safest first: avoid, reach the border, patrol away from the teammate, keep going.
+_SAFEST_LEFT = (
+    Action.AVOID_TEAMMATE,
+    Action.REACH_FRONTIER,
+    Action.PATROL_CLOCKWISE,
+    Action.PATROL_COUNTER_CLOCKWISE,
+    Action.KEEP_GOING,
+)
+_SAFEST_RIGHT = (
+    Action.AVOID_TEAMMATE,
+    Action.REACH_FRONTIER,
+    Action.PATROL_COUNTER_CLOCKWISE,
+    Action.PATROL_CLOCKWISE,
+    Action.KEEP_GOING,
+)

@@ -1,0 +1,202 @@
+"""One robot's decisions: velocities, direction memory, reversal, ends of an open border."""
+
+import math
+
+import numpy as np
+import pytest
+
+from maps.border import Border
+from maps.border_primitives import Arc, Segment
+from maps.pose import Pose
+from robot_agent.patrol.actions import Action, Situation, action_velocity
+from robot_agent.patrol.patrol import Patrol
+from robot_agent.patrol.rules import RulesError
+from robot_agent.patrol.settings import PatrolSettings
+
+CIRCLE = Border([Arc((0.0, 0.0), 6.0, math.pi, -math.tau)], closed=True)  # clockwise from -x
+LINE = Border([Segment((0.0, 0.0), (20.0, 0.0))], closed=False)  # +s is +x
+
+
+def patrol(border=CIRCLE, *, seed=0, **settings):
+    settings = {"reversal_probability": 0.0} | settings
+    return Patrol(PatrolSettings(**settings), border, np.random.default_rng(seed))
+
+
+def on_circle(angle, *, heading=1, outward=0.0):
+    """Pose at an angle seen from the centre; heading +1 clockwise, -1 counter-clockwise."""
+    r = 6.0 + outward
+    return Pose(r * math.cos(angle), r * math.sin(angle), angle - heading * math.pi / 2)
+
+
+def test_reach_frontier_far_off():
+    decision = patrol().step(0.0, Pose(10.0, 0.0, 0.0), None)
+    assert decision.action is Action.REACH_FRONTIER
+    assert decision.velocity == pytest.approx((-0.5, 0.0))
+    assert decision.distance_from_border == pytest.approx(4.0)
+    assert decision.curvature == 0.0
+
+
+@pytest.mark.parametrize("heading", [1, -1])
+def test_keep_going_starts_the_way_the_robot_faces(heading):
+    decision = patrol().step(0.0, on_circle(0.0, heading=heading), None)
+    assert decision.action is Action.KEEP_GOING
+    assert decision.direction == heading
+    assert decision.velocity == pytest.approx((0.0, -0.35 * heading), abs=1e-9)
+    # clockwise turns right
+    assert decision.curvature == pytest.approx(-heading / 6.0)
+
+
+def test_equation_11_adds_the_pull_of_the_border():
+    decision = patrol().step(0.0, on_circle(0.0, outward=0.2), None)
+    assert decision.velocity == pytest.approx((-0.06, -0.35))
+
+
+def test_keeps_the_start_direction_once_it_patrols():
+    robot = patrol()
+    robot.step(0.0, on_circle(0.0, heading=-1), None)
+    assert robot.step(0.1, on_circle(0.0, heading=1), None).direction == -1
+
+
+def at_distance(distance, side):
+    """A teammate on the circle, distance m (straight) ahead in the sense of side."""
+    angle = -side * 2.0 * math.asin(distance / 12.0)
+    return 6.0 * math.cos(angle), 6.0 * math.sin(angle)
+
+
+@pytest.mark.parametrize("heading", [1, -1])
+@pytest.mark.parametrize(
+    ("side", "action", "direction"),
+    [(1, Action.PATROL_COUNTER_CLOCKWISE, -1), (-1, Action.PATROL_CLOCKWISE, 1)],
+)
+def test_meeting_turns_away_and_goes_on_that_way(heading, side, action, direction):
+    robot = patrol()
+    robot.step(0.0, on_circle(0.0, heading=heading), None)
+    met = robot.step(0.6, on_circle(0.0, heading=heading), at_distance(1.5, side))
+    assert met.action is action
+    assert met.velocity == pytest.approx((0.0, -0.35 * direction), abs=1e-9)
+    after = robot.step(1.2, on_circle(0.0, heading=heading), at_distance(2.2, side))
+    assert after.action is Action.KEEP_GOING
+    assert after.direction == direction
+
+
+def test_avoid_teammate_is_equation_12():
+    """Away from the teammate at full escape speed, and to the border across that."""
+    robot = patrol(LINE)
+    decision = robot.step(0.0, Pose(10.0, 0.4, 0.0), (10.8, 0.4))
+    assert decision.action is Action.AVOID_TEAMMATE
+    assert decision.velocity == pytest.approx((-0.3, -0.12))
+    assert decision.gamma == 1.0
+    # the border is straight behind the teammate: nothing left for Reach Frontier
+    robot = patrol(LINE)
+    decision = robot.step(0.0, Pose(10.0, 1.8, 0.0), (10.0, 1.0))
+    assert decision.velocity == pytest.approx((0.0, 0.3))
+
+
+def test_avoid_teammate_without_one_reaches_the_border():
+    situation = Situation((10.0, 1.0), LINE.project(10.0, 1.0), None, 1, False, False)
+    velocity = action_velocity(Action.AVOID_TEAMMATE, situation, PatrolSettings())
+    assert velocity == pytest.approx((0.0, -0.3))
+
+
+def test_random_reversal_only_while_keeping_going():
+    robot = patrol(reversal_probability=1.0, reversal_period=1.0)
+    directions = [robot.step(0.1 * k, on_circle(0.0), None).direction for k in range(60)]
+    assert 4 <= np.count_nonzero(np.diff(directions)) <= 6
+    robot = patrol(reversal_probability=1.0, reversal_period=1.0)
+    met = [robot.step(0.1 * k, on_circle(0.0), at_distance(1.5, -1)) for k in range(60)]
+    assert {d.direction for d in met} == {1}
+    assert not any(d.reversed_at_random for d in met)
+
+
+def test_no_random_reversal_near_an_end():
+    for x, expected in ((0.7, set()), (1.2, {True})):
+        robot = patrol(LINE, reversal_probability=1.0, reversal_period=1.0)
+        found = [robot.step(0.1 * k, Pose(x, 0.0, 0.0), None) for k in range(40)]
+        assert {d.action for d in found} == {Action.KEEP_GOING}
+        assert {True for d in found if d.reversed_at_random} == expected
+
+
+def test_turns_at_the_ends_of_an_open_border():
+    left = patrol(LINE).step(0.0, Pose(0.3, 0.0, math.pi), None)
+    assert (left.action, left.direction) == (Action.PATROL_CLOCKWISE, 1)
+    assert left.velocity == pytest.approx((0.35, 0.0))
+    right = patrol(LINE).step(0.0, Pose(19.8, 0.0, 0.0), None)
+    assert (right.action, right.direction) == (Action.PATROL_COUNTER_CLOCKWISE, -1)
+    assert right.distance_from_right_end == pytest.approx(0.2)
+    assert right.distance_from_left_end == pytest.approx(19.8)
+
+
+def test_closed_border_has_no_ends():
+    decision = patrol().step(0.0, on_circle(0.0), None)
+    assert decision.distance_from_left_end == decision.distance_from_right_end == math.inf
+
+
+def test_beyond_an_end_comes_back_along_the_border_too():
+    decision = patrol(LINE).step(0.0, Pose(-0.5, 0.2, 0.0), None)
+    assert decision.action is Action.PATROL_CLOCKWISE
+    assert decision.velocity == pytest.approx((0.35 + 0.15, -0.06), abs=0.01)
+
+
+def test_tangential_velocity_is_cut_off_at_an_end():
+    """A teammate drives it off the border's end: it stays."""
+    robot = patrol(LINE, minimum_dwell=0.0)
+    robot.step(0.0, Pose(1.0, 0.0, math.pi), None)
+    decision = robot.step(0.1, Pose(0.0, 0.0, math.pi), (1.8, 0.0))
+    assert decision.velocity == pytest.approx((0.0, 0.0))
+
+
+def test_caught_between_end_and_teammate_holds():
+    decision = patrol(LINE).step(0.0, Pose(0.3, 0.0, math.pi), (1.7, 0.0))
+    assert decision.holding
+    assert decision.velocity == (0.0, 0.0)
+    free = patrol(LINE).step(0.0, Pose(2.0, 0.0, math.pi), (3.4, 0.0))
+    assert not free.holding
+    assert free.action is Action.PATROL_COUNTER_CLOCKWISE
+
+
+def test_caught_and_too_near_avoids():
+    decision = patrol(LINE).step(0.0, Pose(0.3, 0.0, math.pi), (0.9, 0.0))
+    assert decision.action is Action.AVOID_TEAMMATE
+
+
+def test_keeps_its_stretch_half_way_between_two():
+    """On the medial axis of a narrow border the projection does not jump to and fro."""
+    strip = Border(
+        [
+            Segment((0.0, 0.0), (20.0, 0.0)),
+            Arc((20.0, 0.75), 0.75, -math.pi / 2, math.pi),
+            Segment((20.0, 1.5), (0.0, 1.5)),
+            Arc((0.0, 0.75), 0.75, math.pi / 2, math.pi),
+        ],
+        closed=True,
+    )
+    robot = patrol(strip)
+    rng = np.random.default_rng(3)
+    abscissae = [
+        robot.step(0.1 * k, Pose(8.0, 0.75 + rng.uniform(-0.009, 0.009), 0.0), None).abscissa
+        for k in range(30)
+    ]
+    assert np.ptp(abscissae) < 0.1
+
+
+def test_same_events_same_decisions():
+    robots = [patrol(reversal_probability=0.5, reversal_period=1.0, seed=4) for _ in range(2)]
+    for k in range(50):
+        one, other = (r.step(0.1 * k, on_circle(0.01 * k), None) for r in robots)
+        assert one == other
+
+
+def test_own_rule_file(tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text("")
+    with pytest.raises(RulesError, match=r"own\.toml: file: .* missing"):
+        patrol(rules_file=str(path))
+
+
+def test_settings_refuse_thresholds_out_of_order():
+    with pytest.raises(ValueError, match="passing_distance"):
+        PatrolSettings(patrolling_distance=2.5)
+    with pytest.raises(ValueError, match="approach_speed"):
+        PatrolSettings(patrol_speed=0.6)
+    with pytest.raises(RulesError, match="safety_distance"):
+        patrol(safety_distance=1.2)

@@ -1,0 +1,224 @@
+"""The shipped rule file against the paper's Table I, and what the loader refuses."""
+
+import re
+
+import pytest
+
+from robot_agent.patrol.actions import Action
+from robot_agent.patrol.rules import RULES_FILE, RulesError, load_rules
+
+ATL, RFL, KGL, PCWL, PCCWL = (
+    Action.AVOID_TEAMMATE,
+    Action.REACH_FRONTIER,
+    Action.KEEP_GOING,
+    Action.PATROL_CLOCKWISE,
+    Action.PATROL_COUNTER_CLOCKWISE,
+)
+# Full membership of one set of each input.
+BORDER = {"low": 0.1, "medium": 1.0, "high": 3.0}
+NEIGHBOR = {"low": 0.5, "medium": 1.4, "high": 3.0}
+STATE = {"left": -1.0, "not": 0.0, "right": 1.0}
+
+# Table I, one line per cell: outputs that are not low. R1 in the damaged cell.
+TABLE = """
+high   left   low     ATL high
+high   left   medium  ATL high
+high   left   high    RFL high
+high   not    low     ATL high
+high   not    medium  ATL high
+high   not    high    RFL high
+high   right  low     ATL high
+high   right  medium  ATL high
+high   right  high    RFL high
+medium left   low     ATL high
+medium left   medium  ATL high PCWL medium
+medium left   high    KGL high
+medium not    low     ATL high
+medium not    medium  ATL medium KGL high
+medium not    high    KGL high
+medium right  low     ATL high
+medium right  medium  ATL high PCCWL medium
+medium right  high    RFL high
+low    left   low     ATL high
+low    left   medium  PCWL high
+low    left   high    KGL high
+low    not    low     ATL high
+low    not    medium  KGL high
+low    not    high    KGL high
+low    right  low     ATL high
+low    right  medium  PCCWL high
+low    right  high    KGL high
+"""
+NAMES = {"ATL": ATL, "RFL": RFL, "KGL": KGL, "PCWL": PCWL, "PCCWL": PCCWL}
+# Centroids of the full triangles (0, 0, 0.5), (0, 0.5, 1), (0.5, 1, 1).
+CENTROID = {"low": 1.0 / 6.0, "medium": 0.5, "high": 5.0 / 6.0}
+
+
+def degrees(border, neighbor, state, *, reading="R1", open_border=False, left=9.0, right=9.0):
+    system = load_rules(RULES_FILE, reading=reading, safety_distance=2.4, open_border=open_border)
+    return system.evaluate(
+        {
+            "distance_from_border": border,
+            "distance_from_neighbor": neighbor,
+            "neighbor_state": state,
+            "distance_from_left_end": left,
+            "distance_from_right_end": right,
+        }
+    )
+
+
+@pytest.mark.parametrize("line", TABLE.strip().splitlines())
+def test_cell_of_table_one(line):
+    border, state, neighbor, *words = line.split()
+    named = {NAMES[n]: level for n, level in zip(words[::2], words[1::2], strict=True)}
+    found = degrees(BORDER[border], NEIGHBOR[neighbor], STATE[state])
+    assert found == pytest.approx({action: CENTROID[named.get(action, "low")] for action in Action})
+
+
+def test_there_are_27_rules():
+    closed = load_rules(RULES_FILE, reading="R1", safety_distance=2.4, open_border=False)
+    assert len(closed.rules) == 27
+
+
+@pytest.mark.parametrize(
+    ("reading", "left", "right"), [("R1", KGL, RFL), ("R2", RFL, RFL), ("R3", KGL, KGL)]
+)
+def test_readings_of_the_damaged_cell(reading, left, right):
+    for state, winner in ((-1.0, left), (1.0, right)):
+        found = degrees(1.0, 3.0, state, reading=reading)
+        assert max(found, key=found.__getitem__) == winner
+
+
+def winner(*args, **kwargs):
+    found = degrees(*args, **kwargs)
+    return max(found, key=found.__getitem__)
+
+
+@pytest.mark.parametrize(
+    ("below", "above", "inputs"),
+    [
+        (KGL, RFL, lambda x: (1.5 + x, 3.0, 0.0)),  # alone
+        (ATL, PCWL, lambda x: (0.0, 1.1 + x, -1.0)),  # a patrolling teammate
+        (PCWL, KGL, lambda x: (0.0, 1.9 + x, -1.0)),
+        (PCCWL, KGL, lambda x: (0.0, 1.9 + x, 0.5)),
+        (ATL, KGL, lambda x: (0.0, 1.1 + x, 0.0)),  # one that is not patrolling
+        (PCCWL, KGL, lambda x: (0.0, 1.5, 0.375 - x)),
+    ],
+)
+def test_decision_boundaries(below, above, inputs):
+    assert winner(*inputs(-0.01)) == below
+    assert winner(*inputs(0.01)) == above
+
+
+def test_ends_of_an_open_border():
+    near, far = 0.1, 5.0
+    for border in (0.1, 1.0):
+        for neighbor in (1.5, 3.0):
+            assert winner(border, neighbor, 0.0, open_border=True, left=near) == PCWL
+            assert winner(border, neighbor, 0.0, open_border=True, right=near) == PCCWL
+    assert winner(0.1, 0.5, 0.0, open_border=True, left=near) == ATL
+    assert winner(3.0, 3.0, 0.0, open_border=True, left=near) == RFL
+    assert winner(0.1, 3.0, 0.0, open_border=True, left=far) == KGL
+    # Keep Going is as low as it gets near an end.
+    assert degrees(0.1, 3.0, 0.0, open_border=True, left=near)[KGL] == pytest.approx(1 / 6)
+
+
+def test_far_from_the_ends_an_open_border_is_as_a_closed_one():
+    for border in (0.1, 0.7, 1.2, 3.0):
+        for neighbor in (0.5, 1.2, 1.7, 3.0):
+            for state in (-1.0, -0.3, 0.0, 0.5):
+                assert degrees(border, neighbor, state, open_border=True) == pytest.approx(
+                    degrees(border, neighbor, state)
+                )
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (r"low = \[0.0, 0.0, 0.4, 1.0\]", "low = [0.0, 0.4, 0.0, 1.0]", "do not ascend"),
+        (r"low = \[0.0, 0.0, 0.4, 1.0\]", "low = [0.0, 1.0]", "give 3 numbers"),
+        (r"low = \[0.0, 0.0, 0.4, 1.0\]", "low = [0.0, 0.0, 0.2, 0.4]", "no set covers 0.4"),
+        (r"low = \[0.0, 0.0, 0.4, 1.0\]", "small = [0.0, 0.0, 0.4, 1.0]", "unknown name 'small'"),
+        (r"low = \[0.0, 0.0, 0.4, 1.0\].*\n", "", "low is missing"),
+        (r"high = \[1.0, 2.0, inf, inf\]", "high = [1.0, 2.0, 5.0, 5.0]", "no set covers inf"),
+        (r"low = \[0.0, 0.0, 0.5\]", "low = [-0.5, 0.0, 0.5]", "leaves 0 to 1"),
+        (r"\[sets.level\]", "[sets.grade]", "unknown name 'grade'"),
+        (r'neighbor_low = "ATL high"', 'neighbor_low = "XTL high"', "is no output and level"),
+        (r'neighbor_low = "ATL high"', 'neighbor_low = "ATL huge"', "is no output and level"),
+        (r'neighbor_low = "ATL high"', "neighbor_low = 3", "is no output and level"),
+        (r'neighbor_low = "ATL high"\n', "", "neighbor_low is missing, add the cell"),
+        (
+            r'neighbor_low = "ATL high"',
+            'neighbour_low = "ATL high"',
+            "unknown name 'neighbour_low'",
+        ),
+        (r"border_high.not_patrolling", "border_high.patrolling", "unknown name 'patrolling'"),
+        (r"\[reading.R1.border_medium", "[reading.R9.border_medium", "unknown name 'R9'"),
+        (r'left_end_low = "PCWL high"\n', "", "left_end_low is missing"),
+        (r'border = \["low", "medium"\]', 'border = ["near"]', "list some of"),
+        (r"\[sets.level\]", "[sets]\nlevel = 1\n[other]", "unknown name 'other'"),
+        (r"\[sets.level\]", "[border_high]\nnot_patrolling = 1\n[sets.level]", "TOML"),
+        (r"reading.R2.border_medium.*\n.*\n", "reading]\nR2 = 3\n", "no table, write it as"),
+        (r"\[sets.level\]", "[sets.level", "give a readable TOML file"),
+    ],
+)
+def test_refuses_with_file_place_and_remedy(tmp_path, old, new, message):
+    text, count = re.subn(old, new, RULES_FILE.read_text(), count=1)
+    assert count == 1
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    with pytest.raises(RulesError, match=message) as caught:
+        load_rules(path, reading="R1", safety_distance=2.4, open_border=True)
+    line = str(caught.value)
+    assert line.startswith(f"{path}: ")
+    assert "\n" not in line
+    assert "," in line or ";" in line  # "problem, remedy"
+
+
+@pytest.mark.parametrize("junk", ["3", "[]", "[[1]]", '"x"', "{}", "nan", "[nan, 0, 0]", "true"])
+def test_junk_anywhere_is_a_rules_error(tmp_path, junk):
+    """Whatever stands in place of one value or one table: a RulesError, never another one."""
+    lines = RULES_FILE.read_text().splitlines()
+    path = tmp_path / "mine.toml"
+    for i, line in enumerate(lines):
+        if line.startswith("["):
+            changed = f"{line.split(']')[0][1:]} = {junk}"
+        elif "=" in line and not line.startswith("#"):
+            changed = f"{line.split('=')[0]}= {junk}"
+        else:
+            continue
+        path.write_text("\n".join([*lines[:i], changed, *lines[i + 1 :]]))
+        with pytest.raises(RulesError, match=re.escape(f"{path}: ")):
+            load_rules(path, reading="R1", safety_distance=2.4, open_border=True)
+
+
+def test_refuses_a_missing_reading(tmp_path):
+    path = tmp_path / "mine.toml"
+    text, count = re.subn(r"\[reading\.R2[^\[]*", "", RULES_FILE.read_text())
+    assert count == 1
+    path.write_text(text)
+    with pytest.raises(RulesError, match=r"\[reading\]: has no R2, add it"):
+        load_rules(path, reading="R2", safety_distance=2.4, open_border=False)
+
+
+def test_refuses_a_missing_file(tmp_path):
+    with pytest.raises(RulesError, match="No such file"):
+        load_rules(tmp_path / "none.toml", reading="R1", safety_distance=2.4, open_border=False)
+
+
+def test_a_complete_table_needs_no_readings(tmp_path):
+    text = RULES_FILE.read_text()
+    text = text[: text.index("# Three readings")] + text[text.index("[open_border]") :]
+    text = text.replace(
+        "# neighbor_high is damaged in print, see the readings below", 'neighbor_high = "RFL high"'
+    )
+    path = tmp_path / "mine.toml"
+    path.write_text(text)
+    system = load_rules(path, reading="R1", safety_distance=2.4, open_border=False)
+    assert len(system.rules) == 27
+
+
+def test_safety_distance_inside_the_avoiding_zone_is_refused():
+    load_rules(RULES_FILE, reading="R1", safety_distance=1.9, open_border=False)
+    with pytest.raises(RulesError, match=r"cross at 1\.90 m.*raise safety_distance"):
+        load_rules(RULES_FILE, reading="R1", safety_distance=1.89, open_border=False)
