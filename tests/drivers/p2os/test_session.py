@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from drivers.p2os.commands import CLOSE, OPEN, PULSE, STOP, Command, CommandNumber, decode_command
+from drivers.p2os.command_numbers import CommandNumber
+from drivers.p2os.commands import CLOSE, OPEN, PULSE, STOP, Command, decode_command
 from drivers.p2os.config_packet import ConfigPacket
 from drivers.p2os.framing import PacketFramer, encode_packet
 from drivers.p2os.robot_identity import RobotIdentity
