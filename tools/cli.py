@@ -21,6 +21,7 @@ COMMANDS = {
     "agent": "run one robot: the onboard process",
     "demo": "emulated robots on pseudo-terminals, one agent process each",
     "bench": "emulated robots in lockstep, faster than real time",
+    "study": "many benches over seeds and settings, compared",
     "monitor": "watch the team: the operator's side",
     "map": "build, draw, show and check maps",
     "convert": "turn a CARMEN log into a recording of real device bytes",
