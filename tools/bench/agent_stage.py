@@ -84,7 +84,7 @@ class Moment:
 
 
 class AgentStage:
-    """The world steps in ``step``; the agent is a process of its own, started by ``start_agent``."""
+    """The world steps in ``step``; the agent is a process, started by ``start_agent``."""
 
     def __init__(self, folder: Path, seed: int = 1) -> None:
         """Build world and lines in a folder of their own, to which configuration and recordings

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from drivers.emulated_port import EmulatedDevice, PtyPort
-from drivers.p2os.commands import CommandNumber, decode_command
+from drivers.p2os.command_numbers import CommandNumber
+from drivers.p2os.commands import decode_command
 from drivers.p2os.framing import PacketFramer
 from drivers.timed_bytes import TimedBytes
 
