@@ -41,8 +41,8 @@ class FaultPlan:
     """What shall go wrong, in both directions.
 
     drop, corrupt: probability per byte of being lost, of one bit being wrong.
-    duplicate, split, delay: probability per piece of traffic (what is sent at once) of coming twice,
-    in two parts, and ``delay_time`` (s) late; order is kept.
+    duplicate, split, delay: probability per piece of traffic (what is sent at once) of coming
+    twice, in two parts, and ``delay_time`` (s) late; order is kept.
     silences: nothing passes. cuts: the same, and the port goes away. resets: the device restarts.
     """
 
@@ -79,17 +79,23 @@ def parse_faults(spec: str) -> FaultPlan:
 
 
 def _with(plan: FaultPlan, name: str, numbers: Sequence[float], part: str) -> FaultPlan:
-    match name, *numbers:
-        case (("drop" | "corrupt" | "duplicate" | "split"), chance):
-            return replace(plan, **{name: _probability(chance, part)})
-        case "delay", chance, time:
-            return replace(plan, delay=_probability(chance, part), delay_time=time)
-        case "silence", begin, end:
-            return replace(plan, silences=(*plan.silences, _span(begin, end, part)))
-        case "cut", begin, end:
-            return replace(plan, cuts=(*plan.cuts, _span(begin, end, part)))
-        case "reset", at:
-            return replace(plan, resets=tuple(sorted((*plan.resets, at))))
+    match name, len(numbers):
+        case "drop", 1:
+            return replace(plan, drop=_probability(numbers[0], part))
+        case "corrupt", 1:
+            return replace(plan, corrupt=_probability(numbers[0], part))
+        case "duplicate", 1:
+            return replace(plan, duplicate=_probability(numbers[0], part))
+        case "split", 1:
+            return replace(plan, split=_probability(numbers[0], part))
+        case "delay", 2:
+            return replace(plan, delay=_probability(numbers[0], part), delay_time=numbers[1])
+        case "silence", 2:
+            return replace(plan, silences=(*plan.silences, _span(numbers, part)))
+        case "cut", 2:
+            return replace(plan, cuts=(*plan.cuts, _span(numbers, part)))
+        case "reset", 1:
+            return replace(plan, resets=tuple(sorted((*plan.resets, *numbers))))
     raise FaultSpecError(f"fault '{part}': no such fault, or not its values; {_EXAMPLE}")
 
 
@@ -106,7 +112,8 @@ def _probability(value: float, part: str) -> float:
     return value
 
 
-def _span(begin: float, end: float, part: str) -> Span:
+def _span(span: Sequence[float], part: str) -> Span:
+    begin, end = span
     if begin >= end:
         raise FaultSpecError(f"fault '{part}': ends before it begins; {_EXAMPLE}")
     return Span(begin, end)
@@ -241,7 +248,7 @@ class LineFaults:
         bits = np.left_shift(1, rng.integers(8, size=octets.size)).astype(np.uint8)
         self.counters.corrupted_bytes += int(np.count_nonzero(hit & kept))
         self.counters.dropped_bytes += int(np.count_nonzero(~kept))
-        return np.where(hit, octets ^ bits, octets)[kept].tobytes()
+        return bytes(np.where(hit, octets ^ bits, octets)[kept])
 
     def _is_silent(self, t: float) -> bool:
         elapsed = t - (self._start or 0.0)

@@ -15,7 +15,7 @@ from drivers.requests import Request, Write
 
 P2OS_PERIOD = 0.050  # s per command, on average
 LATER_PERIOD = 0.005  # s
-BURST = 3
+BURST = 2
 """Commands that may leave together after a pause; also what one call to ``flush`` sends at most."""
 DEFAULT_WATCHDOG = 2.0  # s
 

@@ -24,7 +24,8 @@ Text = Annotated[str, "text"]  # NUL-terminated
 class ConfigPacket:
     """The fields in wire order; those a shorter packet does not carry keep their zero.
 
-    ``field_count`` says how many were on the wire (P2OS_FIELD_COUNT on P2OS), ``surplus`` what followed them.
+    ``field_count`` says how many were on the wire (P2OS_FIELD_COUNT on P2OS), ``surplus`` what
+    followed them.
     Speeds are in mm/s and deg/s, accelerations in mm/s^2 and deg/s^2.
     """
 

@@ -159,7 +159,8 @@ def decode_joystick(data: bytes) -> JoystickPacket | None:
     """Read a JOYSTICK packet's data."""
     if len(data) < _JOYSTICK.size:
         return None
-    return JoystickPacket(*_JOYSTICK.unpack_from(data)[1:], surplus=data[_JOYSTICK.size :])
+    _, connected, buttons, x, y, throttle = _JOYSTICK.unpack_from(data)
+    return JoystickPacket(connected, buttons, x, y, throttle, data[_JOYSTICK.size :])
 
 
 def decode_notification(data: bytes) -> Notification | None:

@@ -37,6 +37,7 @@ class Handshake:
         self._expected = 0
         self._deadline = 0.0
         self._settling = False
+        self._in_session = False
         self._heard = b""
         self._stuck: dict[str, int] = {}
 
@@ -45,9 +46,11 @@ class Handshake:
         """Rate in use."""
         return self.rates.baud
 
-    def start(self, t: float) -> None:
-        """Begin, at the rate that worked last if there is one."""
+    def start(self, t: float, *, in_session: bool = False) -> None:
+        """Begin, at the rate that worked last if there is one; ``in_session``: the robot is
+        likely still in a session of ours."""
         self.trouble = None
+        self._in_session = in_session
         self._heard = b""
         self._stuck.clear()
         self.rates.restart()
@@ -95,8 +98,9 @@ class Handshake:
         self._tries += 1
         self.attempts += 1
         self._write(STOP.encode())
-        if self._tries > 1:
-            # A robot that got SYNC2 but whose reply was lost only answers to OPEN.
+        if self._tries > 1 and not self._in_session:
+            # A robot that got SYNC2 but whose reply was lost only answers to OPEN. One in a session
+            # would resume its motion, should a cable that returns just now let only OPEN pass.
             self._write(OPEN.encode())
         self._send_sync(0, t)
 

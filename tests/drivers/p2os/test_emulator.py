@@ -331,7 +331,7 @@ def test_host_baud_holds_until_close() -> None:
 
 def test_battery_is_reported() -> None:
     robot = Robot().open()
-    robot.emulator.battery_decivolts = 117
+    robot.emulator.battery.volts = 11.7
     robot.run(0.3)
     assert robot.sips[-1].battery_decivolts == 117
 
