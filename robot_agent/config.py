@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import msgspec
 import tomli_w
 
-from drivers.camera import CameraSettings
+from drivers.camera_source import CameraSettings
 from drivers.lms200.settings import LaserSettings
 from drivers.p2os.settings import BaseSettings
 from localization.settings import LocalizationSettings

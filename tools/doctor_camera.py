@@ -6,7 +6,8 @@ import time
 
 import numpy as np
 
-from drivers.camera import Camera, CameraSettings, CameraState, Picture, wait_for_picture
+from drivers.camera import Camera, CameraState, Picture, wait_for_picture
+from drivers.camera_source import CameraSettings
 from tools.finding import Finding, failed, ok, skipped, warning
 
 PICTURE_LIMIT_S = 5.0  # for the first picture

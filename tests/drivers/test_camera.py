@@ -14,16 +14,13 @@ import cv2
 import numpy as np
 import pytest
 
-from drivers.camera import (
-    LONGEST_PAUSE,
-    Camera,
+from drivers.camera import LONGEST_PAUSE, Camera, CameraState, wait_for_picture
+from drivers.camera_source import (
     CameraError,
     CameraSettings,
-    CameraState,
     CameraTrouble,
     fix_adjustments,
     open_capture,
-    wait_for_picture,
 )
 from robot_agent.config import ConfigError, format_config, parse_config
 
