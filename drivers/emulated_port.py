@@ -1,4 +1,7 @@
-"""Ports at which real clients reach an emulated device: a pseudo-terminal, or TCP."""
+"""Ports at which real clients reach an emulated device: a pseudo-terminal, or TCP.
+
+Either can be unplugged and plugged in again, as a cable; the device lives on meanwhile.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ import select
 import socket
 import termios
 import tty
+from pathlib import Path
 from typing import Protocol
 
 from drivers.timed_bytes import TimedBytes
@@ -45,19 +49,45 @@ class PtyPort:
     """Hosts an emulator on a pseudo-terminal; ``url`` is the path clients open, again and again.
 
     A pty carries bytes at any rate; a line does not. So while the client's rate is not the
-    device's, what either sends arrives as other bytes. With nobody there output is lost.
+    device's, what either sends arrives as other bytes. With nobody there output is lost. ``name``
+    is a link to make and keep: a device name that outlives unplugging.
     """
 
-    def __init__(self, emulator: EmulatedDevice) -> None:
+    def __init__(self, emulator: EmulatedDevice, name: Path | None = None) -> None:
         self._emulator = emulator
+        self._name = name
+        self._master = -1
+        self.plug_in()
+
+    @property
+    def url(self) -> str:
+        """The path to open; without a ``name`` a new one after each plugging in."""
+        return self._device if self._name is None else str(self._name)
+
+    def plug_in(self) -> None:
+        """Make the port appear; nothing where it is there already."""
+        if self._master >= 0:
+            return
         self._master, slave = os.openpty()
         tty.setraw(slave)
         os.set_blocking(self._master, False)
-        self.url = os.ttyname(slave)
+        self._device = os.ttyname(slave)
         os.close(slave)  # from now on a hang-up tells that no client is there
         self._client_there = False
         self._poll = select.poll()
         self._poll.register(self._master, select.POLLIN)
+        if self._name is not None:
+            self._name.symlink_to(self._device)
+
+    def unplug(self) -> None:
+        """Take the port away; its client is hung up on."""
+        if self._master < 0:
+            return
+        os.close(self._master)
+        self._master = -1
+        self._client_there = False
+        if self._name is not None:
+            self._name.unlink()
 
     def pump(self, t: float) -> None:
         """Carry bytes both ways at time ``t`` (s), without waiting."""
@@ -74,13 +104,13 @@ class PtyPort:
                 self._write(self._as_received(data, baud))
 
     def close(self) -> None:
-        """Take the port away: to the client, an unplugged device."""
-        if self._master >= 0:
-            os.close(self._master)
-            self._master = -1
+        """Take the port away for good."""
+        self.unplug()
 
     def _look_for_client(self) -> bool:
         """Notice a client coming or going; return whether bytes from it are waiting."""
+        if self._master < 0:
+            return False
         events = dict(self._poll.poll(0)).get(self._master, 0)
         client_there = not events & select.POLLHUP
         if self._client_there and not client_there:
@@ -90,7 +120,7 @@ class PtyPort:
 
     def _discard_unread(self) -> None:
         """Drop what a client that left did not read: the next one shall not find it."""
-        slave = os.open(self.url, os.O_RDWR | os.O_NOCTTY)
+        slave = os.open(self._device, os.O_RDWR | os.O_NOCTTY)
         termios.tcflush(slave, termios.TCIFLUSH)
         os.close(slave)
 
@@ -114,11 +144,21 @@ class TcpPort:
 
     def __init__(self, emulator: EmulatedDevice, port: int = 0, host: str = "127.0.0.1") -> None:
         self._emulator = emulator
-        self._listener = socket.create_server((host, port))
-        self._listener.setblocking(False)
-        self.url = f"socket://{host}:{self._listener.getsockname()[1]}"
         self._client: socket.socket | None = None
         self._unsent = bytearray()
+        self._listener = _listen(host, port)
+        self._address = self._listener.getsockname()
+        self.url = f"socket://{host}:{self._address[1]}"
+
+    def plug_in(self) -> None:
+        """Listen again; nothing where it listens already."""
+        if self._listener.fileno() < 0:
+            self._listener = _listen(*self._address[:2])
+
+    def unplug(self) -> None:
+        """Hang up and stop listening."""
+        self._hang_up()
+        self._listener.close()
 
     def pump(self, t: float) -> None:
         """Carry bytes both ways at time ``t`` (s), without waiting."""
@@ -132,11 +172,12 @@ class TcpPort:
         self._flush()
 
     def close(self) -> None:
-        """Hang up and stop listening."""
-        self._hang_up()
-        self._listener.close()
+        """Hang up and stop listening for good."""
+        self.unplug()
 
     def _accept(self) -> None:
+        if self._listener.fileno() < 0:
+            return
         try:
             client, _address = self._listener.accept()
         except BlockingIOError:
@@ -180,3 +221,9 @@ class TcpPort:
             self._client.close()
             self._client = None
         self._unsent.clear()
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    listener = socket.create_server((host, port))
+    listener.setblocking(False)
+    return listener

@@ -1,4 +1,8 @@
-"""The live side of a device's line: one thread that opens it, reads, writes, and opens it again."""
+"""The live side of a device's line: one thread that opens it, reads, writes, and opens it again.
+
+A port that is lost is opened again within half a second of its coming back. A serial adapter that
+comes back under another device name is found by its lasting name.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +15,15 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 from typing import Protocol
 
-from drivers.port import Port, PortError, open_port
+from drivers.adapter_name import BY_ID, lasting_name
+from drivers.port import Port, PortError, PortTrouble, open_port
 from drivers.requests import Request, SetBaud, Write
 
-FIRST_PAUSE = 0.25  # s before the port is opened again; doubles
-LONGEST_PAUSE = 2.0  # s
+FIRST_PAUSE = 0.125  # s before the port is opened again; doubles
+LONGEST_PAUSE = 0.5  # s: a cable's return must be noticed within a second
 MAX_WAITING = 65536  # bytes accepted and not yet taken by the port
 CLOSING_LIMIT = 0.5  # s for the last writes to leave
 
@@ -51,9 +57,26 @@ class LinkCounters:
     bytes_in: int = 0
     bytes_out: int = 0
     bytes_dropped: int = 0  # written while the link was down
+    overflows: int = 0  # times the port took no more bytes and was given up
     attempts: int = 0  # to open the port
     times_up: int = 0
     times_lost: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class LinkStatus:
+    """A link at one moment, for people and telemetry.
+
+    trouble, reason: what keeps it down, and that in words with a remedy; None and "" while up.
+    port: what was last opened: the URL, or the adapter's new name.
+    next_try: when the port is opened next, by the link's clock (s); None while open or closed.
+    """
+
+    state: LinkState
+    trouble: PortTrouble | None
+    reason: str
+    port: str
+    next_try: float | None
 
 
 class Link:
@@ -61,16 +84,27 @@ class Link:
 
     ``url``: serial device, pty path or ``socket://host:port``. The port is opened, and opened again
     after a loss, at ``baud``. ``write`` and ``set_baud`` only queue: they never block and never
-    raise; what fails shows as ``link_down``. ``clock`` returns s.
+    raise; what fails shows as ``link_down``. ``clock`` returns s. ``adapters`` is the folder of
+    adapters' lasting names.
     """
 
     def __init__(
-        self, url: str, baud: int, listener: LinkListener, clock: Callable[[], float]
+        self,
+        url: str,
+        baud: int,
+        listener: LinkListener,
+        clock: Callable[[], float],
+        adapters: Path = BY_ID,
     ) -> None:
         self.url = url
         self.state = LinkState.CLOSED
         self.reason = ""  # why the link is down
+        self.trouble: PortTrouble | None = None  # the kind of reason
         self.counters = LinkCounters()
+        self._adapters = adapters
+        self._adapter: Path | None = None  # lasting name of what was last open
+        self._port_name = url
+        self._next_try: float | None = None
         self._baud = baud
         self._listener = listener
         self._clock = clock
@@ -91,6 +125,14 @@ class Link:
         os.set_blocking(self._wake_writer, False)
         self._thread = threading.Thread(target=self._run, name=f"link {self.url}", daemon=True)
         self._thread.start()
+
+    @property
+    def status(self) -> LinkStatus:
+        """How the link stands now."""
+        with self._lock:
+            return LinkStatus(
+                self.state, self.trouble, self.reason, self._port_name, self._next_try
+            )
 
     def write(self, data: bytes) -> None:
         """Queue bytes, in order with changes of rate; dropped while the link is down."""
@@ -134,22 +176,25 @@ class Link:
             try:
                 self._open_and_serve()
             except PortError as failure:
-                self._go_down(str(failure))
-            if self.counters.bytes_in > heard_before:
-                pause = FIRST_PAUSE
+                if self.counters.bytes_in > heard_before:
+                    pause = FIRST_PAUSE
+                self._go_down(failure, pause)
             self._closing.wait(pause)
             pause = min(2 * pause, LONGEST_PAUSE)
         with self._lock:
             self.state = LinkState.CLOSED
+            self._next_try = None
             os.close(self._wake_reader)
             os.close(self._wake_writer)
             self._wake_reader = self._wake_writer = -1
 
     def _open_and_serve(self) -> None:
-        if self.state is LinkState.CLOSED:
-            self.state = LinkState.OPENING
+        with self._lock:
+            self._next_try = None
+            if self.state is LinkState.CLOSED:
+                self.state = LinkState.OPENING
         self.counters.attempts += 1
-        port = open_port(self.url, self._baud)
+        port = self._open()
         try:
             self._go_up()
             self._serve(port)
@@ -157,23 +202,36 @@ class Link:
         finally:
             port.close()
 
+    def _open(self) -> Port:
+        """Open the adapter that was open before, wherever it is now; else what the URL names."""
+        found = self._adapter is not None and self._adapter.exists()
+        self._port_name = str(self._adapter) if found else self.url
+        port = open_port(self._port_name, self._baud)
+        self._adapter = lasting_name(self._port_name, self._adapters)
+        return port
+
     def _go_up(self) -> None:
         with self._lock:
+            self.trouble, self.reason = None, ""
             self._queue.clear()
             self._waiting = 0
             self._overflowed = False
             self.state = LinkState.UP
-        self.reason = ""
         self.counters.times_up += 1
         self._listener.link_up(self._clock())
 
-    def _go_down(self, reason: str) -> None:
+    def _go_down(self, failure: PortError, pause: float) -> None:
+        reason = str(failure)
         with self._lock:
             if self.state is LinkState.UP:
                 self.counters.times_lost += 1
+            told = reason == self.reason
             self.state = LinkState.DOWN
-        if reason != self.reason:
-            self.reason = reason
+            self.trouble, self.reason = failure.trouble, reason
+            self._next_try = self._clock() + pause
+        if failure.trouble is PortTrouble.STALLED:
+            self.counters.overflows += 1
+        if not told:
             self._listener.link_down(self._clock(), reason)
 
     def _serve(self, port: Port) -> None:
@@ -182,7 +240,9 @@ class Link:
         poll.register(self._wake_reader, select.POLLIN)
         while not self._closing.is_set():
             if self._overflowed:
-                raise PortError(f"output stalled: {self.url} takes no more bytes")
+                raise PortError(
+                    f"output stalled: {self.url} takes no more bytes", PortTrouble.STALLED
+                )
             events = select.POLLIN | (select.POLLOUT if self._queue else 0)
             poll.register(port.fileno(), events)
             ready = dict(poll.poll())

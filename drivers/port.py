@@ -7,19 +7,42 @@ import os
 import socket
 import termios
 import time
+from enum import StrEnum
 from typing import Protocol
 from urllib.parse import urlsplit
 
 import serial
 
-CONNECT_LIMIT = 2.0  # s
+CONNECT_LIMIT = 1.0  # s
 READ_SIZE = 4096
 _SLOW_ENOUGH = 115200  # baud; above this a byte is over before its receiver is ready for the next
 _BYTE_GAP = 60e-6  # s between bytes sent faster than that: a laser at 500000 baud asks for 55 us
 
 
+class PortTrouble(StrEnum):
+    """What keeps a port from being open."""
+
+    MISSING = "missing"  # no such device: not plugged in, or under another name
+    NO_PERMISSION = "no permission"
+    IN_USE = "in use"  # by another process
+    NO_DEVICE = "no device"  # a name with nothing behind it
+    NOT_A_PORT = "not a port"
+    BAD_ADDRESS = "bad address"
+    REFUSED = "refused"  # the host is there, nothing listens
+    UNREACHABLE = "unreachable"
+    UNPLUGGED = "unplugged"  # was open, is gone
+    HUNG_UP = "hung up"  # the other side closed the connection
+    STALLED = "stalled"  # takes no more bytes
+    BAD_RATE = "bad rate"
+    OTHER = "other"
+
+
 class PortError(OSError):
     """A port could not be opened, or was lost; the message says why and what to do, in one line."""
+
+    def __init__(self, message: str, trouble: PortTrouble = PortTrouble.OTHER) -> None:
+        super().__init__(message)
+        self.trouble = trouble
 
 
 class Port(Protocol):
@@ -53,11 +76,14 @@ def open_port(url: str, baud: int) -> Port:
     if parts.scheme == "socket":
         return _open_socket(url)
     if "://" in url:
-        raise PortError(f"unknown kind of port {url}: use a device path or socket://host:port")
+        raise PortError(
+            f"unknown kind of port {url}: use a device path or socket://host:port",
+            PortTrouble.BAD_ADDRESS,
+        )
     try:
         device = serial.Serial(url, baud, timeout=0, exclusive=True)
     except (OSError, ValueError) as failure:
-        raise PortError(explain(url, failure)) from failure
+        raise explain(url, failure) from failure
     return SerialPort(device)
 
 
@@ -66,32 +92,67 @@ def _open_socket(url: str) -> Port:
         parts = urlsplit(url)
         host, port = parts.hostname, parts.port
     except ValueError as failure:
-        raise PortError(f"bad port number in {url}: use socket://host:port") from failure
+        raise PortError(
+            f"bad port number in {url}: use socket://host:port", PortTrouble.BAD_ADDRESS
+        ) from failure
     if not host or not port:
-        raise PortError(f"host or port number missing in {url}: use socket://host:port")
+        raise PortError(
+            f"host or port number missing in {url}: use socket://host:port",
+            PortTrouble.BAD_ADDRESS,
+        )
     try:
         connection = socket.create_connection((host, port), CONNECT_LIMIT)
     except OSError as failure:
-        raise PortError(explain(url, failure)) from failure
+        raise explain(url, failure) from failure
     return SocketPort(connection)
 
 
-def explain(url: str, failure: Exception) -> str:
-    """Say in one line why ``url`` could not be opened and what to do about it."""
-    match _error_number(failure):
-        case errno.ENOENT:
-            return f"no such port: {url}; check cable and name, 'patrol ports' lists what is there"
-        case errno.EACCES | errno.EPERM:
-            return f"permission denied on {url}: add the user to group dialout and log in again"
-        case errno.EAGAIN | errno.EBUSY:
-            return f"{url} is in use by another process: end that one first"
-        case errno.ENXIO | errno.ENODEV | errno.EIO:
-            return f"no device behind {url}: check that it is plugged in"
-        case errno.ECONNREFUSED:
-            return f"nothing listens at {url}: start the device server or correct the address"
-        case errno.EISDIR | errno.ENOTTY:
-            return f"{url} is not a serial port"
-    return f"cannot open {url}: {' '.join(str(failure).split())}"
+_EXPLANATIONS = {
+    PortTrouble.MISSING: (
+        "no such port: {url}; check cable and name, 'patrol ports' lists what is there"
+    ),
+    PortTrouble.NO_PERMISSION: (
+        "permission denied on {url}: add the user to group dialout and log in again"
+    ),
+    PortTrouble.IN_USE: "{url} is in use by another process: end that one first",
+    PortTrouble.NO_DEVICE: "no device behind {url}: check that it is plugged in",
+    PortTrouble.REFUSED: (
+        "nothing listens at {url}: start the device server or correct the address"
+    ),
+    PortTrouble.UNREACHABLE: "cannot reach {url}: check the network and the address",
+    PortTrouble.NOT_A_PORT: "{url} is not a serial port",
+}
+_TROUBLES = {
+    errno.ENOENT: PortTrouble.MISSING,
+    errno.EACCES: PortTrouble.NO_PERMISSION,
+    errno.EPERM: PortTrouble.NO_PERMISSION,
+    errno.EAGAIN: PortTrouble.IN_USE,
+    errno.EBUSY: PortTrouble.IN_USE,
+    errno.ENXIO: PortTrouble.NO_DEVICE,
+    errno.ENODEV: PortTrouble.NO_DEVICE,
+    errno.EIO: PortTrouble.NO_DEVICE,
+    errno.ECONNREFUSED: PortTrouble.REFUSED,
+    errno.EHOSTUNREACH: PortTrouble.UNREACHABLE,
+    errno.ENETUNREACH: PortTrouble.UNREACHABLE,
+    errno.ETIMEDOUT: PortTrouble.UNREACHABLE,
+    errno.EISDIR: PortTrouble.NOT_A_PORT,
+    errno.ENOTTY: PortTrouble.NOT_A_PORT,
+}
+
+
+def explain(url: str, failure: Exception) -> PortError:
+    """Return the error that says in one line why ``url`` could not be opened and what to do."""
+    trouble = _trouble_of(failure)
+    if trouble is PortTrouble.OTHER:
+        return PortError(f"cannot open {url}: {' '.join(str(failure).split())}")
+    return PortError(_EXPLANATIONS[trouble].format(url=url), trouble)
+
+
+def _trouble_of(failure: Exception) -> PortTrouble:
+    if isinstance(failure, TimeoutError | socket.gaierror):
+        return PortTrouble.UNREACHABLE
+    number = _error_number(failure)
+    return PortTrouble.OTHER if number is None else _TROUBLES.get(number, PortTrouble.OTHER)
 
 
 def _error_number(failure: Exception) -> int | None:
@@ -144,7 +205,9 @@ class SerialPort:
             self._device.baudrate = baud
             self._device.reset_input_buffer()
         except (OSError, ValueError, termios.error) as failure:
-            raise PortError(f"port cannot run at {baud} baud: {failure}") from failure
+            raise PortError(
+                f"port cannot run at {baud} baud: {failure}", PortTrouble.BAD_RATE
+            ) from failure
 
     def drain(self) -> None:
         """Wait until all written bytes have left."""
@@ -158,7 +221,9 @@ class SerialPort:
         self._device.close()
 
     def _gone(self) -> PortError:
-        return PortError(f"device is gone: was {self._device.port} unplugged?")
+        return PortError(
+            f"device is gone: was {self._device.port} unplugged?", PortTrouble.UNPLUGGED
+        )
 
 
 class SocketPort:
@@ -180,9 +245,11 @@ class SocketPort:
         except BlockingIOError:
             return b""
         except OSError as failure:
-            raise PortError(f"connection lost: {failure.strerror}") from failure
+            raise PortError(
+                f"connection lost: {failure.strerror}", PortTrouble.HUNG_UP
+            ) from failure
         if not data:
-            raise PortError("connection closed by the other side")
+            raise PortError("connection closed by the other side", PortTrouble.HUNG_UP)
         return data
 
     def write(self, data: bytes) -> int:
@@ -192,7 +259,9 @@ class SocketPort:
         except BlockingIOError:
             return 0
         except OSError as failure:
-            raise PortError(f"connection lost: {failure.strerror}") from failure
+            raise PortError(
+                f"connection lost: {failure.strerror}", PortTrouble.HUNG_UP
+            ) from failure
 
     def set_baud(self, baud: int) -> None:
         """Do nothing: the rate is the device server's affair."""

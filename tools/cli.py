@@ -22,6 +22,10 @@ COMMANDS = {
     "demo": "emulated robots on pseudo-terminals, one agent process each",
     "bench": "emulated robots in lockstep, faster than real time",
     "study": "many benches over seeds and settings, compared",
+    "doctor": "check one robot before it patrols",
+    "ports": "list serial adapters and a udev line for each",
+    "emulate": "one emulated robot for any client",
+    "faults": "measure how a patrolling robot takes faults",
     "monitor": "watch the team: the operator's side",
     "map": "build, draw, show and check maps",
     "convert": "turn a CARMEN log into a recording of real device bytes",
@@ -67,6 +71,14 @@ def main(arguments: list[str] | None = None) -> int:
         return 130
     except BrokenPipeError:
         sys.stderr.close()  # the reader of our output has gone; nobody is left to tell
+        return 1
+    except OSError as error:
+        if error.filename is None:
+            raise
+        print(
+            f"patrol {options.command}: {error.filename}: {error.strerror}; check path and rights",
+            file=sys.stderr,
+        )
         return 1
     except ValueError as error:
         if type(error).__module__.split(".")[0] not in ROOMS:

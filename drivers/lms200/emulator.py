@@ -7,15 +7,15 @@ are measured over whole mirror turns and sent when the wire is free. Source: SIC
 
 from __future__ import annotations
 
-import math
 from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivers.lms200 import telegrams
+from drivers.lms200.emulated_mirror import EmulatedMirror, ScanSource, Sweep
+from drivers.lms200.errors import ErrorEntry, Severity, encode_errors
 from drivers.lms200.framing import (
     ACK,
     HOST_ADDRESSES,
@@ -25,11 +25,13 @@ from drivers.lms200.framing import (
     TelegramFramer,
     encode_telegram,
 )
+from drivers.lms200.health import LaserHealth, status_byte
 from drivers.lms200.measurement import (
     MEASURING_MODES,
     TURN,
     UNIT_CM,
     UNIT_MM,
+    Special,
     encode_measurement,
 )
 from drivers.lms200.telegrams import (
@@ -44,14 +46,13 @@ from drivers.lms200.telegrams import (
 )
 from drivers.timed_bytes import TimedBytes
 
-ScanSource = Callable[[float, int, float], NDArray[np.float64]]
-
 POWER_ON_BAUD = 9600
 RESET_TIME = 0.01  # s from the confirmation of a reset to the power-on telegram
 BYTE_GAP = 0.1  # s; the laser allows 6 ms, a pty and a scheduler add to that
 
 _BITS_PER_BYTE = 10
 _BAUD_BY_MODE = {mode: baud for baud, mode in BAUD_MODES.items()}
+_STREAMS = (Mode.CONTINUOUS, Mode.CONTINUOUS_TURNS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +68,9 @@ class Lms200Emulator:
     """An LMS 200 that is switched on at time 0 with the factory's settings.
 
     scan_source(t, n, increment) -> ranges (n,) m, rightmost beam first, inf for no return, is asked
-    once per scan with the middle of its sweep (s) and the angle between beams (rad), times rising;
-    None leaves scans to ``send_scan``. Variant and configuration outlive ``power_off``.
+    once per mirror turn used, with the middle of the turn (s), the scan's beams and the angle
+    between them (rad), times rising; None leaves scans to ``send_scan``. Variant, configuration and
+    ``permanent_baud`` outlive ``power_off``. ``polluted`` dirties the front window.
     """
 
     def __init__(
@@ -86,7 +88,11 @@ class Lms200Emulator:
         self.configuration = telegrams.STANDARD_CONFIGURATION
         self.variant_writes = 0
         self.configuration_writes = 0
-        self._scan_source = scan_source
+        self.permanent_baud = POWER_ON_BAUD
+        self.polluted = False
+        self._errors: tuple[ErrorEntry, ...] = ()
+        self._blind_until = -np.inf
+        self._mirror = None if scan_source is None else EmulatedMirror(scan_source)
         self._boot_time = boot_time
         self._type_text = type_text
         self._framer = TelegramFramer(HOST_ADDRESSES)
@@ -96,7 +102,6 @@ class Lms200Emulator:
         self._sent: deque[_Outgoing] = deque()
         self._line_baud = baud
         self._wire_free = 0.0
-        self._sweep_begin: float | None = None
         self._one_scan_wanted = False
         self._scan_index = 0
 
@@ -123,15 +128,12 @@ class Lms200Emulator:
         if self._boots_at is not None and t >= self._boots_at:
             at, self._boots_at = self._boots_at, None
             self._reply(telegrams.encode_text(telegrams.POWER_ON, self._type_text), at)
-        if self._scan_source is None:
+        if self._mirror is None:
             return
-        while (sweep_end := self._next_sweep_end()) is not None:
-            measured = sweep_end - self._sweep_time / 2
-            if measured > t:
-                return
-            increment = math.radians(self.variant.resolution_cdeg / 100)
-            ranges = self._scan_source(measured, self.variant.count, increment)
-            self._send_values(ranges, sweep_end)
+        while sweep := self._mirror.measure(self.variant, self._wire_free, t):
+            self._send_values(sweep)
+            if self._one_scan_wanted:
+                self._stop_scanning()
 
     def take_output(self, t: float) -> list[TimedBytes]:
         """Return what has wholly left the wire by ``t``, in order.
@@ -160,7 +162,7 @@ class Lms200Emulator:
         """Switch on, or off and on: after the boot time the power-on telegram leaves at 9600."""
         self.power_off(t)
         self._powered = True
-        self.baud = self._line_baud = POWER_ON_BAUD
+        self.baud = self._line_baud = self.permanent_baud
         self._boot(t + self._boot_time)
 
     def send_scan(self, ranges: NDArray[np.float64], t_measured: float) -> bool:
@@ -172,11 +174,37 @@ class Lms200Emulator:
         missing = self.variant.count - ranges.size
         if missing not in (0, 1):
             raise ValueError(f"laser is set to {self.variant.count} beams, not {ranges.size}")
-        sweep_end = t_measured + self._sweep_time / 2
-        if not self._scanning or sweep_end < self._wire_free:
+        sweep_end = t_measured + self.variant.mirror_turns * TURN / 2
+        scanning = self.mode is Mode.CONTINUOUS or self._one_scan_wanted
+        if not scanning or sweep_end < self._wire_free:
             return False
-        self._send_values(np.append(ranges, [np.inf] * missing), sweep_end)
+        self._send_values(Sweep(np.append(ranges, [np.inf] * missing), sweep_end, None))
+        self._one_scan_wanted = False
         return True
+
+    # Its condition
+
+    def set_errors(self, errors: tuple[ErrorEntry, ...], t: float) -> None:
+        """Have the error list say this from ``t`` on; a fatal error present ends measuring."""
+        self.advance(t)
+        self._errors = errors
+        if self._condition(t).defective:
+            self._enter(Mode.ON_REQUEST)
+
+    def blind(self, until: float) -> None:
+        """Dazzle every beam of the scans sent before ``until`` (s)."""
+        self._blind_until = until
+
+    def _condition(self, t: float) -> LaserHealth:
+        level = Severity.WARNING if self.polluted else Severity.OK
+        level = max([level, *(Severity(e.severity) for e in self._errors if e.present)])
+        return LaserHealth(
+            level,
+            pollution=self.polluted,
+            implausible=t < self._blind_until,
+            defective=level is Severity.FATAL,
+            errors=self._errors,
+        )
 
     def _boot(self, ready: float) -> None:
         self._enter(Mode.ON_REQUEST)
@@ -192,69 +220,86 @@ class Lms200Emulator:
             self._line_baud = baud_after
 
     def _reply(self, payload: bytes, t: float, baud_after: int | None = None) -> None:
-        self._send(encode_telegram(payload, REPLY_BIT), t, baud_after)
+        """Send a reply; its last byte becomes the present status byte."""
+        status = status_byte(self._condition(t), STATUS_OK)
+        self._send(encode_telegram(payload[:-1] + bytes((status,)), REPLY_BIT), t, baud_after)
 
     # Scanning
 
-    @property
-    def _scanning(self) -> bool:
-        return self.mode is Mode.CONTINUOUS or self._one_scan_wanted
-
-    @property
-    def _sweep_time(self) -> float:
-        return self.variant.mirror_turns * TURN
-
-    def _next_sweep_end(self) -> float | None:
-        """Return the end of the first whole sweep after which the wire is free; None: no sweep."""
-        if self._sweep_begin is None:
-            return None
-        first = _next_multiple(self._sweep_begin, self._sweep_time) + self._sweep_time
-        return max(first, _next_multiple(self._wire_free, self._sweep_time))
-
-    def _send_values(self, ranges: NDArray[np.float64], sweep_end: float) -> None:
+    def _send_values(self, sweep: Sweep) -> None:
         configuration = self.configuration
         indices = b""
         if configuration.sends_indices:
             self._scan_index = (self._scan_index + 1) & 0xFF
             indices = bytes((self._scan_index, self._scan_index))
-        mode = MEASURING_MODES[configuration.measuring_mode]
-        payload = encode_measurement(ranges, mode, configuration.units, indices=indices)
-        self._reply(payload, sweep_end)
-        self._one_scan_wanted = False
-        self._sweep_begin = sweep_end if self._scanning else None
+        blind = sweep.end < self._blind_until
+        payload = encode_measurement(
+            np.full_like(sweep.ranges, np.inf) if blind else sweep.ranges,
+            MEASURING_MODES[configuration.measuring_mode],
+            configuration.units,
+            quarter=sweep.quarter,
+            inf_means=Special.DAZZLED if blind else Special.NO_RETURN,
+            indices=indices,
+        )
+        self._reply(payload, sweep.end)
+
+    def _start_scanning(self) -> None:
+        if self._mirror is not None:
+            partial = self.mode is Mode.CONTINUOUS_TURNS and not self._one_scan_wanted
+            self._mirror.start(self._wire_free, partial=partial)
 
     def _stop_scanning(self) -> None:
         self._one_scan_wanted = False
-        self._sweep_begin = None
+        if self._mirror is not None:
+            self._mirror.stop()
 
     # Commands
 
     def _obey(self, payload: bytes, t: float) -> None:
         code, data = payload[0], payload[1:]
         self._send(bytes((ACK,)), t)
-        if code == Command.RESET and not data:
-            self._reply(bytes((telegrams.RESET_CONFIRMED, STATUS_OK)), t, POWER_ON_BAUD)
+        reading = None if data else self._read(code, t)
+        if reading is not None:
+            self._reply(reading, t)
+        elif code == Command.RESET and not data:
+            self._reply(bytes((telegrams.RESET_CONFIRMED, STATUS_OK)), t, self.permanent_baud)
             self._boot(self._wire_free + max(RESET_TIME, self._boot_time))
         elif code == Command.MODE and data:
             self._select_mode(data, t)
         elif code == Command.REQUEST and data == b"\x01":
-            self._one_scan_wanted = True
-            self._sweep_begin = self._wire_free
-        elif code == Command.STATUS and not data:
-            self._reply(self._status().encode(), t)
-        elif code == Command.ERRORS and not data:
-            self._reply(bytes((Command.ERRORS.reply, STATUS_OK)), t)
-        elif code == Command.TYPE and not data:
-            self._reply(telegrams.encode_text(Command.TYPE.reply, self._type_text), t)
+            self._measure_once()
         elif code == Command.VARIANT and len(data) == 4:
             self._set_variant(data, t)
-        elif code == Command.READ_CONFIGURATION and not data:
-            block = self.configuration.block
-            self._reply(bytes((Command.READ_CONFIGURATION.reply, *block, STATUS_OK)), t)
+        elif code == Command.PERMANENT_BAUD and data in (b"\x00", b"\x01"):
+            self._set_permanent_baud(keep=data == b"\x01", t=t)
         elif code == Command.WRITE_CONFIGURATION and self.mode is Mode.INSTALLATION:
             self._write_configuration(data, t)
         else:
             self._reply(bytes((telegrams.BAD_COMMAND, STATUS_OK)), t)
+
+    def _read(self, code: int, t: float) -> bytes | None:
+        """Return the reply to a command that only reads."""
+        match code:
+            case Command.STATUS:
+                return self._status(t).encode()
+            case Command.ERRORS:
+                return encode_errors(self._errors)
+            case Command.TYPE:
+                return telegrams.encode_text(Command.TYPE.reply, self._type_text)
+            case Command.READ_CONFIGURATION:
+                return bytes((Command.READ_CONFIGURATION.reply, *self.configuration.block, 0))
+        return None
+
+    def _measure_once(self) -> None:
+        self._enter(Mode.ON_REQUEST)
+        self._one_scan_wanted = True
+        self._start_scanning()
+
+    def _set_permanent_baud(self, *, keep: bool, t: float) -> None:
+        """Power on at the present rate from now on, or at 9600; the reply is like that to 77."""
+        self.permanent_baud = self._line_baud if keep else POWER_ON_BAUD
+        reply = (Command.PERMANENT_BAUD.reply, telegrams.ACCEPTED, STATUS_OK)
+        self._reply(bytes(reply), t)
 
     def _select_mode(self, data: bytes, t: float) -> None:
         code, password = data[0], data[1:]
@@ -266,7 +311,9 @@ class Lms200Emulator:
                 self._enter(Mode.INSTALLATION)
             result = telegrams.MODE_SELECTED if right else telegrams.WRONG_PASSWORD
             self._reply(_mode_reply(result), t)
-        elif code in (Mode.DIAGNOSTIC, Mode.CONTINUOUS, Mode.ON_REQUEST) and not password:
+        elif code in _STREAMS and not password and self._condition(t).defective:
+            self._reply(_mode_reply(telegrams.MODE_FAULT), t)
+        elif code in (*_STREAMS, Mode.DIAGNOSTIC, Mode.ON_REQUEST) and not password:
             self._reply(_mode_reply(telegrams.MODE_SELECTED), t)
             self._enter(Mode(code))
         else:
@@ -275,8 +322,8 @@ class Lms200Emulator:
     def _enter(self, mode: Mode) -> None:
         self.mode = mode
         self._stop_scanning()
-        if mode is Mode.CONTINUOUS:
-            self._sweep_begin = self._wire_free
+        if mode in _STREAMS:
+            self._start_scanning()
 
     def _set_variant(self, data: bytes, t: float) -> None:
         """Take a variant; resolution 0, which one client sends by mistake, keeps the present."""
@@ -287,7 +334,7 @@ class Lms200Emulator:
         if accepted:
             self.variant = wanted
             self.variant_writes += 1
-        if self.mode is Mode.CONTINUOUS:
+        if self.mode in _STREAMS:
             self._enter(Mode.ON_REQUEST)
         self._reply(VariantReply(accepted, self.variant).encode(), t)
 
@@ -303,22 +350,18 @@ class Lms200Emulator:
         head = bytes((Command.WRITE_CONFIGURATION.reply, int(accepted)))
         self._reply(head + block + bytes((STATUS_OK,)), t)
 
-    def _status(self) -> DeviceStatus:
+    def _status(self, t: float) -> DeviceStatus:
         return DeviceStatus(
             software=self._type_text.rsplit(";", 1)[-1],
             mode=self.mode,
-            defective=False,
+            defective=self._condition(t).defective,
             measuring_mode=self.configuration.measuring_mode,
             variant=self.variant,
             baud=self._line_baud,
             units=self.configuration.units,
+            permanent_baud=self.permanent_baud != POWER_ON_BAUD,
         )
 
 
 def _mode_reply(result: int) -> bytes:
     return bytes((Command.MODE.reply, result, STATUS_OK))
-
-
-def _next_multiple(t: float, period: float) -> float:
-    """Return the first multiple of ``period`` that is not before ``t``, but for rounding."""
-    return math.ceil(t / period - 1e-6) * period

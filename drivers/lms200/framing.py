@@ -115,6 +115,9 @@ class TelegramFramer:
 
     def __init__(self, addresses: range = LASER_ADDRESSES) -> None:
         self.counters = FramerCounters()
+        self.examined_bytes = 0
+        """Bytes looked at as a frame's beginning or summed for its CRC: the work done, each byte
+        being looked at again by every frame it might belong to."""
         self._addresses = addresses
         self._buffer = bytearray()
 
@@ -148,6 +151,7 @@ class TelegramFramer:
         at = 0
         while at < len(buffer):
             first = buffer[at]
+            self.examined_bytes += 1
             if first == STX:
                 length = self._frame_length(at)
                 if length is None:
@@ -184,6 +188,7 @@ class TelegramFramer:
         if received < length:
             return None
         end = at + length
+        self.examined_bytes += length
         if crc16(buffer[at : end - 2]) != buffer[end - 2] | buffer[end - 1] << 8:
             self.counters.bad_checksum += 1
             return 0

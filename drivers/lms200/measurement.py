@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,20 @@ _METRES = {0: 0.01, 1: 0.001, 2: 0.1}  # by bits 14-15 of the count word
 
 _COUNT_MASK = 0x03FF
 _PARTIAL = 0x2000
+_QUARTER_SHIFT = 11
+_FLAG_SHIFT = 13  # the lowest bit that is a flag in any mode
+
+
+class Special(IntEnum):
+    """What a value says that is no range; counts up from the mode's smallest special value."""
+
+    RANGE = 0  # none: it is a range
+    BEYOND_MAXIMUM = 1
+    READ_ERROR = 4  # of channel 1
+    LOW_SIGNAL = 5  # against the noise
+    OVERFLOW = 7  # of the laser's calculation
+    DAZZLED = 8
+    NO_RETURN = 9
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,25 +44,28 @@ class MeasuringMode:
     """How a 16-bit value divides into distance and flags."""
 
     mask: int  # the distance bits
-    no_return: int  # the largest special value, of a beam without a usable return
+    no_return: int  # the largest special value
+    reflector_bits: int = 0  # of the flags: how well a reflector was seen
 
     @property
     def limit(self) -> int:
         """The smallest special value, "beyond maximum"; from here on nothing is a distance."""
-        return self.no_return - 8
+        return self.no_return - Special.NO_RETURN + Special.BEYOND_MAXIMUM
+
+    @property
+    def flag_bits(self) -> int:
+        """The flags the mode has, of bits 13 to 15 shifted down to 0 to 2."""
+        return (~self.mask & 0xFFFF) >> _FLAG_SHIFT
 
 
-_8_M = MeasuringMode(0x1FFF, 0x1FFF)
-_16_M = MeasuringMode(0x3FFF, 0x3FFF)
-_32_M = MeasuringMode(0x7FFF, 0x7FFF)
 MEASURING_MODES: dict[int, MeasuringMode] = {
-    0x00: _8_M,  # 8 m in mm, 80 m in cm; flags: field A, field B, dazzle
-    0x01: _8_M,  # flags: reflector in 8 levels
-    0x02: _8_M,  # flags: fields A, B, C
-    0x03: _16_M,  # flags: reflector in 4 levels
-    0x04: _16_M,  # flags: fields A, B
-    0x05: _32_M,  # flag: reflector
-    0x06: _32_M,  # flag: field A
+    0x00: MeasuringMode(0x1FFF, 0x1FFF),  # 8 m in mm, 80 m in cm; flags: fields A and B, dazzle
+    0x01: MeasuringMode(0x1FFF, 0x1FFF, 0b111),  # flags: reflector in 8 levels
+    0x02: MeasuringMode(0x1FFF, 0x1FFF),  # flags: fields A, B, C
+    0x03: MeasuringMode(0x3FFF, 0x3FFF, 0b110),  # 16 m; flags: reflector in 4 levels
+    0x04: MeasuringMode(0x3FFF, 0x3FFF),  # flags: fields A, B
+    0x05: MeasuringMode(0x7FFF, 0x7FFF, 0b100),  # 32 m; flag: reflector
+    0x06: MeasuringMode(0x7FFF, 0x7FFF),  # flag: field A
     0x0F: MeasuringMode(0xFFFF, 0x7FFF),  # 32 m sent at once, no flags
 }
 MODE_32_M = 0x05
@@ -55,13 +73,18 @@ MODE_32_M = 0x05
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Measurement:
-    """What one B0 telegram says, geometry and units resolved.
+    """What one B0 telegram says, geometry and units resolved; arrays are by beam, (n,).
 
-    ``ranges`` (n,) float64 m, inf where there is no usable return; the first beam is the
-    rightmost, at ``first_deg`` (0 right, 90 ahead, 180 left), the next ``step_deg`` to its left.
+    ranges: float64 m, inf where there is none. specials: uint8, a ``Special`` each (numbers in
+    between are reserved). flags: uint8, the mode's flags in bits 0 to 2. reflectors: bool, or None
+    where the mode tells nothing of reflectors. The first beam is the rightmost, at ``first_deg``
+    (0 right, 90 ahead, 180 left), the next ``step_deg`` to its left.
     """
 
     ranges: NDArray[np.float64]
+    specials: NDArray[np.uint8]
+    flags: NDArray[np.uint8]
+    reflectors: NDArray[np.bool_] | None
     first_deg: float
     step_deg: float
     mirror_turns: int
@@ -92,16 +115,22 @@ def decode_measurement(telegram: Telegram, mode: MeasuringMode) -> Measurement |
         return None
     if len(payload) not in (without_indices, without_indices + 2):
         return None
-    values = np.frombuffer(payload, "<u2", count, offset=3) & mode.mask
-    ranges = np.where(values < mode.limit, values * metres, np.inf)
-    return Measurement(ranges, *geometry, status=payload[-1])
+    raw = np.frombuffer(payload, "<u2", count, offset=3)
+    values = raw & mode.mask
+    largest = mode.limit - 1
+    specials = (np.clip(values, largest, largest + 255) - largest).astype(np.uint8)
+    ranges = np.multiply(values, metres, dtype=np.float64)
+    ranges[specials != Special.RANGE] = np.inf
+    flags = (raw >> _FLAG_SHIFT).astype(np.uint8) & np.uint8(mode.flag_bits)
+    reflectors = (flags & mode.reflector_bits) != 0 if mode.reflector_bits else None
+    return Measurement(ranges, specials, flags, reflectors, *geometry, status=payload[-1])
 
 
 def _geometry(count: int, word: int) -> tuple[float, float, int] | None:
     """Return first beam (deg), step (deg) and mirror turns; None for a count of no scan."""
     if word & _PARTIAL:
         angle = _PARTIAL_COUNTS.get(count)
-        quarter_deg = 0.25 * (word >> 11 & 0b11)
+        quarter_deg = 0.25 * (word >> _QUARTER_SHIFT & 0b11)
         return None if angle is None else (90.0 - angle / 2 + quarter_deg, 1.0, 1)
     variant = _VARIANT_BY_COUNT.get(count)
     if variant is None:
@@ -115,16 +144,21 @@ def encode_measurement(
     mode: MeasuringMode,
     units: int,
     *,
+    quarter: int | None = None,
+    inf_means: Special = Special.NO_RETURN,
     indices: bytes = b"",
     status: int = STATUS_OK,
 ) -> bytes:
     """Return the B0 payload of ranges (n,) m; what the mode cannot hold is "beyond maximum".
 
-    inf and nan become "no return". ``indices``: scan and telegram index, where enabled.
+    inf and nan become ``inf_means``. ``quarter``: of a partial scan, its offset in quarters of a
+    degree. ``indices``: scan and telegram index, where enabled.
     """
-    values = np.full(ranges.shape, mode.no_return, dtype="<u2")
+    missing = mode.limit - Special.BEYOND_MAXIMUM + inf_means
+    values = np.full(ranges.shape, missing, dtype="<u2")
     finite = np.isfinite(ranges)
     counts = np.rint(ranges[finite] / _METRES[units])
     values[finite] = np.clip(counts, 0, mode.limit).astype("<u2")
-    head = struct.pack("<BH", MEASURED_VALUES, ranges.size | units << 14)
+    partial = 0 if quarter is None else _PARTIAL | quarter << _QUARTER_SHIFT
+    head = struct.pack("<BH", MEASURED_VALUES, ranges.size | partial | units << 14)
     return head + values.tobytes() + indices + bytes((status,))

@@ -4,22 +4,27 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.lms200.measurement import TURN, Measurement
+from drivers.lms200.measurement import TURN, Measurement, Special
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scan:
-    """One sweep of the laser.
+    """One sweep of the laser, or several interlaced ones; arrays are by beam, (n,).
 
     t: time measured (s), the middle of the sweep; of an interlaced scan the mean over its turns.
     angle_min, angle_increment: rad in the laser frame (x forward, y left); the first beam is the
     rightmost, beams follow counter-clockwise.
-    ranges: (n,) float64 m; inf where there is no usable return, never nan.
+    ranges: float64 m; inf where there is no usable return, never nan.
     status: the telegram's status byte; 0x10 is healthy.
+    turns: mirror turns; beams i, i + turns, i + 2 turns... come from the same one.
+    specials: uint8, why a beam has no range, as ``Special``; 0 where it has one.
+    flags: uint8, bits 0 to 2 as the measuring mode defines them (fields, dazzle, reflector level).
+    reflectors: bool, beams that saw a reflector; None where the mode does not tell.
     """
 
     t: float
@@ -27,12 +32,43 @@ class Scan:
     angle_increment: float
     ranges: NDArray[np.float64]
     status: int
+    turns: int
+    specials: NDArray[np.uint8]
+    flags: NDArray[np.uint8]
+    reflectors: NDArray[np.bool_] | None
 
     @property
     def angles(self) -> NDArray[np.float64]:
         """Beam directions (n,) in rad, laser frame."""
         beams = np.arange(self.ranges.size, dtype=np.float64)
         return self.angle_min + self.angle_increment * beams
+
+    def beam_times(self) -> NDArray[np.float64]:
+        """Return when each beam was measured, (n,) s: its turn, and its place in the sweep."""
+        geometry = (self.ranges.size, self.angle_min, self.angle_increment, self.turns)
+        return self.t + beam_time_offsets(*geometry)
+
+    def special_counts(self) -> dict[Special, int]:
+        """Return how many beams have no range, by reason; reserved numbers are left out."""
+        counts = np.bincount(self.specials, minlength=Special.NO_RETURN + 1)
+        return {kind: int(counts[kind]) for kind in Special if kind and counts[kind]}
+
+
+@lru_cache(maxsize=8)
+def beam_time_offsets(
+    count: int, angle_min: float, angle_increment: float, turns: int
+) -> NDArray[np.float64]:
+    """Return each beam's time relative to the scan's, (count,) s, read-only.
+
+    The mirror passes straight ahead in the middle of its turn and sweeps 180 degrees in half a
+    turn, counter-clockwise; beam i belongs to turn i modulo ``turns``.
+    """
+    beams = np.arange(count)
+    turn = beams % turns - (turns - 1) / 2
+    place = (angle_min + angle_increment * beams) / math.tau
+    offsets: NDArray[np.float64] = (turn + place) * TURN
+    offsets.setflags(write=False)
+    return offsets
 
 
 def scan_of(measurement: Measurement, arrival: float, wire_time: float) -> Scan:
@@ -47,4 +83,8 @@ def scan_of(measurement: Measurement, arrival: float, wire_time: float) -> Scan:
         angle_increment=math.radians(measurement.step_deg),
         ranges=measurement.ranges,
         status=measurement.status,
+        turns=measurement.mirror_turns,
+        specials=measurement.specials,
+        flags=measurement.flags,
+        reflectors=measurement.reflectors,
     )

@@ -1,9 +1,9 @@
 """The host's conversation with an LMS 200, from finding its rate to a stream of scans.
 
 Sans-I/O: told the time, fed bytes, asked for what to write. Order of steps: find the rate (a
-laser left streaming is stopped by the same command), go to the wanted rate, type, status, variant,
-configuration, stream. Variant and configuration are written only where the laser says they differ:
-its EEPROM endures few writes. Source: SICK telegram listing 8007954/Q501, timing and modes.
+laser left streaming is stopped by the same command), go to the wanted rate, type, status, errors,
+variant, configuration, stream. Variant and configuration are written only where the laser says they
+differ: its EEPROM endures few writes. Source: SICK telegram listing 8007954/Q501, timing and modes.
 """
 
 from __future__ import annotations
@@ -13,35 +13,28 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from drivers.lms200 import telegrams
-from drivers.lms200.framing import (
-    REPLY_BIT,
-    Ack,
-    Nak,
-    Telegram,
-    TelegramFramer,
-)
+from drivers.lms200.exchange import Exchange
+from drivers.lms200.framing import REPLY_BIT, Ack, Nak, Telegram, TelegramFramer
 from drivers.lms200.framing import encode_telegram as encode
-from drivers.lms200.measurement import MEASURING_MODES, MODE_32_M, UNIT_MM, decode_measurement
+from drivers.lms200.health import LaserHealth
+from drivers.lms200.health_watch import HealthWatch
+from drivers.lms200.measurement import MEASURING_MODES, decode_measurement
 from drivers.lms200.scan import Scan, scan_of
 from drivers.lms200.settings import LaserSettings
-from drivers.lms200.telegrams import Configuration, DeviceStatus, Variant, VariantReply
+from drivers.lms200.telegrams import Configuration, DeviceStatus, VariantReply
 from drivers.requests import Request, SetBaud, Write
 
 COMMON_BAUDS = (38400, 9600, 19200, 500000)
 
-TRIES = 3  # the laser may overlook a request while its mirror turns
-ACK_LIMIT = 0.25  # s, on top of the wire time of a scan that may be on its way
 REPLY_LIMIT = 1.0  # s after the ACK
 MODE_LIMIT = 3.0  # s, mode changes
 CONFIGURATION_LIMIT = 15.0  # s, writing the EEPROM
-NAK_PAUSE = 0.03  # s before a refused telegram may be repeated
 SETTLING = 0.25  # s, both ends changing rate
 INNER_SILENCE = 0.25  # s without a byte inside a telegram: its end is lost
 RESTART_PAUSE = 0.5  # s
 MAX_WRITES = 2  # of variant and of configuration, each; a laser that keeps neither is used as is
 
 _BITS_PER_BYTE = 10
-_LONGEST_FRAME = 814
 
 
 class SessionState(StrEnum):
@@ -54,6 +47,7 @@ class SessionState(StrEnum):
     SETTLING = "settling"
     IDENTIFYING = "identifying"
     READING_STATUS = "reading status"
+    READING_ERRORS = "reading errors"
     SETTING_VARIANT = "setting variant"
     READING_CONFIGURATION = "reading configuration"
     UNLOCKING = "unlocking"
@@ -88,18 +82,16 @@ class Lms200Session:
         self.identity: str | None = None
         self.trouble: str | None = None
         self.counters = LaserCounters()
-        self._settings = settings
-        self._variant = Variant(180, round(settings.resolution_deg * 100))
-        self._mode = MEASURING_MODES[MODE_32_M]
         self.framer = TelegramFramer()
+        self._settings = settings
+        self._mode = MEASURING_MODES[settings.measuring_mode]
+        self._exchange = Exchange(self.framer)
+        self._watch = HealthWatch()
         self._requests: list[Request] = []
         self._rates: list[int] = []
-        self._command = b""
-        self._tries_left = 0
-        self._reply_limit = REPLY_LIMIT
-        self._deadline = 0.0
+        self._streamed_at: int | None = None  # the rate at which scans last came
+        self._status: DeviceStatus | None = None
         self._last_received = 0.0
-        self._noise_before = 0
         self._configuration_attempts = 0
         self._wanted_configuration = telegrams.STANDARD_CONFIGURATION
         self._on_reply: dict[SessionState, Callable[[Telegram, float], None]] = {
@@ -107,12 +99,18 @@ class Lms200Session:
             SessionState.CHANGING_RATE: self._rate_changed,
             SessionState.IDENTIFYING: self._identified,
             SessionState.READING_STATUS: self._status_read,
+            SessionState.READING_ERRORS: self._errors_read,
             SessionState.SETTING_VARIANT: self._variant_set,
             SessionState.READING_CONFIGURATION: self._configuration_read,
             SessionState.UNLOCKING: self._unlocked,
             SessionState.WRITING_CONFIGURATION: self._configuration_written,
             SessionState.STARTING: self._started,
         }
+
+    @property
+    def health(self) -> LaserHealth | None:
+        """What the laser says of itself, kept up to date; None until it has been asked."""
+        return self._watch.health
 
     # What the owner of the link calls
 
@@ -143,43 +141,48 @@ class Lms200Session:
         if self.state is SessionState.DOWN:
             return []
         scans: list[Scan] = []
+        if self.state in self._on_reply:
+            self._exchange.bytes_came(t)
         if self.framer.pending and t - self._last_received >= INNER_SILENCE:
             for item in self.framer.flush():
                 scans += self._take(item, self._last_received)
         for item in self.framer.feed(data):
             scans += self._take(item, t)
         self._last_received = t
+        self._keep_asking(t)
         return scans
 
     def tick(self, t: float) -> None:
         """Notice silence: repeat the request, try the next rate, start over."""
-        if self.state is not SessionState.DOWN and t >= self._deadline:
+        if self.state is not SessionState.DOWN and t >= self._exchange.deadline:
             self._out_of_time(t)
+        self._keep_asking(t)
 
     # Bytes in
 
     def _take(self, item: Telegram | Ack | Nak, t: float) -> list[Scan]:
         if isinstance(item, Telegram):
             return self._take_telegram(item, t)
-        amid_noise = self.framer.counters.discarded_bytes != self._noise_before
-        if self.state in self._on_reply and not amid_noise:
+        if self.state in self._on_reply and not self._exchange.amid_noise:
             if isinstance(item, Ack):
-                self._deadline = t + self._reply_limit
+                self._exchange.acknowledged(t)
             else:
                 self.counters.naks += 1
-                self._deadline = t + NAK_PAUSE
+                self._exchange.refused(t)
         return []
 
     def _take_telegram(self, telegram: Telegram, t: float) -> list[Scan]:
         if telegram.code == telegrams.MEASURED_VALUES:
             return self._take_measurement(telegram, t)
+        self._watch.take(telegram)
         if telegram.code == telegrams.POWER_ON:
             self._search(self.baud, t)
         elif self.state in self._on_reply:
-            if telegram.code == self._command[0] | REPLY_BIT:
+            command = self._exchange.command[0]
+            if telegram.code == command | REPLY_BIT:
                 self._on_reply[self.state](telegram, t)
             elif telegram.code == telegrams.BAD_COMMAND:
-                self._start_over(f"laser refused command {self._command[0]:02X}", t)
+                self._start_over(f"laser refused command {command:02X}", t)
         return []
 
     def _take_measurement(self, telegram: Telegram, t: float) -> list[Scan]:
@@ -189,9 +192,11 @@ class Lms200Session:
         if measurement is None:
             self.counters.unusable += 1
             return []
+        self._watch.see_scan(measurement.status)
         self.state = SessionState.STREAMING
+        self._streamed_at = self.baud
         self.counters.scans += 1
-        self._deadline = t + self._settings.silence
+        self._exchange.deadline = t + self._settings.silence
         byte_time = _BITS_PER_BYTE / self.baud
         arrival = t - telegram.bytes_after * byte_time
         return [scan_of(measurement, arrival, telegram.wire_length * byte_time)]
@@ -204,41 +209,55 @@ class Lms200Session:
         elif self.state is SessionState.SETTLING:
             self._ask(SessionState.IDENTIFYING, telegrams.READ_TYPE, t)
         elif self.state is SessionState.STREAMING:
-            self._start_over(f"no scan for {self._settings.silence:g} s", t)
-        elif self._tries_left:
+            silent = f"no scan for {self._settings.silence:g} s"
+            self._start_over(self._with_health(silent), t)
+        elif self.state is SessionState.SEARCHING and self._exchange.only_noise and self._rates:
+            self._try_next_rate(t)
+        elif self._exchange.tries_left:
             self.counters.timeouts += 1
             self._send(t)
         elif self.state is SessionState.SEARCHING:
             self._try_next_rate(t)
         else:
-            command = f"{self._command[0]:02X}"
+            command = f"{self._exchange.command[0]:02X}"
             self._start_over(f"no answer to command {command} at {self.baud} baud", t)
+
+    def _with_health(self, trouble: str) -> str:
+        health = self.health
+        if health is None or health.ok:
+            return trouble
+        return f"{trouble}; laser reports {health.text}"
 
     def _ask(
         self, state: SessionState, command: bytes, t: float, limit: float = REPLY_LIMIT
     ) -> None:
         self.state = state
-        self._command = command
-        self._reply_limit = limit
-        self._tries_left = TRIES
+        self._exchange.begin(command, limit)
         self._send(t)
 
     def _send(self, t: float) -> None:
-        self._tries_left -= 1
-        self._noise_before = self.framer.counters.discarded_bytes
-        self._requests.append(Write(encode(self._command)))
-        self._deadline = t + ACK_LIMIT + _LONGEST_FRAME * _BITS_PER_BYTE / self.baud
+        self._requests.append(Write(self._exchange.send(t, self.baud)))
+
+    def _keep_asking(self, t: float) -> None:
+        """While scans come, ask for the laser's condition when its status byte has changed."""
+        if self.state is SessionState.STREAMING:
+            command = self._watch.next_command(t)
+            if command is not None:
+                if command == telegrams.SELECT_CONTINUOUS:
+                    command = self._stream_command
+                self._requests.append(Write(encode(command)))
 
     # Finding the laser
 
     def _start_over(self, trouble: str, t: float) -> None:
         self.trouble = trouble
         self.state = SessionState.PAUSING
-        self._deadline = t + RESTART_PAUSE
+        self._exchange.deadline = t + RESTART_PAUSE
 
     def _search(self, first_baud: int, t: float) -> None:
         self.counters.searches += 1
-        self._rates = list(dict.fromkeys((first_baud, self._settings.baud, *COMMON_BAUDS)))
+        self._rates = rates_to_try(first_baud, self._settings.baud, self._streamed_at)
+        self._watch.forget_questions()
         self._try_next_rate(t)
 
     def _try_next_rate(self, t: float) -> None:
@@ -268,7 +287,7 @@ class Lms200Session:
         else:
             self.trouble = f"laser refused {self._settings.baud} baud, stays at {self.baud}"
         self.state = SessionState.SETTLING
-        self._deadline = t + SETTLING
+        self._exchange.deadline = t + SETTLING
 
     # Setting it up
 
@@ -277,22 +296,25 @@ class Lms200Session:
         self._ask(SessionState.READING_STATUS, telegrams.READ_STATUS, t)
 
     def _status_read(self, reply: Telegram, t: float) -> None:
-        status = DeviceStatus.decode(reply)
-        if status is not None and status.variant == self._variant:
+        self._status = DeviceStatus.decode(reply)
+        self._ask(SessionState.READING_ERRORS, telegrams.READ_ERRORS, t)
+
+    def _errors_read(self, _reply: Telegram, t: float) -> None:
+        if self._status is not None and self._status.variant == self._settings.variant:
             self._read_configuration(t)
         elif self.counters.variant_writes >= MAX_WRITES:
             self.trouble = "laser does not keep its field of view and step"
             self._read_configuration(t)
         else:
             self.counters.variant_writes += 1
-            command = telegrams.set_variant(self._variant)
+            command = telegrams.set_variant(self._settings.variant)
             self._ask(SessionState.SETTING_VARIANT, command, t, CONFIGURATION_LIMIT)
 
     def _variant_set(self, reply: Telegram, t: float) -> None:
         answer = VariantReply.decode(reply)
         if answer is None or not answer.accepted:
-            step = self._settings.resolution_deg
-            self._start_over(f"laser refused a field of 180 degrees in steps of {step:g}", t)
+            field, step = self._settings.field_of_view_deg, self._settings.resolution_deg
+            self._start_over(f"laser refused a field of {field} degrees in steps of {step:g}", t)
         else:
             self._read_configuration(t)
 
@@ -304,7 +326,7 @@ class Lms200Session:
         if present is None:
             self._start_over("laser sent an unreadable configuration", t)
             return
-        wanted = present.changed(MODE_32_M, UNIT_MM)
+        wanted = present.changed(self._settings.measuring_mode, self._settings.unit_code)
         if present == wanted:
             self._start(present, t)
         elif self._configuration_attempts >= MAX_WRITES:
@@ -331,11 +353,33 @@ class Lms200Session:
 
     def _start(self, configuration: Configuration, t: float) -> None:
         self._mode = MEASURING_MODES.get(configuration.measuring_mode, self._mode)
-        self._ask(SessionState.STARTING, telegrams.SELECT_CONTINUOUS, t, MODE_LIMIT)
+        self._ask(SessionState.STARTING, self._stream_command, t, MODE_LIMIT)
+
+    @property
+    def _stream_command(self) -> bytes:
+        if self._settings.partial_scans:
+            return telegrams.SELECT_CONTINUOUS_TURNS
+        return telegrams.SELECT_CONTINUOUS
 
     def _started(self, reply: Telegram, t: float) -> None:
         if telegrams.first_data_byte(reply) != telegrams.MODE_SELECTED:
-            self._start_over("laser refused to stream", t)
+            self._start_over(self._with_health("laser refused to stream"), t)
             return
         self.state = SessionState.STREAMING
-        self._deadline = t + self._settings.silence
+        self._exchange.deadline = t + self._settings.silence
+
+
+def rates_to_try(first: int, wanted: int, streamed_at: int | None) -> list[int]:
+    """Return the rates at which to look for the laser, in order.
+
+    The one at which scans last came is tried between any two others: a cable that is plugged in
+    again finds the laser streaming there.
+    """
+    order = [first]
+    for rate in dict.fromkeys((wanted, *COMMON_BAUDS)):
+        if rate in (first, streamed_at):
+            continue
+        if streamed_at is not None and order[-1] != streamed_at:
+            order.append(streamed_at)
+        order.append(rate)
+    return order

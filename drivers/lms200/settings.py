@@ -6,7 +6,10 @@ from typing import Annotated, Literal
 
 import msgspec
 
-RESOLUTIONS_DEG = (1.0, 0.5)
+from drivers.lms200.measurement import MEASURING_MODES, MODE_32_M, UNIT_CM, UNIT_MM
+from drivers.lms200.telegrams import VARIANTS, Variant
+
+_UNIT_CODES = {"cm": UNIT_CM, "mm": UNIT_MM}
 
 
 class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -14,17 +17,41 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
     url: serial device, pty path, or socket://host:port
     baud: rate to run at; 500000 needs RS-422
-    resolution_deg: 1.0 (181 beams) or 0.5 (361 beams in two interlaced turns)
+    field_of_view_deg: 180 or 100, centred ahead
+    resolution_deg: 1.0, 0.5 (two interlaced mirror turns) or, of 100 degrees, 0.25 (four turns)
+    measuring_mode: number in the listing; 5 is up to 32 m and a reflector bit
+    units: mm, or cm for ten times the mode's range
+    partial_scans: each mirror turn comes as a scan of its own, steps of 1 degree
     mount: laser in base_link, (x m, y m, theta rad); None takes it from the robot's model
     silence: s without a scan after which the laser is looked for again
     """
 
     url: str = "/dev/ttyS2"
     baud: Literal[9600, 19200, 38400, 500000] = 38400
+    field_of_view_deg: Literal[100, 180] = 180
     resolution_deg: float = 1.0
+    measuring_mode: int = MODE_32_M
+    units: Literal["mm", "cm"] = "mm"
+    partial_scans: bool = False
     mount: tuple[float, float, float] | None = None
     silence: Annotated[float, msgspec.Meta(gt=0.0)] = 2.0
 
     def __post_init__(self) -> None:
-        if self.resolution_deg not in RESOLUTIONS_DEG:
-            raise ValueError(f"resolution_deg is 1.0 or 0.5, not {self.resolution_deg}")
+        if self.variant not in VARIANTS:
+            raise ValueError(
+                "resolution_deg is 1.0 or 0.5, or 0.25 with a field_of_view_deg of 100, "
+                f"not {self.resolution_deg:g} with {self.field_of_view_deg}"
+            )
+        if self.measuring_mode not in MEASURING_MODES:
+            modes = ", ".join(map(str, MEASURING_MODES))
+            raise ValueError(f"measuring_mode is one of {modes}, not {self.measuring_mode}")
+
+    @property
+    def variant(self) -> Variant:
+        """Field of view and resolution as the laser takes them."""
+        return Variant(self.field_of_view_deg, round(self.resolution_deg * 100))
+
+    @property
+    def unit_code(self) -> int:
+        """Units as the laser's configuration holds them."""
+        return _UNIT_CODES[self.units]

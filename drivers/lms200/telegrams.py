@@ -17,6 +17,7 @@ STATUS_OK = 0x10  # status byte of a healthy LMS type 6
 ACCEPTED = 1  # first data byte of BB and F7; 0 is refused
 MODE_SELECTED = 0  # first data byte of A0; anything else is a failure
 WRONG_PASSWORD = 1
+MODE_FAULT = 2
 
 
 class Command(IntEnum):
@@ -29,6 +30,7 @@ class Command(IntEnum):
     ERRORS = 0x32
     TYPE = 0x3A
     VARIANT = 0x3B
+    PERMANENT_BAUD = 0x66
     READ_CONFIGURATION = 0x74
     WRITE_CONFIGURATION = 0x77
 
@@ -51,6 +53,7 @@ class Mode(IntEnum):
     DIAGNOSTIC = 0x10
     CONTINUOUS = 0x24
     ON_REQUEST = 0x25
+    CONTINUOUS_TURNS = 0x2A  # each mirror turn by itself: partial scans
     TEST_PASSWORD = 0x30
 
 
@@ -58,6 +61,7 @@ BAUD_MODES = {38400: 0x40, 19200: 0x41, 9600: 0x42, 500000: 0x48}
 _BAUD_WORDS = {500000: 0x8001, 38400: 0x8019, 19200: 0x8033, 9600: 0x8067}
 
 SELECT_CONTINUOUS = bytes((Command.MODE, Mode.CONTINUOUS))
+SELECT_CONTINUOUS_TURNS = bytes((Command.MODE, Mode.CONTINUOUS_TURNS))
 SELECT_ON_REQUEST = bytes((Command.MODE, Mode.ON_REQUEST))
 SELECT_INSTALLATION = bytes((Command.MODE, Mode.INSTALLATION)) + PASSWORD
 READ_TYPE = bytes((Command.TYPE,))
@@ -148,6 +152,7 @@ class DeviceStatus:
     """The fields of B1 that a driver needs; offsets count from the reply code."""
 
     LENGTH = 154  # reply code, 152 data bytes, status byte
+    SHORTEST = 124  # up to and with the units, and a status byte: firmware may send less
 
     software: str
     mode: int
@@ -156,12 +161,13 @@ class DeviceStatus:
     variant: Variant
     baud: int | None
     units: int
+    permanent_baud: bool = False
 
     @classmethod
     def decode(cls, telegram: Telegram) -> DeviceStatus | None:
-        """Return None where the telegram has another length."""
+        """Return None where the telegram is too short to hold the units."""
         payload = telegram.payload
-        if len(payload) != cls.LENGTH:
+        if len(payload) < cls.SHORTEST:
             return None
         (baud_word,) = struct.unpack_from("<H", payload, 116)
         return cls(
@@ -172,6 +178,7 @@ class DeviceStatus:
             variant=Variant(*struct.unpack_from("<HH", payload, 107)),
             baud=next((baud for baud, word in _BAUD_WORDS.items() if word == baud_word), None),
             units=payload[122],
+            permanent_baud=payload[119] > 0,
         )
 
     def encode(self) -> bytes:
@@ -184,6 +191,7 @@ class DeviceStatus:
         payload[102] = self.measuring_mode
         payload[107:111] = self.variant.encode()
         struct.pack_into("<H", payload, 116, _BAUD_WORDS[self.baud] if self.baud else 0)
+        payload[119] = int(self.permanent_baud)
         payload[122] = self.units
         payload[-1] = STATUS_OK
         return bytes(payload)
@@ -246,21 +254,3 @@ def write_configuration(configuration: Configuration) -> bytes:
 def decode_read_configuration(telegram: Telegram) -> Configuration | None:
     """Return what F4 carries; None where it is unusable."""
     return Configuration.decode(telegram.payload[1:-1])
-
-
-@dataclass(frozen=True, slots=True)
-class ErrorEntry:
-    """One entry of the error list B2."""
-
-    severity: int  # 1 info, 2 warning, 3 error, 4 fatal
-    number: int
-    present: bool
-
-
-def decode_errors(telegram: Telegram) -> tuple[ErrorEntry, ...]:
-    """Return the entries of B2; none is a healthy laser."""
-    data = telegram.payload[1:-1]
-    return tuple(
-        ErrorEntry(kind & 0x7F, number, not kind & 0x80)
-        for kind, number in zip(data[0::2], data[1::2], strict=False)
-    )

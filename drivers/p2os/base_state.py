@@ -3,10 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import IntEnum
 
 from drivers.p2os.model import RobotModel
 from drivers.p2os.odometer import Odometer
-from drivers.p2os.sip import Sip
+from drivers.p2os.sip import SIP_MOVING, Sip
+
+NO_TEMPERATURE = -127
+"""This and -128 stand for a temperature that is not measured."""
+
+
+class ChargeState(IntEnum):
+    """What the charger does, as later firmware reports it."""
+
+    NOT_CHARGING = 0
+    BULK = 1
+    OVERCHARGE = 2
+    FLOAT = 3
+    BALANCE = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,6 +30,7 @@ class BaseState:
     ``x``, ``y``, ``theta`` are in the odom frame, continuous across counter wraps and new
     sessions; theta is not wrapped. Bit 0 of a bumper mask is the ring's first segment.
     ``sonar`` holds (transducer number, range in m) of the readings new since the last report.
+    What only later firmware reports is None, 0 or False with P2OS.
     """
 
     t: float  # s
@@ -35,6 +50,13 @@ class BaseState:
     sonar_on: bool
     flags: int
     sonar: tuple[tuple[int, float], ...]
+    stop_button: bool = False  # as later firmware reports it; P2OS has no such flag
+    moving: bool = False  # the controller's own word for it
+    charge_state: ChargeState | None = None  # None where the firmware does not say
+    charge: float | None = None  # 0 to 1
+    fault_flags: int = 0
+    temperature_celsius: int | None = None
+    unknown_sonars: int = 0  # readings of transducers the model does not have, left out
 
     @property
     def standing(self) -> bool:
@@ -47,7 +69,9 @@ def base_state(t: float, sip: Sip, odometer: Odometer, model: RobotModel) -> Bas
     conversion = model.conversion
     v_left = sip.left_speed_counts * conversion.speed
     v_right = sip.right_speed_counts * conversion.speed
-    decivolts = sip.tail.battery_decivolts
+    tail = sip.tail
+    decivolts = tail.battery_decivolts
+    fitted = [reading for reading in sip.sonar if reading[0] < len(model.sonar)]
     left, right = sip.left_stall_byte, sip.right_stall_byte
     return BaseState(
         t,
@@ -66,5 +90,20 @@ def base_state(t: float, sip: Sip, odometer: Odometer, model: RobotModel) -> Bas
         sip.motors_enabled,
         sip.sonar_on,
         sip.flags,
-        tuple([(number, counts * conversion.range) for number, counts in sip.sonar]),
+        tuple([(number, counts * conversion.range) for number, counts in fitted]),
+        sip.stop_button,
+        sip.packet_type == SIP_MOVING,
+        _charge_state(tail.charge_state),
+        None if tail.state_of_charge_percent is None else 0.01 * tail.state_of_charge_percent,
+        tail.fault_flags or 0,
+        _temperature(tail.temperature_celsius),
+        len(sip.sonar) - len(fitted),
     )
+
+
+def _charge_state(code: int | None) -> ChargeState | None:
+    return None if code is None or code > max(ChargeState) else ChargeState(code)
+
+
+def _temperature(celsius: int | None) -> int | None:
+    return None if celsius is None or celsius <= NO_TEMPERATURE else celsius

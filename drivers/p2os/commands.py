@@ -1,4 +1,4 @@
-"""P2OS commands, client to robot: numbers, argument ranges, encoding and decoding.
+"""P2OS commands, client to robot: checked building, encoding and decoding.
 
 Source: Pioneer 2 Operations Manual, command tables. An integer argument goes as sign and
 magnitude: type ``3B`` or, for a negative one, ``1B``, then the magnitude in 16 bits.
@@ -6,73 +6,20 @@ magnitude: type ``3B`` or, for a negative one, ``1B``, then the magnitude in 16 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import IntEnum
 
+from drivers.p2os.command_numbers import (
+    ARGUMENT_RANGES,
+    OPTIONAL_ARGUMENT,
+    TEXT_LENGTHS,
+    CommandNumber,
+)
 from drivers.p2os.framing import encode_packet
 
 NON_NEGATIVE = 0x3B
 NEGATIVE = 0x1B
 STRING = 0x2B
-MAX_STRING = 196
-MAX_MAGNITUDE = 0xFFFF
-
-
-class CommandNumber(IntEnum):
-    """Numbers of the commands that the session sends or the emulator obeys.
-
-    0, 1, 2 are SYNC0, SYNC1, SYNC2 until the servers are open and PULSE, OPEN, CLOSE afterwards.
-    """
-
-    SYNC0 = 0
-    SYNC1 = 1
-    SYNC2 = 2
-    PULSE = 0
-    OPEN = 1
-    CLOSE = 2
-    POLLING = 3
-    ENABLE = 4
-    SETA = 5
-    SETV = 6
-    SETO = 7
-    MOVE = 8
-    SETRV = 10
-    VEL = 11
-    HEAD = 12
-    DHEAD = 13
-    CONFIG = 18
-    RVEL = 21
-    SETRA = 23
-    SONAR = 28
-    STOP = 29
-    VEL2 = 32
-    BUMP_STALL = 44
-    HOSTBAUD = 50
-    E_STOP = 55
-
-
-ARGUMENT_RANGES: dict[CommandNumber, tuple[int, int]] = {
-    CommandNumber.OPEN: (1, 1),
-    CommandNumber.CLOSE: (1, 1),
-    CommandNumber.ENABLE: (0, 1),
-    CommandNumber.SETA: (-5000, 5000),  # mm/s^2; negative sets the deceleration
-    CommandNumber.SETV: (0, 5000),  # mm/s
-    CommandNumber.MOVE: (-5000, 5000),  # mm
-    CommandNumber.SETRV: (0, 500),  # deg/s
-    CommandNumber.VEL: (-2200, 2200),  # mm/s
-    CommandNumber.HEAD: (-359, 359),  # deg, absolute
-    CommandNumber.DHEAD: (-359, 359),  # deg, relative
-    CommandNumber.CONFIG: (1, 1),
-    CommandNumber.RVEL: (-500, 500),  # deg/s
-    CommandNumber.SETRA: (-2000, 2000),  # deg/s^2; negative sets the deceleration
-    CommandNumber.SONAR: (0, 1),
-    CommandNumber.VEL2: (0, MAX_MAGNITUDE),  # left count * 256 + right count
-    CommandNumber.BUMP_STALL: (0, 3),  # 0 off, 1 front, 2 rear, 3 both
-    CommandNumber.HOSTBAUD: (0, 4),
-}
-"""Integer arguments a command may take; a number not listed takes none."""
-
-OPTIONAL_ARGUMENT = frozenset((CommandNumber.OPEN, CommandNumber.CLOSE, CommandNumber.CONFIG))
 HOST_BAUDS = (9600, 19200, 38400, 57600, 115200)
 """Rates in the order of HOSTBAUD's codes."""
 
@@ -133,10 +80,35 @@ def command(number: CommandNumber, argument: int | None = None) -> Command:
 
 
 def text_command(number: CommandNumber, text: bytes) -> Command:
-    """Build a command with a string argument (POLLING); raises CommandRangeError if too long."""
-    if len(text) > MAX_STRING:
-        raise CommandRangeError(f"{number.name}: {len(text)} bytes, at most {MAX_STRING} fit")
+    """Build a command with a string argument; raises CommandRangeError if it takes none so long."""
+    longest = TEXT_LENGTHS.get(number)
+    if longest is None:
+        raise CommandRangeError(f"{number.name}: takes no string")
+    if len(text) > longest:
+        raise CommandRangeError(f"{number.name}: {len(text)} bytes, at most {longest} fit")
     return Command(number, text)
+
+
+def sonar_order(transducers: Sequence[int]) -> Command:
+    """Build POLLING from transducer numbers, 0 to 31, in firing order; none silences them all.
+
+    Raises CommandRangeError, also for more than 16 of one ring of 8.
+    """
+    if not all(0 <= number < 32 for number in transducers):
+        raise CommandRangeError(f"POLLING: {list(transducers)} are not all in (0, 31)")
+    rings = [number // 8 for number in transducers]
+    if any(rings.count(ring) > 16 for ring in set(rings)):
+        raise CommandRangeError("POLLING: at most 16 entries of one ring fit")
+    return text_command(CommandNumber.POLLING, bytes(number + 1 for number in transducers))
+
+
+def say(sounds: Sequence[tuple[int, int]]) -> Command:
+    """Build SAY from up to 20 pairs (duration in 20 ms, tone code), 0 to 255 each; raises
+    CommandRangeError."""
+    flat = [value for sound in sounds for value in sound]
+    if not all(0 <= value <= 255 for value in flat):
+        raise CommandRangeError(f"SAY: {flat} are not all in (0, 255)")
+    return text_command(CommandNumber.SAY, bytes(flat))
 
 
 def wheel_speeds(left: int, right: int) -> Command:
@@ -144,6 +116,22 @@ def wheel_speeds(left: int, right: int) -> Command:
     if not (-126 <= left <= 126 and -126 <= right <= 126):
         raise CommandRangeError(f"VEL2: wheel counts ({left}, {right}) are outside (-126, 126)")
     return Command(CommandNumber.VEL2, (left & 0xFF) << 8 | right & 0xFF)
+
+
+def digital_outputs(mask: int, states: int) -> Command:
+    """Build DIGOUT: set the outputs in ``mask`` to the bits of ``states``; raises
+    CommandRangeError."""
+    if not (0 <= mask <= 255 and 0 <= states <= 255):
+        raise CommandRangeError(f"DIGOUT: mask {mask}, states {states} are not in (0, 255)")
+    return Command(CommandNumber.DIGOUT, mask << 8 | states)
+
+
+def servo_pulse(port: int, pulse_10us: int) -> Command:
+    """Build PTUPOS: pulse length, in 10 us, of the servo at a port, 1 to 4; raises
+    CommandRangeError."""
+    if not (1 <= port <= 4 and 0 <= pulse_10us <= 255):
+        raise CommandRangeError(f"PTUPOS: no pulse of {pulse_10us} x 10 us at port {port}")
+    return Command(CommandNumber.PTUPOS, port << 8 | pulse_10us)
 
 
 def host_baud(baud: int) -> Command:

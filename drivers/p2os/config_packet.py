@@ -10,6 +10,7 @@ from dataclasses import dataclass, fields
 from typing import Annotated, Any, get_type_hints
 
 CONFIG_TYPE = 0x20
+P2OS_FIELD_COUNT = 36
 
 U8 = Annotated[int, "B"]
 I8 = Annotated[int, "b"]
@@ -23,7 +24,8 @@ Text = Annotated[str, "text"]  # NUL-terminated
 class ConfigPacket:
     """The fields in wire order; those a shorter packet does not carry keep their zero.
 
-    ``field_count`` says how many were on the wire (36 on P2OS), ``surplus`` what followed them.
+    ``field_count`` says how many were on the wire (P2OS_FIELD_COUNT on P2OS), ``surplus`` what
+    followed them.
     Speeds are in mm/s and deg/s, accelerations in mm/s^2 and deg/s^2.
     """
 
@@ -97,8 +99,18 @@ class ConfigPacket:
     config_flags: U32 = 0
     gyro_firmware: I16 = 0
 
-    field_count: int = 36
+    field_count: int = P2OS_FIELD_COUNT
     surplus: bytes = b""
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether all that P2OS sends was on the wire."""
+        return self.field_count >= P2OS_FIELD_COUNT
+
+    @property
+    def is_of_later_firmware(self) -> bool:
+        """Whether the packet goes on where those of P2OS end."""
+        return self.field_count > P2OS_FIELD_COUNT
 
     def encode(self) -> bytes:
         """Return the packet's data: the first ``field_count`` fields and the surplus."""

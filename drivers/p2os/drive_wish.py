@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 
-from drivers.p2os.commands import Command, CommandNumber
+from drivers.p2os.command_numbers import CommandNumber
+from drivers.p2os.commands import Command
 from drivers.p2os.settings import BaseSettings
 
 REFRESH_PERIOD = 0.25  # s
@@ -17,6 +18,11 @@ class DriveWish:
     def __init__(self, settings: BaseSettings) -> None:
         self._top_speed = settings.max_speed
         self._top_turn_rate = settings.max_turn_rate
+        self.forget()
+
+    def forget(self) -> None:
+        """Know neither a wish nor what the robot was told before."""
+        self._wanted: dict[CommandNumber, int] = {}
         self._sent: dict[CommandNumber, tuple[int, float]] = {}
         self._asked_at = -math.inf
 
@@ -26,11 +32,12 @@ class DriveWish:
         return any(value != 0 for value, _ in self._sent.values())
 
     def is_stale(self, t: float) -> bool:
-        """Tell whether the robot was told to move by someone who has fallen silent."""
-        return self.moving and t - self._asked_at > STALE_AFTER
+        """Tell whether someone who wanted motion has fallen silent."""
+        wanted = self.moving or any(self._wanted.values())
+        return wanted and t - self._asked_at > STALE_AFTER
 
-    def commands(self, t: float, v: float, w: float) -> list[Command]:
-        """Return what must go out for ``v`` m/s, ``w`` rad/s, clamped to the settings.
+    def ask(self, t: float, v: float, w: float) -> None:
+        """Wish for ``v`` m/s, ``w`` rad/s, clamped to the settings.
 
         A wish that is not finite is none: standstill.
         """
@@ -39,11 +46,27 @@ class DriveWish:
             v = w = 0.0
         speed = max(-self._top_speed, min(self._top_speed, v))
         turn_rate = max(-self._top_turn_rate, min(self._top_turn_rate, w))
-        wanted = (
-            (CommandNumber.VEL, round(1000.0 * speed)),
-            (CommandNumber.RVEL, round(math.degrees(turn_rate))),
-        )
-        return [Command(n, value) for n, value in wanted if self._is_due(n, value, t)]
+        self._wanted = {
+            CommandNumber.VEL: round(1000.0 * speed),
+            CommandNumber.RVEL: round(math.degrees(turn_rate)),
+        }
+
+    def drop(self) -> None:
+        """Want standstill, whoever asked for more."""
+        self._wanted = dict.fromkeys(self._wanted, 0)
+
+    def due(self, t: float) -> list[Command]:
+        """Return what must go out: values not sent yet or sent long ago, the oldest first."""
+        due = [
+            (self._sent_at(number), Command(number, value))
+            for number, value in self._wanted.items()
+            if self._is_changed(number) or t - self._sent_at(number) >= REFRESH_PERIOD - 1e-9
+        ]
+        return [command for _, command in sorted(due, key=lambda pair: pair[0])]
+
+    def changed(self) -> list[Command]:
+        """Return the values wanted but not sent yet."""
+        return [Command(n, value) for n, value in self._wanted.items() if self._is_changed(n)]
 
     def note_sent(self, command: Command, t: float) -> None:
         """Remember a VEL or RVEL that went out; STOP counts as both at zero."""
@@ -53,6 +76,8 @@ class DriveWish:
         elif command.number in (CommandNumber.VEL, CommandNumber.RVEL):
             self._sent[CommandNumber(command.number)] = (command.integer, t)
 
-    def _is_due(self, number: CommandNumber, value: int, t: float) -> bool:
-        sent, sent_at = self._sent.get(number, (None, -math.inf))
-        return sent != value or t - sent_at >= REFRESH_PERIOD - 1e-9
+    def _is_changed(self, number: CommandNumber) -> bool:
+        return number not in self._sent or self._sent[number][0] != self._wanted[number]
+
+    def _sent_at(self, number: CommandNumber) -> float:
+        return self._sent[number][1] if number in self._sent else -math.inf

@@ -6,12 +6,11 @@ import math
 
 from drivers.p2os.commands import HOST_BAUDS
 from drivers.p2os.config_packet import LATER_FIELD_COUNT, ConfigPacket
+from drivers.p2os.emulated_base import STALL_PAUSE, TICKS_PER_METRE, WATCHDOG
 from drivers.p2os.model import RobotModel
 from drivers.p2os.motion_controller import MotionLimits
 from drivers.p2os.robot_identity import RobotIdentity
 
-WATCHDOG = 2.0  # s without a packet after which motion halts
-STALL_PAUSE = 0.1  # s without motor power after a stall
 SIP_CYCLE = 0.1  # s
 SWITCHES_BAUD_AT_ONCE = 2
 
@@ -46,6 +45,7 @@ def emulated_config(
         deceleration=round(1000.0 * limits.deceleration),
         front_bumper_segments=5,
         rear_bumper_segments=5,
+        ticks_per_mm=TICKS_PER_METRE // 1000,
         autobaud=SWITCHES_BAUD_AT_ONCE,
         field_count=LATER_FIELD_COUNT,
     )

@@ -51,6 +51,9 @@ class PacketFramer:
 
     def __init__(self, max_count: int = MAX_COUNT) -> None:
         self.counters = FramingCounters()
+        self.examined_bytes = 0
+        """Bytes searched for a header or summed for a checksum: the work done, each byte being
+        looked at again by every packet it might belong to."""
         self._max_count = max_count
         self._buffer = bytearray()
 
@@ -84,6 +87,7 @@ class PacketFramer:
         at = 0
         while (header := buffer.find(HEADER, at)) >= 0:
             counters.discarded_bytes += header - at
+            self.examined_bytes += header - at + len(HEADER)
             at = header
             if len(buffer) < at + 3:
                 break
@@ -91,8 +95,7 @@ class PacketFramer:
             possible = MIN_COUNT <= buffer[at + 2] <= self._max_count
             if possible and len(buffer) < end:
                 break
-            data = bytes(buffer[at + 3 : end - 2])
-            if possible and checksum(data) == buffer[end - 2] << 8 | buffer[end - 1]:
+            if possible and (data := self._checked_data(at, end)) is not None:
                 counters.good += 1
                 packets.append(data)
                 at = end
@@ -101,8 +104,16 @@ class PacketFramer:
                 counters.discarded_bytes += 1
                 at += 1
         else:
-            half_header = buffer[at:].endswith(HEADER[:1])
+            half_header = buffer.endswith(HEADER[:1], at)
+            self.examined_bytes += len(buffer) - at
             counters.discarded_bytes += len(buffer) - at - half_header
             at = len(buffer) - half_header
         del buffer[:at]
         return packets
+
+    def _checked_data(self, start: int, end: int) -> bytes | None:
+        """Return the data of the packet between two places in the buffer; None if damaged."""
+        self.examined_bytes += end - start
+        data = bytes(self._buffer[start + 3 : end - 2])
+        stated = self._buffer[end - 2] << 8 | self._buffer[end - 1]
+        return data if checksum(data) == stated else None

@@ -6,74 +6,91 @@ these robots found necessary.
 
 from __future__ import annotations
 
-from drivers.p2os.commands import CLOSE, HOST_BAUDS, OPEN, STOP, SYNCS
+from drivers.p2os.commands import CLOSE, OPEN, STOP, SYNCS
+from drivers.p2os.extended_packets import NOTIFICATION_TYPES
+from drivers.p2os.rate_search import RateSearch
 from drivers.p2os.robot_identity import RobotIdentity, decode_sync_reply
 from drivers.requests import Request, SetBaud, Write
 
 REPLY_TIMEOUT = 0.5  # s
-TRIES_PER_RATE = 2
 SETTLING_TIME = 0.3  # s, in which replies to earlier commands run dry
-SYNC_TROUBLE = 0xFF
-"""Type of the packet by which a controller says that the handshake must start over."""
+PATIENCE = 3  # times in a row that the same trouble is met before people are told
+HEARD_KEPT = 8  # bytes
+ECHOES = frozenset(command.encode()[3:-2] for command in (STOP, OPEN, CLOSE))
+"""Packets of ours that no robot sends: the port hears itself."""
 
 
 class Handshake:
     """Brings a robot from any state to the point where OPEN starts its servers.
 
     Every attempt begins with STOP: a robot still in an earlier session takes SYNC0 for PULSE and
-    would resume that session's motion.
+    would resume that session's motion. ``trouble`` says, for people, why there is no robot yet.
     """
 
     def __init__(self, baud: int, requests: list[Request]) -> None:
         self.attempts = 0
         self.old_sessions = 0
-        self.rate_changes = 0
+        self.trouble: str | None = None
+        self.rates = RateSearch(baud)
         self._requests = requests
-        self._rates = [baud, *(rate for rate in HOST_BAUDS if rate != baud)]
-        self._rate = 0
         self._tries = 0
         self._expected = 0
         self._deadline = 0.0
         self._settling = False
+        self._in_session = False
+        self._heard = b""
+        self._stuck: dict[str, int] = {}
 
     @property
     def baud(self) -> int:
         """Rate in use."""
-        return self._rates[self._rate]
+        return self.rates.baud
 
-    def start(self, t: float, *, at_configured_rate: bool) -> None:
-        """Begin, at the configured rate or at the one that worked last."""
-        if at_configured_rate:
-            self._use_rate(0)
+    def start(self, t: float, *, in_session: bool = False) -> None:
+        """Begin, at the rate that worked last if there is one; ``in_session``: the robot is
+        likely still in a session of ours."""
+        self.trouble = None
+        self._in_session = in_session
+        self._heard = b""
+        self._stuck.clear()
+        self.rates.restart()
+        self._requests.append(SetBaud(self.baud))
         self._tries = 0
         self._attempt(t)
 
+    def note_bytes(self, data: bytes) -> None:
+        """Remember what was heard last, packet or not."""
+        self._heard = (self._heard + data)[-HEARD_KEPT:]
+
     def feed(self, data: bytes, t: float) -> RobotIdentity | None:
         """Take a packet; return the robot's identity when it completes the handshake."""
-        if self._settling:
+        if data in ECHOES:
+            self._get_stuck("the port echoes what is sent: loop-back plug, radio modem?", t)
+        elif self._settling:
             return None
-        if data[0] == SYNC_TROUBLE:
-            self._settle(t)
+        elif data[0] in NOTIFICATION_TYPES:
+            self._get_stuck("robot refuses the handshake again and again: press its RESET", t)
         elif data[0] > 2:
             self._close_old_session(t)
         elif self._expected == 2 and (identity := decode_sync_reply(data)) is not None:
+            self.trouble = None
+            self.rates.note_success()
             return identity
         elif self._expected < 2 and data[0] == self._expected:
             self._send_sync(self._expected + 1, t)
         else:
-            self._settle(t)
+            self._get_stuck("robot answers the handshake out of order: press its RESET", t)
         return None
 
     def tick(self, t: float) -> None:
-        """Try again once a reply is overdue; after TRIES_PER_RATE go to the next rate."""
+        """Try again once a reply is overdue; when a rate has had its tries go to the next."""
         if t < self._deadline:
             return
         if self._settling:
             self._tries = 0
-        elif self._tries >= TRIES_PER_RATE:
+        elif self._tries >= self.rates.tries:
             self._tries = 0
-            self.rate_changes += 1
-            self._use_rate((self._rate + 1) % len(self._rates))
+            self._next_rate()
         self._attempt(t)
 
     def _attempt(self, t: float) -> None:
@@ -81,8 +98,9 @@ class Handshake:
         self._tries += 1
         self.attempts += 1
         self._write(STOP.encode())
-        if self._tries > 1:
-            # A robot that got SYNC2 but whose reply was lost only answers to OPEN.
+        if self._tries > 1 and not self._in_session:
+            # A robot that got SYNC2 but whose reply was lost only answers to OPEN. One in a session
+            # would resume its motion, should a cable that returns just now let only OPEN pass.
             self._write(OPEN.encode())
         self._send_sync(0, t)
 
@@ -95,17 +113,33 @@ class Handshake:
         self.old_sessions += 1
         self._write(STOP.encode())
         self._write(CLOSE.encode())
-        if self._rate != 0:
-            self._use_rate(0)  # a closed controller falls back to the rate it starts with
-        self._settle(t)
+        if self.rates.return_to_configured():
+            # A closed controller falls back to the rate it starts with.
+            self._requests.append(SetBaud(self.baud))
+        self._get_stuck(
+            "robot sends reports but does not end its old session: sending wire broken? "
+            "else press its RESET",
+            t,
+        )
 
-    def _settle(self, t: float) -> None:
+    def _next_rate(self) -> None:
+        if self.rates.advance():
+            self.trouble = self._no_robot()
+        self._requests.append(SetBaud(self.baud))
+
+    def _no_robot(self) -> str:
+        rates = ", ".join(map(str, self.rates.all))
+        if not self._heard:
+            return f"no reply at {rates} baud: robot switched on? cable? last bytes heard: none"
+        heard = self._heard.hex(" ")
+        return f"only noise at {rates} baud: is this the robot's port? last bytes heard: {heard}"
+
+    def _get_stuck(self, why: str, t: float) -> None:
         self._settling = True
         self._deadline = t + SETTLING_TIME
-
-    def _use_rate(self, index: int) -> None:
-        self._rate = index
-        self._requests.append(SetBaud(self.baud))
+        self._stuck[why] = self._stuck.get(why, 0) + 1
+        if self._stuck[why] >= PATIENCE:
+            self.trouble = f"{why}; last bytes heard: {self._heard.hex(' ')}"
 
     def _write(self, data: bytes) -> None:
         self._requests.append(Write(data))

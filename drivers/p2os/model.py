@@ -1,11 +1,14 @@
-"""Robot models: conversion factors, limits and geometry, loaded from ``models/*.toml``."""
+"""Robot models: conversion factors, limits and geometry, loaded from ``models/*.toml``.
+
+A model file may say ``like = "p2dx"`` and then holds only what differs from that model.
+"""
 
 from __future__ import annotations
 
 import math
 from functools import cache
 from importlib import resources
-from typing import Annotated
+from typing import Annotated, Any
 
 import msgspec
 
@@ -96,5 +99,21 @@ def load_model(subclass: str) -> RobotModel:
     if name not in model_names():
         known = ", ".join(model_names())
         raise UnknownModelError(f"robot model {subclass!r}: no such model, use one of {known}")
+    return msgspec.convert(_fields(name), type=RobotModel)
+
+
+def _fields(name: str) -> dict[str, Any]:
+    """Return the content of a model file over that of the file it is like."""
     text = _MODELS.joinpath(f"{name}.toml").read_text(encoding="utf-8")
-    return msgspec.toml.decode(text, type=RobotModel)
+    own: dict[str, Any] = msgspec.toml.decode(text)
+    base = own.pop("like", None)
+    return own if base is None else _overlaid(_fields(base), own)
+
+
+def _overlaid(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
+    """Return ``below`` with the values of ``above`` in place of its own, table by table."""
+    result = below | above
+    for key, value in above.items():
+        if isinstance(value, dict) and key in below:
+            result[key] = _overlaid(below[key], value)
+    return result

@@ -9,9 +9,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from drivers.p2os.commands import Command, CommandNumber
+from drivers.p2os.command_numbers import CommandNumber
+from drivers.p2os.commands import Command
 from drivers.p2os.model import RobotModel
 
+E_STOPS = frozenset({CommandNumber.E_STOP, CommandNumber.QSTOP})
+VELOCITIES = frozenset(
+    {CommandNumber.VEL, CommandNumber.RVEL, CommandNumber.ROTATE, CommandNumber.VEL2}
+)
+"""Commands that end an emergency stop."""
 ARRIVED = 0.0005  # m short of a MOVE's end
 ARRIVED_SPEED = 0.01  # m/s
 
@@ -79,6 +85,7 @@ class MotionController:
         self._travel: float | None = None  # m left of a MOVE
         self._heading: float | None = None  # rad in odom, of HEAD or DHEAD
         self._wheels_independent = False
+        self._emergency = False
 
     @property
     def at_rest(self) -> bool:
@@ -122,28 +129,44 @@ class MotionController:
 
     def obey(self, command: Command, heading: float) -> None:
         """Obey a motion command; ``heading`` is the odometer's, rad."""
-        if command.number in (CommandNumber.STOP, CommandNumber.E_STOP):
+        number = command.number
+        if number == CommandNumber.STOP or number in E_STOPS:
             self.drop_setpoints()
-            if command.number == CommandNumber.E_STOP:
+            if number in E_STOPS:
                 self.halt()
-            return
-        if command.number == CommandNumber.VEL2:
+                self._emergency = True
+        elif number in VELOCITIES or not self._emergency:
+            self._emergency = False
+            self._set_point(number, command, heading)
+
+    def _set_point(self, number: int, command: Command, heading: float) -> None:
+        if number == CommandNumber.VEL2:
             self._set_wheels(*command.two_bytes)
             return
         if self._wheels_independent:
             self._wheels_independent = False
             self.drop_setpoints()
-        if command.number == CommandNumber.VEL:
-            self._speed, self._travel = self._clamp_speed(0.001 * command.integer), None
-        elif command.number == CommandNumber.MOVE:
-            self._speed, self._travel = 0.0, 0.001 * command.integer
-        elif command.number == CommandNumber.RVEL:
-            self._turn_rate = self._clamp_turn_rate(math.radians(command.integer))
-            self._heading = None
-        elif command.number == CommandNumber.HEAD:
-            self._turn_rate, self._heading = 0.0, math.radians(command.integer)
-        elif command.number == CommandNumber.DHEAD:
-            self._turn_rate, self._heading = 0.0, heading + math.radians(command.integer)
+        if number in (CommandNumber.VEL, CommandNumber.MOVE):
+            self._set_translation(number, 0.001 * command.integer)
+        else:
+            self._set_rotation(number, math.radians(command.integer), heading)
+
+    def _set_translation(self, number: int, value: float) -> None:
+        if number == CommandNumber.VEL:
+            self._speed, self._travel = self._clamp_speed(value), None
+        else:
+            self._speed, self._travel = 0.0, value
+
+    def _set_rotation(self, number: int, value: float, heading: float) -> None:
+        if number in (CommandNumber.RVEL, CommandNumber.ROTATE):
+            self._turn_rate, self._heading = self._clamp_turn_rate(value), None
+            return
+        start = {
+            CommandNumber.HEAD: 0.0,
+            CommandNumber.DHEAD: heading,
+            CommandNumber.DCHEAD: self.heading_setpoint(heading),
+        }[CommandNumber(number)]
+        self._turn_rate, self._heading = 0.0, start + value
 
     def run(
         self, dt: float, heading: float, *, halted: bool, forward: bool, backward: bool

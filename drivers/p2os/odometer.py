@@ -7,6 +7,7 @@ import math
 from drivers.p2os.sip import COUNTS_PER_TURN
 
 RADIANS_PER_COUNT = math.tau / COUNTS_PER_TURN
+ZERO_CREEP = 3  # counts
 _HALF = COUNTS_PER_TURN // 2
 
 
@@ -17,6 +18,12 @@ def counter_step(new: int, old: int) -> int:
     2048 counts.
     """
     return (new - old + _HALF) % COUNTS_PER_TURN - _HALF
+
+
+def is_near_zero(counter: int) -> bool:
+    """Tell whether a counter stands where zeroing leaves it, but for the creep of a robot at
+    rest."""
+    return abs((counter + 0x4000) % 0x8000 - 0x4000) <= ZERO_CREEP
 
 
 class Odometer:
@@ -33,13 +40,24 @@ class Odometer:
         self._start = (0.0, 0.0, 0.0)  # pose at the reference
         self._travel = (0, 0, 0)  # counts since the reference
         self._turn = (1.0, 0.0)  # cosine and sine from the counters' frame to odom
+        self._zero_expected_until = -math.inf
 
     def forget_reference(self) -> None:
         """Let the next counters only set a new reference: the robot's may start elsewhere."""
         self._counters = None
 
-    def update(self, x: int, y: int, heading: int, metres_per_count: float) -> None:
-        """Follow the counters of one SIP."""
+    def expect_zero(self, until: float) -> None:
+        """Take counters that fall to zero by the time ``until``, s, for a new reference, not for
+        motion; the robot must be at rest."""
+        self._zero_expected_until = until
+
+    def update(
+        self, x: int, y: int, heading: int, metres_per_count: float, t: float = math.inf
+    ) -> None:
+        """Follow the counters of one SIP received at ``t``, s."""
+        if t <= self._zero_expected_until and all(map(is_near_zero, (x, y, heading))):
+            self._counters = None
+            self._zero_expected_until = -math.inf
         if self._counters is None:
             self._set_reference(heading)
         else:

@@ -1,19 +1,56 @@
-"""The packets a robot sends, by their first data byte."""
+"""The packets an open robot sends, by their first data byte.
+
+The SYNC2 reply is not among them: its type is a number of its own only during the handshake.
+"""
 
 from __future__ import annotations
 
-from drivers.p2os.config_packet import CONFIG_TYPE, ConfigPacket, decode_config
-from drivers.p2os.robot_identity import RobotIdentity, decode_sync_reply
-from drivers.p2os.sip import Sip, SipTail, decode_sip, is_sip
+from collections.abc import Callable
 
-__all__ = [
-    "CONFIG_TYPE",
-    "ConfigPacket",
-    "RobotIdentity",
-    "Sip",
-    "SipTail",
-    "decode_config",
-    "decode_sip",
-    "decode_sync_reply",
-    "is_sip",
-]
+from drivers.p2os.config_packet import CONFIG_TYPE, ConfigPacket, decode_config
+from drivers.p2os.extended_packets import (
+    AUX_TYPES,
+    ENCODER_TYPE,
+    GYRO_TYPE,
+    IO_TYPE,
+    JOYSTICK_TYPE,
+    NOTIFICATION_TYPES,
+    AuxPacket,
+    EncoderPacket,
+    GyroPacket,
+    IoPacket,
+    JoystickPacket,
+    Notification,
+    decode_aux,
+    decode_encoder,
+    decode_gyro,
+    decode_io,
+    decode_joystick,
+    decode_notification,
+)
+from drivers.p2os.sip import SIP_TYPES, Sip, decode_sip
+
+ExtendedPacket = EncoderPacket | GyroPacket | AuxPacket | IoPacket | JoystickPacket
+Packet = Sip | ConfigPacket | ExtendedPacket | Notification
+
+_DECODERS: dict[int, Callable[[bytes], Packet | None]] = {
+    **dict.fromkeys(SIP_TYPES, decode_sip),
+    CONFIG_TYPE: decode_config,
+    ENCODER_TYPE: decode_encoder,
+    GYRO_TYPE: decode_gyro,
+    **dict.fromkeys(AUX_TYPES, decode_aux),
+    IO_TYPE: decode_io,
+    JOYSTICK_TYPE: decode_joystick,
+    **dict.fromkeys(NOTIFICATION_TYPES, decode_notification),
+}
+
+
+def is_known(data: bytes) -> bool:
+    """Tell whether a packet's data is of a type listed here."""
+    return data[0] in _DECODERS
+
+
+def decode_packet(data: bytes) -> Packet | None:
+    """Read a packet's data; None where its type is unknown or it is cut short."""
+    decoder = _DECODERS.get(data[0])
+    return None if decoder is None else decoder(data)

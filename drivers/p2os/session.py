@@ -6,49 +6,34 @@ Sans-I/O: told bytes and times, it leaves what must be written in ``take_request
 from __future__ import annotations
 
 import math
-from collections import deque
 from dataclasses import dataclass
 from enum import StrEnum
 
 from drivers.p2os.base_state import BaseState, base_state
-from drivers.p2os.commands import (
-    CLOSE,
-    OPEN,
-    PULSE,
-    REQUEST_CONFIG,
-    STAND_STILL,
-    STOP,
-    Command,
-    CommandNumber,
-    command,
-)
+from drivers.p2os.command_numbers import RESERVED, CommandNumber
+from drivers.p2os.command_outbox import CommandOutbox
+from drivers.p2os.commands import CLOSE, OPEN, PULSE, STAND_STILL, STOP, Command, command
+from drivers.p2os.config_packet import ConfigPacket
 from drivers.p2os.drive_wish import DriveWish
+from drivers.p2os.extended_packets import Notification
 from drivers.p2os.framing import OVERHEAD, PacketFramer
 from drivers.p2os.handshake import Handshake
+from drivers.p2os.latest_packets import LatestPackets
 from drivers.p2os.model import RobotModel, UnknownModelError, load_model
+from drivers.p2os.motor_watch import MotorState, MotorWatch
 from drivers.p2os.odometer import Odometer
-from drivers.p2os.packets import (
-    CONFIG_TYPE,
-    ConfigPacket,
-    RobotIdentity,
-    Sip,
-    decode_config,
-    decode_sip,
-    is_sip,
-)
-from drivers.p2os.set_up import set_up_commands
+from drivers.p2os.packets import decode_packet, is_known
+from drivers.p2os.robot_identity import RobotIdentity
+from drivers.p2os.set_up import SetUp
 from drivers.p2os.settings import BaseSettings
-from drivers.requests import Request, Write
+from drivers.p2os.sip import Sip, decode_sip
+from drivers.requests import Request
 
 SILENCE_TIMEOUT = 1.0  # s without a SIP
 KEEP_ALIVE_PERIOD = 0.4  # s
-WATCHDOG = 2.0  # s without a packet after which the controller halts
-CONFIG_TIMEOUT = 1.0  # s
-CONFIG_RETRY = 0.33  # s
-CONFIG_TRIES = 3
-ENABLE_RETRY = 0.5  # s
+WATCHDOG_SHARE = 0.25  # of the controller's watchdog, where that is the shorter keep-alive
 PACKET_GAP = 0.1  # s without a byte that ends an unfinished packet
-COMMANDS_PER_TICK = 2
+ZEROING_TIME = 1.0  # s within which SETO shows in the reports
 
 
 class SessionState(StrEnum):
@@ -61,27 +46,37 @@ class SessionState(StrEnum):
     SILENT = "silent"  # was open, went silent; looking for the robot again
 
 
+SEARCHING = (SessionState.SYNCING, SessionState.SILENT)
+
+
 @dataclass(slots=True)
 class SessionCounters:
     """What a session met, besides the framer's counters."""
 
     sips: int = 0
-    other_packets: int = 0
+    other_packets: int = 0  # of a type unknown here
     cut_packets: int = 0  # good checksum, but too short for what they say they are
+    unknown_sonars: int = 0  # readings of transducers the model does not have
     silences: int = 0
+    resumptions: int = 0  # sessions found still open
+    controller_resets: int = 0
     stale_wishes: int = 0
     commands: int = 0
 
 
 class P2osSession:
-    """One robot base behind one link. Call ``take_requests`` after every other call."""
+    """One robot base behind one link. Call ``take_requests`` after every other call.
+
+    A session that was set up here and whose robot is found still in it, after a silence or a new
+    link, is resumed: STOP and the limits are sent, the servers are not opened again.
+    """
 
     def __init__(self, settings: BaseSettings) -> None:
         self.state = SessionState.DOWN
         self.state_since = -math.inf
         self.identity: RobotIdentity | None = None
-        self.config: ConfigPacket | None = None
         self.model: RobotModel = load_model(settings.model)
+        self.latest = LatestPackets()
         self.counters = SessionCounters()
         self.framer = PacketFramer()
         self._settings = settings
@@ -89,26 +84,49 @@ class P2osSession:
         self.handshake = Handshake(settings.baud, self._requests)
         self._odometer = Odometer()
         self._wish = DriveWish(settings)
-        self._queue: deque[Command] = deque()
+        self._outbox = CommandOutbox(self._requests, self._note_sent)
+        self._set_up = SetUp(settings, self._outbox)
+        self._motors = MotorWatch()
         self._base: BaseState | None = None
-        self._last_byte = self._last_sip = self._last_sent = -math.inf
-        self._opened_at = self._config_asked_at = -math.inf
-        self._config_tries = 0
-        self._set_up_queued = False
-        self._enabling_since: float | None = None
+        self._last_byte = self._last_sip = self._t = -math.inf
+        self._ours = False
+        self._search_reason: str | None = None
+        self._model_trouble: str | None = None
 
     @property
     def baud(self) -> int:
         """Rate at which the robot is spoken to."""
         return self.handshake.baud
 
+    @property
+    def config(self) -> ConfigPacket | None:
+        """The controller's latest CONFIG of this session; None where it sends none."""
+        return self._set_up.config
+
+    @property
+    def watchdog(self) -> float:
+        """Silence, s, after which the controller halts the robot."""
+        return self._set_up.watchdog
+
+    @property
+    def motors(self) -> MotorState:
+        """Whether the motors have power, and who decided so."""
+        return self._motors.state
+
+    @property
+    def trouble(self) -> str | None:
+        """Say, in a line for people, what is wrong and what to do; None when all is as set."""
+        if self.state is SessionState.DOWN:
+            return None
+        if self.state in SEARCHING:
+            return self.handshake.trouble or self._search_reason
+        return self._motors.trouble(self._t) or self._set_up.trouble or self._model_trouble
+
     def link_up(self, t: float) -> None:
         """The port is open: look for the robot."""
         self._requests.clear()
         self.framer.reset()
-        self._enter(SessionState.SYNCING, t)
-        self._forget_motion()
-        self.handshake.start(t, at_configured_rate=True)
+        self._search(SessionState.SYNCING, None, t)
 
     def link_down(self, t: float) -> None:
         """The port is gone: nothing can be sent or asked any more."""
@@ -127,6 +145,9 @@ class P2osSession:
         session, at the time it was measured."""
         if self.state is SessionState.DOWN or not data:
             return []
+        self._t = t
+        if self.state in SEARCHING:
+            self.handshake.note_bytes(data)
         packets = self.framer.abandon_packet() if t - self._last_byte > PACKET_GAP else []
         packets += self.framer.feed(data)
         self._last_byte = t
@@ -142,7 +163,8 @@ class P2osSession:
 
     def tick(self, t: float) -> None:
         """Notice what is overdue: replies, reports, wishes, keep-alives. Call 20 times a second."""
-        if self.state in (SessionState.SYNCING, SessionState.SILENT):
+        self._t = t
+        if self.state in SEARCHING:
             self.handshake.tick(t)
         elif self.state is not SessionState.DOWN and t - self._last_sip > SILENCE_TIMEOUT:
             self._go_silent(t)
@@ -154,162 +176,219 @@ class P2osSession:
     def enable_motors(self, t: float) -> None:
         """Switch the motors on, from standstill; ignored unless READY or when they are on.
 
-        VEL 0, RVEL 0 and ENABLE 1 are sent again until a SIP shows the motors on.
+        VEL 0, RVEL 0 and ENABLE 1 are sent again until a SIP shows the motors on. Motors that a
+        person has switched off are left to that person.
         """
-        if self.state is not SessionState.READY or self._enabling_since is not None:
-            return
-        if not self._motors_on:
+        if self.state is SessionState.READY and self._motors.may_be_asked:
             self._queue_enable(t)
 
     def drive(self, t: float, v: float, w: float) -> None:
         """Ask for ``v`` m/s and ``w`` rad/s, clamped to the settings; call at least every 0.3 s.
 
         Ignored unless READY. While the motors are off the wish is held at zero, so that nothing
-        moves at the moment they come on.
+        moves at the moment they come on. Standstill leaves at once, the rest as soon as the
+        controller takes it.
         """
         if self.state is not SessionState.READY:
             return
-        if not self._motors_on or self._enabling_since is not None:
+        if self.motors is not MotorState.ON:
             v = w = 0.0
-        for wanted in self._wish.commands(t, v, w):
-            self._send(wanted, t)
+        self._wish.ask(t, v, w)
+        self._send_wishes(self._wish.due(t), t)
 
     def stop(self, t: float) -> None:
         """Stop the robot: STOP, VEL 0, RVEL 0 at once; calls at rest only refresh them."""
         if self.state is not SessionState.READY:
             return
         if self._wish.moving:
-            self._send(STOP, t)
-        for wanted in self._wish.commands(t, 0.0, 0.0):
-            self._send(wanted, t)
+            self._outbox.send(STOP, t)
+        self._wish.ask(t, 0.0, 0.0)
+        for zero in self._wish.due(t):
+            self._outbox.send(zero, t)
+
+    def request(self, what: Command) -> None:
+        """Queue a command that neither moves the robot nor touches its session: ENCODER, IOREQUEST,
+        SAY and their like. A new session forgets what streams were asked for.
+
+        Raises ValueError for any other; ignored unless READY.
+        """
+        if what.number in RESERVED:
+            raise ValueError(f"command {what.number} belongs to the session: use its methods")
+        if self.state is SessionState.READY:
+            self._outbox.add(what)
+
+    def reset_odometry(self, t: float) -> bool:
+        """Zero the controller's counters by SETO; ``x``, ``y``, ``theta`` of the states go on as
+        if nothing had happened. Return False, doing nothing, unless READY and at rest."""
+        at_rest = self._base is not None and self._base.standing and not self._wish.moving
+        if self.state is not SessionState.READY or not at_rest:
+            return False
+        self._odometer.expect_zero(t + ZEROING_TIME)
+        self._outbox.send(command(CommandNumber.SETO), t)
+        return True
 
     def shut_down(self, t: float) -> None:
         """Leave the robot standing, motors off, session closed; the state is DOWN after it."""
         if self.state is SessionState.DOWN:
             return
         for last in (STOP, command(CommandNumber.ENABLE, 0), CLOSE):
-            self._send(last, t)
+            self._outbox.send(last, t)
+        self._ours = False
         self._enter(SessionState.DOWN, t)
         self._forget_motion()
 
-    def _enter(self, state: SessionState, t: float) -> None:
-        self.state = state
-        self.state_since = t
+    # Packets
 
-    @property
-    def _motors_on(self) -> bool:
-        return self._base is not None and self._base.motors_enabled
-
-    def _take_packet(self, packet: bytes, t: float, t_measured: float) -> BaseState | None:
-        if self.state in (SessionState.SYNCING, SessionState.SILENT):
-            identity = self.handshake.feed(packet, t)
-            if identity is not None:
-                self._open(identity, t)
-            return None
-        if packet[0] == CONFIG_TYPE:
-            self.config = decode_config(packet)
-            return None
-        sip = decode_sip(packet)
-        if sip is not None:
-            return self._take_sip(sip, t, t_measured)
-        if is_sip(packet):
-            self.counters.cut_packets += 1
-        else:
-            self.counters.other_packets += 1
+    def _take_packet(self, data: bytes, t: float, t_measured: float) -> BaseState | None:
+        if self.state in SEARCHING:
+            if not self._ours or decode_sip(data) is None:
+                self._shake_hands(data, t)
+                return None
+            self._resume(t)
+        packet = decode_packet(data)
+        match packet:
+            case Sip():
+                return self._take_sip(packet, t, t_measured)
+            case ConfigPacket():
+                self._set_up.take_config(packet)
+            case Notification():
+                self._restart(t)
+            case None if is_known(data):
+                self.counters.cut_packets += 1
+            case None:
+                self.counters.other_packets += 1
+            case _:
+                self.latest.take(packet, t)
         return None
 
     def _take_sip(self, sip: Sip, t: float, t_measured: float) -> BaseState:
         self.counters.sips += 1
         self._last_sip = t
         self._odometer.update(
-            sip.x_counts, sip.y_counts, sip.heading_counts, self.model.conversion.distance
+            sip.x_counts, sip.y_counts, sip.heading_counts, self.model.conversion.distance, t
         )
-        self._base = base_state(t_measured, sip, self._odometer, self.model)
-        if sip.motors_enabled and not self._queue:
-            self._enabling_since = None
-        return self._base
+        base = base_state(t_measured, sip, self._odometer, self.model)
+        self.counters.unknown_sonars += base.unknown_sonars
+        self._motors.take(base, commands_pending=not self._outbox.empty)
+        self._base = base
+        return base
+
+    # Finding the robot
+
+    def _enter(self, state: SessionState, t: float) -> None:
+        self.state = state
+        self.state_since = t
+
+    def _search(self, state: SessionState, reason: str | None, t: float) -> None:
+        self._enter(state, t)
+        self._search_reason = reason
+        self._forget_motion()
+        self.handshake.start(t, in_session=self._ours)
+
+    def _shake_hands(self, data: bytes, t: float) -> None:
+        identity = self.handshake.feed(data, t)
+        if identity is not None:
+            self._open(identity, t)
 
     def _open(self, identity: RobotIdentity, t: float) -> None:
         """Start the servers and take the model of the robot that answered."""
         self.identity = identity
+        self._choose_model(identity)
+        self.latest = LatestPackets()
+        self._odometer.forget_reference()
+        self._ours = False
+        self._begin_opening(OPEN, t)
+        self._set_up.begin(t, resumed=False)
+        self._outbox.flush(t)
+
+    def _resume(self, t: float) -> None:
+        """Go on with a session of ours in which the robot has been found."""
+        self.counters.resumptions += 1
+        self._begin_opening(STOP, t)
+        self._set_up.begin(t, resumed=True)
+
+    def _begin_opening(self, first: Command, t: float) -> None:
+        self._enter(SessionState.OPENING, t)
+        self._forget_motion()
+        self._outbox.restart(t)
+        self._last_sip = t
+        self._outbox.send(first, t)
+
+    def _choose_model(self, identity: RobotIdentity) -> None:
+        self._model_trouble = None
         try:
             self.model = load_model(identity.subclass)
         except UnknownModelError:
             self.model = load_model(self._settings.model)
-        self._enter(SessionState.OPENING, t)
-        self.config = None
-        self._forget_motion()
-        self._odometer.forget_reference()
-        self._set_up_queued = False
-        self._config_tries = 0
-        self._opened_at = self._last_sip = t
-        self._send(OPEN, t)
-        self._ask_config(t)
+            self._model_trouble = (
+                f"robot is a {identity.subclass!r}, of which no model is known: its distances are "
+                f"taken for those of a {self.model.subclass}; add a model file for it"
+            )
+
+    def _go_silent(self, t: float) -> None:
+        self.counters.silences += 1
+        heard = "fell silent" if self._base is not None else "answered, but sends no reports"
+        name = self.identity.name if self.identity is not None else ""
+        remedy = "robot switched off? cable?"
+        self._search(SessionState.SILENT, f"robot {name} {heard} at {self.baud} baud: {remedy}", t)
+
+    def _restart(self, t: float) -> None:
+        """The controller says that it has no session any more."""
+        self.counters.controller_resets += 1
+        self._ours = False
+        self._search(SessionState.SYNCING, "the robot's controller has reset itself", t)
+
+    # Setting it up
 
     def _advance_opening(self, t: float) -> None:
-        """CONFIG if it comes, then the limits, then zero motion; READY once all that is out."""
-        if not self._set_up_queued:
-            if self.config is not None or t - self._opened_at >= CONFIG_TIMEOUT:
-                self._queue.extend(set_up_commands(self._settings))
-                self._set_up_queued = True
-            elif self._config_tries < CONFIG_TRIES and t - self._config_asked_at >= CONFIG_RETRY:
-                self._ask_config(t)
-        self._send_queued(t)
-        if self._set_up_queued and not self._queue and self._base is not None:
+        """CONFIG if it comes, the limits, zero motion, the limits read back; then READY."""
+        prepared = self._set_up.advance(t)
+        self._outbox.flush(t)
+        if prepared and self._base is not None:
+            self._ours = True
             self._enter(SessionState.READY, t)
 
-    def _ask_config(self, t: float) -> None:
-        self._config_tries += 1
-        self._config_asked_at = t
-        self._send(REQUEST_CONFIG, t)
+    # Keeping it
 
     def _keep_ready(self, t: float) -> None:
         if self._wish.is_stale(t):
             self.counters.stale_wishes += 1
+            self._wish.drop()
             self._stand_still(t)
-        if self._enabling_since is not None and t - self._enabling_since >= ENABLE_RETRY:
+        if self._motors.is_overdue(t):
             self._queue_enable(t)
-        self._send_queued(t)
-        if t - self._last_sent >= KEEP_ALIVE_PERIOD:
+        self._send_wishes(self._wish.changed(), t)
+        self._outbox.flush(t)
+        period = min(KEEP_ALIVE_PERIOD, WATCHDOG_SHARE * self.watchdog)
+        if t - self._outbox.last_sent >= period:
             self._keep_alive(t)
 
     def _keep_alive(self, t: float) -> None:
         """Hold off the watchdog; a robot that moves against its orders is told to stand still."""
         if self._base is not None and self._base.standing and not self._wish.moving:
-            self._send(PULSE, t)
+            self._outbox.send(PULSE, t)
         else:
             self._stand_still(t)
 
+    def _send_wishes(self, due: list[Command], t: float) -> None:
+        for wanted in due:
+            if wanted.integer == 0 or self._outbox.has_room(t):
+                self._outbox.send(wanted, t)
+
     def _stand_still(self, t: float) -> None:
         for zero in STAND_STILL:
-            self._send(zero, t)
+            self._outbox.send(zero, t)
 
     def _queue_enable(self, t: float) -> None:
-        self._enabling_since = t
-        self._queue.extend((*STAND_STILL, command(CommandNumber.ENABLE, 1)))
-
-    def _go_silent(self, t: float) -> None:
-        self.counters.silences += 1
-        self._enter(SessionState.SILENT, t)
-        self._forget_motion()
-        self.handshake.start(t, at_configured_rate=False)
+        self._motors.ask(t)
+        self._outbox.add(*STAND_STILL, command(CommandNumber.ENABLE, 1))
 
     def _forget_motion(self) -> None:
-        self._queue.clear()
+        self._outbox.drop_queued()
+        self._wish.forget()
         self._base = None
-        self._enabling_since = None
-        self._wish = DriveWish(self._settings)
+        self._motors = MotorWatch()
 
-    def _send_queued(self, t: float) -> None:
-        for _ in range(min(COMMANDS_PER_TICK, len(self._queue))):
-            self._send(self._queue.popleft(), t)
-
-    def _send(self, what: Command, t: float) -> None:
-        if self.state is SessionState.READY and t - self._last_sent >= WATCHDOG:
-            # The controller has halted and any packet makes it resume the old motion.
-            self._last_sent = t
-            self._send(STOP, t)
+    def _note_sent(self, what: Command, t: float) -> None:
         self.counters.commands += 1
-        self._last_sent = t
         self._wish.note_sent(what, t)
-        self._requests.append(Write(what.encode()))

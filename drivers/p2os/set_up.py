@@ -1,17 +1,134 @@
-"""The commands that prepare a robot whose servers have just been opened."""
+"""What prepares a robot whose servers have just been opened: limits, set and read back."""
 
 from __future__ import annotations
 
 import math
+from enum import Enum
 
-from drivers.p2os.commands import STAND_STILL, STOP, Command, CommandNumber, command
+from drivers.p2os.command_numbers import CommandNumber
+from drivers.p2os.command_outbox import (
+    DEFAULT_WATCHDOG,
+    LATER_PERIOD,
+    CommandOutbox,
+)
+from drivers.p2os.commands import REQUEST_CONFIG, STAND_STILL, STOP, Command, command
+from drivers.p2os.config_packet import ConfigPacket
 from drivers.p2os.settings import BaseSettings
 
+CONFIG_TIMEOUT = 1.0  # s
+CONFIG_RETRY = 0.33  # s
+CONFIG_TRIES = 3
+LIMIT_TRIES = 2
 BUMP_STALL_CODES = {"off": 0, "front": 1, "rear": 2, "both": 3}
 
 
-def set_up_commands(settings: BaseSettings) -> list[Command]:
-    """Return limits, bumpers and sonar by the settings, then zero motion, in sending order."""
+class Stage(Enum):
+    """Where the preparation stands."""
+
+    ASKING = "asking what the controller is like"
+    SENDING = "sending limits"
+    CHECKING = "reading the limits back"
+    DONE = "done"
+
+
+class SetUp:
+    """Asks for CONFIG, sends what ``set_up_commands`` says and compares what CONFIG then says.
+
+    Limits that did not take are sent once more. A robot that never answers CONFIG, as some never
+    do, is prepared without.
+    """
+
+    def __init__(self, settings: BaseSettings, outbox: CommandOutbox) -> None:
+        self.config: ConfigPacket | None = None
+        """The controller's latest CONFIG of this session."""
+        self.trouble: str | None = None
+        self._settings = settings
+        self._outbox = outbox
+        self._stage = Stage.DONE
+        self._answered = False
+        self._asked_at = self._began_at = -math.inf
+        self._tries = self._limits_sent = 0
+
+    @property
+    def watchdog(self) -> float:
+        """Silence, s, after which the controller halts: as CONFIG says, else its default."""
+        stated = self.config.watchdog_ms if self.config and self.config.is_whole else 0
+        return 0.001 * stated if stated else DEFAULT_WATCHDOG
+
+    def begin(self, t: float, *, resumed: bool) -> None:
+        """Start; a resumed session need not be asked what it is like."""
+        self.trouble = None
+        self._limits_sent = 0
+        if not resumed:
+            self.config = None
+        if self.config is None:
+            self._ask(Stage.ASKING, t)
+        else:
+            self.take_config(self.config)
+            self._send_commands()
+
+    def take_config(self, config: ConfigPacket) -> None:
+        """Learn the controller's watchdog and pace from a CONFIG packet."""
+        self.config = config
+        self._answered = True
+        self._outbox.watchdog = self.watchdog
+        if config.is_of_later_firmware:
+            self._outbox.period = LATER_PERIOD
+
+    def advance(self, t: float) -> bool:
+        """Go on with whatever is due; return whether the robot is prepared."""
+        if self._stage is Stage.SENDING and self._outbox.empty:
+            if self.config is not None:
+                self._ask(Stage.CHECKING, t)
+            else:
+                self._stage = Stage.DONE
+        elif self._stage in (Stage.ASKING, Stage.CHECKING):
+            self._await_config(t)
+        return self._stage is Stage.DONE
+
+    def _await_config(self, t: float) -> None:
+        if self._answered or t - self._began_at >= CONFIG_TIMEOUT:
+            self._end_asking()
+        elif self._tries < CONFIG_TRIES and t - self._asked_at >= CONFIG_RETRY:
+            self._ask_again(t)
+
+    def _end_asking(self) -> None:
+        if self._stage is Stage.ASKING:
+            self._send_commands()
+        else:
+            self._judge_limits()
+
+    def _judge_limits(self) -> None:
+        self._stage = Stage.DONE
+        if not self._answered or self.config is None:
+            self.trouble = "limits not confirmed: the robot no longer answers CONFIG; link failing?"
+            return
+        kept = kept_otherwise(self._settings, self.config)
+        if kept and self._limits_sent < LIMIT_TRIES:
+            self._send_commands()
+        elif kept:
+            self.trouble = f"robot keeps {', '.join(kept)}: adapt the base settings to it"
+
+    def _send_commands(self) -> None:
+        self._limits_sent += 1
+        self._stage = Stage.SENDING
+        self._outbox.add(*set_up_commands(self._settings))
+
+    def _ask(self, stage: Stage, t: float) -> None:
+        self._stage = stage
+        self._answered = False
+        self._began_at = t
+        self._tries = 0
+        self._ask_again(t)
+
+    def _ask_again(self, t: float) -> None:
+        self._tries += 1
+        self._asked_at = t
+        self._outbox.add(REQUEST_CONFIG)
+
+
+def limit_commands(settings: BaseSettings) -> list[Command]:
+    """Return the speed and acceleration limits by the settings."""
     return [
         command(CommandNumber.SETV, _whole_millimetres(settings.max_speed)),
         command(CommandNumber.SETRV, _whole_degrees(settings.max_turn_rate)),
@@ -19,10 +136,36 @@ def set_up_commands(settings: BaseSettings) -> list[Command]:
         command(CommandNumber.SETA, -_whole_millimetres(settings.deceleration)),
         command(CommandNumber.SETRA, _whole_degrees(settings.turn_acceleration)),
         command(CommandNumber.SETRA, -_whole_degrees(settings.turn_deceleration)),
+    ]
+
+
+def set_up_commands(settings: BaseSettings) -> list[Command]:
+    """Return limits, bumpers and sonar by the settings, then zero motion, in sending order."""
+    return [
+        *limit_commands(settings),
         command(CommandNumber.BUMP_STALL, BUMP_STALL_CODES[settings.bump_stall]),
         command(CommandNumber.SONAR, 1),
         STOP,
         *STAND_STILL,
+    ]
+
+
+def kept_otherwise(settings: BaseSettings, config: ConfigPacket) -> list[str]:
+    """Return, for people, each limit that CONFIG shows different from the settings' own."""
+    if not config.is_whole:
+        return []
+    shown = (
+        ("SETV", config.speed_max, "mm/s"),
+        ("SETRV", config.turn_rate_max, "deg/s"),
+        ("SETA", config.acceleration, "mm/s^2"),
+        ("SETA", -config.deceleration, "mm/s^2"),
+        ("SETRA", config.turn_acceleration, "deg/s^2"),
+        ("SETRA", -config.turn_deceleration, "deg/s^2"),
+    )
+    return [
+        f"{name} {value} {unit}, asked for {wanted.integer}"
+        for wanted, (name, value, unit) in zip(limit_commands(settings), shown, strict=True)
+        if abs(wanted.integer - value) > 1
     ]
 
 

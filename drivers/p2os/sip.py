@@ -15,9 +15,13 @@ POSITION_MASK = 0x7FFF
 """The x and y counters have 15 significant bits."""
 SIP_STOPPED = 0x32
 SIP_MOVING = 0x33
+SIP_TYPES = range(0x30, 0x40)
+"""0x32 and 0x33 are documented; clients accept their relatives in the same row."""
 MOTORS_FLAG = 0x0001
 SONAR_FLAGS = 0x001E
 """Bit 1 on P2OS; later firmware has a bit for each of four arrays."""
+STOP_BUTTON_FLAG = 0x0020
+"""Of later firmware; P2OS leaves it 0."""
 
 _HEAD = struct.Struct("<BHHhhhBBBhHBB")
 _SONAR = struct.Struct("<BH")
@@ -77,6 +81,16 @@ class Sip:
         return bool(self.flags & MOTORS_FLAG)
 
     @property
+    def stop_button(self) -> bool:
+        """Whether later firmware says that its stop button is pressed."""
+        return bool(self.flags & STOP_BUTTON_FLAG)
+
+    @property
+    def is_of_later_firmware(self) -> bool:
+        """Whether the packet goes on where those of P2OS end."""
+        return self.tail.battery_decivolts is not None
+
+    @property
     def sonar_on(self) -> bool:
         """Whether any sonar array fires."""
         return bool(self.flags & SONAR_FLAGS)
@@ -104,8 +118,8 @@ class Sip:
 
 
 def is_sip(data: bytes) -> bool:
-    """Tell a SIP by its type: 0x32 and 0x33, and their relatives in the same row."""
-    return data[0] & 0xF0 == 0x30
+    """Tell a SIP by its type."""
+    return data[0] in SIP_TYPES
 
 
 def decode_sip(data: bytes) -> Sip | None:

@@ -23,11 +23,12 @@ from drivers.port import PortError, explain, open_port
         (errno.EIO, "plugged in"),
         (errno.ENXIO, "plugged in"),
         (errno.ECONNREFUSED, "nothing listens"),
-        (errno.EHOSTUNREACH, "cannot open /dev/ttyS2"),
+        (errno.EHOSTUNREACH, "cannot reach"),
+        (errno.ENOSPC, "cannot open /dev/ttyS2"),
     ],
 )
 def test_reasons(number: int, says: str) -> None:
-    text = explain("/dev/ttyS2", OSError(number, os.strerror(number)))
+    text = str(explain("/dev/ttyS2", OSError(number, os.strerror(number))))
     assert says in text
     assert "/dev/ttyS2" in text
     assert "\n" not in text

@@ -18,6 +18,10 @@ def scan_of(ranges: list[float], increment: float = math.pi / 2) -> Scan:
         angle_increment=increment,
         ranges=np.array(ranges),
         status=0x10,
+        turns=1,
+        specials=np.zeros(len(ranges), np.uint8),
+        flags=np.zeros(len(ranges), np.uint8),
+        reflectors=None,
     )
 
 

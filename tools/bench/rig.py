@@ -21,12 +21,14 @@ SONAR_PERIOD_S = 0.1
 class RobotRig:
     """Moves a body as its base's wheels turn; the laser and the sonars see from where it is."""
 
-    def __init__(self, name: str, world: World, body: RobotBody, t: float) -> None:
+    def __init__(
+        self, name: str, world: World, body: RobotBody, t: float, model: str = "p2dx"
+    ) -> None:
         """Put the robot into the world at time t, both devices just powered."""
         self.name = name
         self.world = world
         self.body = body
-        self._model = load_model("p2dx")
+        self._model = load_model(model)
         self.base = P2osEmulator(self._model, name=name)
         self.laser = Lms200Emulator(scan_source=self._scan)
         self._next_sonar = t

@@ -127,7 +127,11 @@ class World:
 
     def free_way(self, x: float, y: float, direction: float) -> float:
         """Return the distance, m, from a place to the next wall in a direction, rad."""
-        return float(self._caster.cast(x, y, np.array([direction]), self.laser_max_range)[0])
+        return float(self.free_ways(x, y, np.array([direction]))[0])
+
+    def free_ways(self, x: float, y: float, directions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return (n,) distances, m, from a place to the next walls in directions (n,), rad."""
+        return self._caster.cast(x, y, directions, self.laser_max_range)
 
     def sonar(self, body: RobotBody, ring: Sequence[SonarMount]) -> list[float]:
         """Return each transducer's range, m: the nearest of three rays over its cone, 5 m at most.

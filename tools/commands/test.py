@@ -18,13 +18,15 @@ CHECKS = (
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.epilog = "example: patrol test -- tests/drivers -k sip"
+    parser.epilog = "example: patrol test --long -- tests/drivers -k fuzzed"
+    parser.add_argument("--long", action="store_true", help="also the tests that take minutes")
     parser.add_argument("pytest", nargs="*", help="arguments handed to pytest, after --")
 
 
 def run(options: argparse.Namespace) -> int:
     """Run all checks, then the tests; the first failure ends it."""
-    for check in (*CHECKS, ("pytest", *options.pytest)):
+    chosen = ("-m", "long or not long") if options.long else ()
+    for check in (*CHECKS, ("pytest", *chosen, *options.pytest)):
         print("+", *check, file=sys.stderr, flush=True)
         status = subprocess.run([sys.executable, "-m", *check], cwd=ROOT, check=False).returncode
         if status:

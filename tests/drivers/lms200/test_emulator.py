@@ -64,7 +64,7 @@ def test_other_addresses_are_not_answered() -> None:
     assert emulator.take_output(1.0) == []
 
 
-@pytest.mark.parametrize("unknown", [b"\x99", b"\x20\x2c", b"\x20", b"\x66\x01", b"\x3b\xb4"])
+@pytest.mark.parametrize("unknown", [b"\x99", b"\x20\x2c", b"\x20", b"\x66\x02", b"\x3b\xb4"])
 def test_commands_it_does_not_know(unknown: bytes) -> None:
     assert ask(Lms200Emulator(), unknown) == ["Ack", "9210"]
 
@@ -182,7 +182,7 @@ def test_stream_is_paced_by_wire_and_whole_mirror_scans(
     assert (times[0] - wire_time) / TURN == pytest.approx(round((times[0] - wire_time) / TURN))
 
 
-def test_source_is_asked_in_the_middle_of_the_sweep() -> None:
+def test_source_is_asked_in_the_middle_of_each_turn() -> None:
     asked: list[tuple[float, int, float]] = []
 
     def source(t: float, n: int, increment: float) -> NDArray[np.float64]:
@@ -192,8 +192,9 @@ def test_source_is_asked_in_the_middle_of_the_sweep() -> None:
     emulator = Lms200Emulator(baud=38400, scan_source=source, variant=Variant(180, 50))
     sent = stream(emulator, until=1.0)
     wire_time = 732 * 10 / 38400
-    expected = [item.t - wire_time - TURN for item in sent]
-    np.testing.assert_allclose([t for t, _n, _increment in asked[: len(sent)]], expected)
+    ends = np.array([item.t - wire_time for item in sent])
+    expected = np.column_stack((ends - 1.5 * TURN, ends - 0.5 * TURN)).ravel()
+    np.testing.assert_allclose([t for t, _n, _increment in asked[: len(expected)]], expected)
     assert asked[0][1:] == (361, pytest.approx(np.radians(0.5)))
 
 

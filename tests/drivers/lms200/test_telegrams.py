@@ -7,13 +7,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivers.lms200 import telegrams
+from drivers.lms200.errors import decode_errors
 from drivers.lms200.framing import Telegram, encode_telegram
 from drivers.lms200.telegrams import (
     STANDARD_CONFIGURATION,
     VARIANTS,
     Configuration,
     DeviceStatus,
-    ErrorEntry,
     Variant,
     VariantReply,
 )
@@ -81,7 +81,8 @@ def test_status_fields_stand_where_the_listing_puts_them() -> None:
     assert DeviceStatus.decode(reply(bytes(payload))) == status
     assert status.encode() == bytes(payload)
     assert len(encode_telegram(status.encode(), 0x80)) == 160
-    assert DeviceStatus.decode(reply(bytes(payload[:-1]))) is None
+    assert DeviceStatus.decode(reply(bytes(payload[:123]))) is None
+    assert DeviceStatus.decode(reply(bytes(payload[:124]))) == status
 
 
 def test_only_measuring_mode_and_units_of_a_configuration_change() -> None:
@@ -110,12 +111,6 @@ def test_configuration_of_the_wrong_length_is_unusable() -> None:
     assert Configuration.decode(bytes(200)) is None
 
 
-def test_error_list() -> None:
-    assert telegrams.decode_errors(reply(bytes.fromhex("B2 10"))) == ()
-    entries = telegrams.decode_errors(reply(bytes.fromhex("B2 02 11 83 1D 10")))
-    assert entries == (ErrorEntry(2, 17, present=True), ErrorEntry(3, 29, present=False))
-
-
 def test_text_of_the_power_on_telegram() -> None:
     payload = telegrams.encode_text(telegrams.POWER_ON, "LMS200;301063;V02.10 ")
     assert telegrams.decode_text(reply(payload)) == "LMS200;301063;V02.10"
@@ -125,7 +120,7 @@ def test_text_of_the_power_on_telegram() -> None:
 def test_no_reply_can_raise(payload: bytes) -> None:
     telegram = reply(payload)
     telegrams.decode_text(telegram)
-    telegrams.decode_errors(telegram)
+    decode_errors(telegram)
     telegrams.first_data_byte(telegram)
     telegrams.decode_read_configuration(telegram)
     VariantReply.decode(telegram)

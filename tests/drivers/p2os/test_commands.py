@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from drivers.p2os.command_numbers import ARGUMENT_RANGES, CommandNumber
 from drivers.p2os.commands import (
-    ARGUMENT_RANGES,
     CLOSE,
     E_STOP,
     OPEN,
@@ -13,7 +13,6 @@ from drivers.p2os.commands import (
     STOP,
     SYNCS,
     Command,
-    CommandNumber,
     CommandRangeError,
     command,
     decode_command,

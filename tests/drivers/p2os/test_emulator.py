@@ -5,18 +5,14 @@ import math
 
 import pytest
 
-from drivers.p2os.commands import (
-    Command,
-    CommandNumber,
-    command,
-    host_baud,
-    text_command,
-    wheel_speeds,
-)
+from drivers.p2os.command_numbers import CommandNumber
+from drivers.p2os.commands import Command, command, host_baud, text_command, wheel_speeds
+from drivers.p2os.config_packet import ConfigPacket, decode_config
 from drivers.p2os.emulator import P2osEmulator
 from drivers.p2os.framing import PacketFramer, encode_packet
 from drivers.p2os.model import load_model
-from drivers.p2os.packets import ConfigPacket, Sip, decode_config, decode_sip, decode_sync_reply
+from drivers.p2os.robot_identity import decode_sync_reply
+from drivers.p2os.sip import Sip, decode_sip
 
 N = CommandNumber
 
@@ -335,7 +331,7 @@ def test_host_baud_holds_until_close() -> None:
 
 def test_battery_is_reported() -> None:
     robot = Robot().open()
-    robot.emulator.battery_decivolts = 117
+    robot.emulator.battery.volts = 11.7
     robot.run(0.3)
     assert robot.sips[-1].battery_decivolts == 117
 

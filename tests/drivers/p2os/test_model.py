@@ -1,14 +1,20 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pytest
 
 from drivers.p2os.model import UnknownModelError, load_model, model_names
 
+NAMES = [
+    *("p2at", "p2at8", "p2at8+", "p2ce", "p2d8", "p2d8+", "p2de", "p2df", "p2dx"),
+    *("p3at", "p3at-sh", "p3dx", "p3dx-sh"),
+]
+
 
 def test_all_models_load_by_their_subclass() -> None:
-    assert model_names() == ["p2at", "p2de", "p2dx", "p3dx"]
+    assert model_names() == NAMES
     for name in model_names():
         model = load_model(name.upper())
         assert model.subclass == name
@@ -20,8 +26,17 @@ def test_all_models_load_by_their_subclass() -> None:
     [
         ("p2dx", 0.84, 0.268, 357),
         ("p2de", 0.969, 0.268, 357),
+        ("p2ce", 0.826, 0.268, 351),
+        ("p2df", 0.485, 0.268, 333),
+        ("p2d8", 0.485, 1, 357),
+        ("p2d8+", 0.485, 1, 357),
         ("p3dx", 0.485, 1, 357),
+        ("p3dx-sh", 1, 1, 357),
         ("p2at", 1.32, 0.268, 588),
+        ("p2at8", 1.32, 1, 588),
+        ("p2at8+", 0.465, 1, 588),
+        ("p3at", 0.465, 1, 588),
+        ("p3at-sh", 1, 1, 588),
     ],
 )
 def test_conversion_factors(
@@ -35,7 +50,20 @@ def test_conversion_factors(
     assert conversion.wheel_speed == 0.02
 
 
-@pytest.mark.parametrize("name", ["p2at", "p2de", "p2dx", "p3dx"])
+@pytest.mark.parametrize(
+    ("name", "x_mm", "y_mm"),
+    [
+        *[(name, 17, 8) for name in ("p2dx", "p2de", "p2df")],
+        *[(name, 18, 0) for name in ("p2d8", "p2d8+", "p3dx")],
+        *[(name, 160, 7) for name in ("p2at", "p2at8", "p2at8+")],
+        *[("p2ce", 0, 0), ("p3dx-sh", 21, 0), ("p3at", 160, 0), ("p3at-sh", 125, 0)],
+    ],
+)
+def test_laser_mounts(name: str, x_mm: float, y_mm: float) -> None:
+    assert load_model(name).laser_mount == (x_mm / 1000, y_mm / 1000, 0.0)
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_sonar_is_symmetric_left_to_right(name: str) -> None:
     sonar = load_model(name).sonar
     for first, mirrored in [(i, 7 - i) for i in range(4)] + [(8 + i, 15 - i) for i in range(4)]:
@@ -54,5 +82,6 @@ def test_geometry_of_the_2dx() -> None:
 
 
 def test_unknown_model_names_the_known_ones() -> None:
-    with pytest.raises(UnknownModelError, match=r"'seekur'.*p2at, p2de, p2dx, p3dx"):
+    with pytest.raises(UnknownModelError, match=re.escape(", ".join(NAMES))) as failure:
         load_model("seekur")
+    assert "'seekur'" in str(failure.value)

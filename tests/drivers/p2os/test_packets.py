@@ -11,13 +11,8 @@ from drivers.p2os.base_state import base_state
 from drivers.p2os.config_packet import ConfigPacket, decode_config
 from drivers.p2os.model import load_model
 from drivers.p2os.odometer import Odometer
-from drivers.p2os.packets import (
-    RobotIdentity,
-    Sip,
-    SipTail,
-    decode_sip,
-    decode_sync_reply,
-)
+from drivers.p2os.robot_identity import RobotIdentity, decode_sync_reply
+from drivers.p2os.sip import Sip, SipTail, decode_sip
 
 MOVING = bytes.fromhex(
     "33 E8 03 BC 7F 00 04 C8 00 38 FF 7F 00 00 00 00 03 00 00 02 00 93 0E 08 E1 48 05 00 00 FF 00"

@@ -1,0 +1,28 @@
+"""The lasting name of a serial adapter, by which it is found again under another device name.
+
+udev keeps one link per adapter (by vendor, product and serial number) in one folder; the kernel's
+names (ttyUSB0, ttyUSB1) go by the order of plugging in.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+BY_ID = Path("/dev/serial/by-id")
+
+
+def lasting_name(device: str, folder: Path = BY_ID) -> Path | None:
+    """Return the link that leads to ``device`` now; None where udev made none."""
+    try:
+        target = Path(device).resolve(strict=True)
+        links = sorted(folder.iterdir())
+    except OSError:
+        return None
+    return next((link for link in links if _leads_to(link, target)), None)
+
+
+def _leads_to(link: Path, target: Path) -> bool:
+    try:
+        return link.resolve(strict=True) == target
+    except OSError:
+        return False

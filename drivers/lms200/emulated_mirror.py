@@ -1,0 +1,105 @@
+"""The turning mirror of an emulated LMS 200: when which beams are measured.
+
+Source: SICK telegram listing 8007954/Q501, resolution and mirror, partial scans.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.lms200.measurement import TURN
+from drivers.lms200.telegrams import Variant
+
+ScanSource = Callable[[float, int, float], NDArray[np.float64]]
+"""(t, n, increment) -> ranges (n,) m at time t, rightmost beam first, inf for no return."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sweep:
+    """What one telegram tells: ranges (n,) m; ``end`` is when its last mirror turn ends (s).
+
+    ``quarter`` is a partial scan's offset in quarters of a degree, None of a whole one.
+    """
+
+    ranges: NDArray[np.float64]
+    end: float
+    quarter: int | None
+
+
+class EmulatedMirror:
+    """Turns since time 0, one turn after the other; each gives steps of 1 degree.
+
+    A whole scan takes as many turns as the variant interlaces, each seen at its own time. ``start``
+    at the earliest begin of a sweep; ``measure`` then gives one sweep after another.
+    """
+
+    def __init__(self, source: ScanSource) -> None:
+        self._source = source
+        self._begin: float | None = None
+        self._partial = False
+        self._phase = 0  # of the next partial scan
+        self._under_way: float | None = None  # end of the sweep that ``_fans`` belong to
+        self._fans: list[NDArray[np.float64]] = []
+
+    def start(self, t: float, *, partial: bool = False) -> None:
+        """Measure whole sweeps that begin at ``t`` or later, or with ``partial`` single turns."""
+        self._begin = t
+        self._partial = partial
+        self._phase = 0
+        self._under_way = None
+
+    def stop(self) -> None:
+        """Measure no more."""
+        self._begin = None
+
+    def measure(self, variant: Variant, wire_free: float, t: float) -> Sweep | None:
+        """Measure what is due by ``t``; return the sweep it completes, if any.
+
+        A sweep that would end before the wire is free is not measured.
+        """
+        while (end := self._next_end(variant, wire_free)) is not None:
+            if end != self._under_way:  # none under way, or the wire was taken meanwhile
+                self._under_way, self._fans = end, []
+            turns = 1 if self._partial else variant.mirror_turns
+            middle = end - (turns - len(self._fans) - 0.5) * TURN
+            if middle > t:
+                return None
+            increment = math.radians(variant.resolution_cdeg / 100)
+            self._fans.append(self._source(middle, variant.count, increment))
+            if len(self._fans) == turns:
+                return self._finish(variant, end)
+        return None
+
+    def _next_end(self, variant: Variant, wire_free: float) -> float | None:
+        """Return the end of the next sweep; None: not measuring."""
+        if self._begin is None:
+            return None
+        whole = variant.mirror_turns * TURN
+        if not self._partial:
+            first = next_multiple(self._begin, whole) + whole
+            return max(first, next_multiple(wire_free, whole))
+        first_end = (self._phase + 1) * TURN  # of this phase since time 0
+        earliest = max(self._begin + TURN, wire_free)
+        return first_end + next_multiple(earliest - first_end, whole)
+
+    def _finish(self, variant: Variant, end: float) -> Sweep:
+        self._begin = end
+        if self._partial:
+            phase = self._phase
+            self._phase = (phase + 1) % variant.mirror_turns
+            ranges = self._fans[0][phase :: variant.mirror_turns]
+            return Sweep(ranges, end, phase * variant.resolution_cdeg // 25)
+        ranges = np.empty(variant.count)
+        for phase, fan in enumerate(self._fans):
+            ranges[phase :: variant.mirror_turns] = fan[phase :: variant.mirror_turns]
+        return Sweep(ranges, end, None)
+
+
+def next_multiple(t: float, period: float) -> float:
+    """Return the first multiple of ``period`` that is not before ``t``, but for rounding."""
+    return math.ceil(t / period - 1e-6) * period

@@ -1,0 +1,20 @@
+"""The battery of an emulated robot: three lead-acid blocks that drain with time and motion."""
+
+from __future__ import annotations
+
+FULL = 13.0  # V
+VOLTS_PER_JOULE = 2.0 / (252.0 * 3600.0)  # 13 V down to 11 V over the blocks' 252 Wh
+IDLE_POWER = 25.0  # W, controller and computer
+MOTOR_POWER = 30.0  # W per m/s
+
+
+class EmulatedBattery:
+    """Holds the voltage, which anyone may set: ``volts``."""
+
+    def __init__(self) -> None:
+        self.volts = FULL
+
+    def drain(self, duration: float, distance: float) -> None:
+        """Power the robot for ``duration`` s, over ``distance`` m of wheel motion."""
+        energy = IDLE_POWER * duration + MOTOR_POWER * abs(distance)
+        self.volts = max(0.0, self.volts - VOLTS_PER_JOULE * energy)

@@ -1,0 +1,168 @@
+"""The packets a robot sends beside its SIPs, on request or when it restarts; wire units.
+
+Source: Pioneer 2 and H8-series Operations Manuals, extended packets. Each ``decode_...`` reads a
+packet's data and returns None where it is cut short; ``encode`` gives the same bytes back.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from typing import NamedTuple
+
+ENCODER_TYPE = 0x90
+GYRO_TYPE = 0x98
+AUX_TYPES = (0xB0, 0xB8, 0xC8)
+IO_TYPE = 0xF0
+JOYSTICK_TYPE = 0xF8
+NOTIFICATION_TYPES = (0xFE, 0xFF)
+
+_ENCODER = struct.Struct("<Bii")
+_GYRO_SAMPLE = struct.Struct("<HB")
+_JOYSTICK = struct.Struct("<BBBHHH")
+
+
+@dataclass(frozen=True, slots=True)
+class EncoderPacket:
+    """Ticks of each wheel since the controller started; they wrap at 32 bits."""
+
+    left_ticks: int
+    right_ticks: int
+    surplus: bytes = b""
+
+    def encode(self) -> bytes:
+        """Return the packet's data."""
+        return _ENCODER.pack(ENCODER_TYPE, self.left_ticks, self.right_ticks) + self.surplus
+
+
+class GyroSample(NamedTuple):
+    """One gyro reading: about 512 of 0 to 1023 at rest, less when turning counter-clockwise."""
+
+    rate_counts: int
+    temperature_counts: int
+
+
+@dataclass(frozen=True, slots=True)
+class GyroPacket:
+    """The gyro's readings since the last packet, oldest first."""
+
+    samples: tuple[GyroSample, ...]
+    surplus: bytes = b""
+
+    def encode(self) -> bytes:
+        """Return the packet's data."""
+        samples = b"".join(_GYRO_SAMPLE.pack(*sample) for sample in self.samples)
+        return bytes((GYRO_TYPE, len(self.samples))) + samples + self.surplus
+
+
+@dataclass(frozen=True, slots=True)
+class AuxPacket:
+    """Bytes that came in at an auxiliary serial port, 1 to 3."""
+
+    port: int
+    data: bytes
+
+    def encode(self) -> bytes:
+        """Return the packet's data."""
+        return bytes((AUX_TYPES[self.port - 1],)) + self.data
+
+
+@dataclass(frozen=True, slots=True)
+class IoPacket:
+    """Digital inputs and outputs, and analog inputs as 0 to 5 V in 10 bits (P2OS: 11).
+
+    The inputs are the user's, then front bumpers, rear bumpers and infrared. Bumper bits are 0
+    where pressed here.
+    """
+
+    inputs: bytes
+    outputs: bytes
+    analog_counts: tuple[int, ...]
+    surplus: bytes = b""
+
+    def encode(self) -> bytes:
+        """Return the packet's data."""
+        digital = b"".join(bytes((len(part),)) + part for part in (self.inputs, self.outputs))
+        analog = struct.pack(
+            f"<B{len(self.analog_counts)}H", len(self.analog_counts), *(self.analog_counts)
+        )
+        return bytes((IO_TYPE,)) + digital + analog + self.surplus
+
+
+@dataclass(frozen=True, slots=True)
+class JoystickPacket:
+    """The robot's own joystick; positions are 0 to 1023."""
+
+    connected: int
+    buttons: int
+    x_counts: int
+    y_counts: int
+    throttle_counts: int
+    surplus: bytes = b""
+
+    def encode(self) -> bytes:
+        """Return the packet's data."""
+        position = (self.x_counts, self.y_counts, self.throttle_counts)
+        head = _JOYSTICK.pack(JOYSTICK_TYPE, self.connected, self.buttons, *position)
+        return head + self.surplus
+
+
+@dataclass(frozen=True, slots=True)
+class Notification:
+    """The controller has reset itself or lost the handshake: the session is over."""
+
+    packet_type: int
+    surplus: bytes = b""
+
+    def encode(self) -> bytes:
+        """Return the packet's data."""
+        return bytes((self.packet_type,)) + self.surplus
+
+
+def decode_encoder(data: bytes) -> EncoderPacket | None:
+    """Read an ENCODER packet's data."""
+    if len(data) < _ENCODER.size:
+        return None
+    _, left, right = _ENCODER.unpack_from(data)
+    return EncoderPacket(left, right, data[_ENCODER.size :])
+
+
+def decode_gyro(data: bytes) -> GyroPacket | None:
+    """Read a GYRO packet's data."""
+    end = 2 + _GYRO_SAMPLE.size * data[1] if len(data) > 1 else len(data) + 1
+    if len(data) < end:
+        return None
+    samples = tuple(map(GyroSample._make, _GYRO_SAMPLE.iter_unpack(data[2:end])))
+    return GyroPacket(samples, data[end:])
+
+
+def decode_aux(data: bytes) -> AuxPacket | None:
+    """Read a SERAUX, SERAUX2 or SERAUX3 packet's data."""
+    return AuxPacket(AUX_TYPES.index(data[0]) + 1, data[1:])
+
+
+def decode_io(data: bytes) -> IoPacket | None:
+    """Read an IO packet's data."""
+    parts: list[bytes] = []
+    at = 1
+    for item_size in (1, 1, 2):
+        if at >= len(data) or len(data) < at + 1 + item_size * data[at]:
+            return None
+        end = at + 1 + item_size * data[at]
+        parts.append(data[at + 1 : end])
+        at = end
+    analog = struct.unpack(f"<{len(parts[2]) // 2}H", parts[2])
+    return IoPacket(parts[0], parts[1], analog, data[at:])
+
+
+def decode_joystick(data: bytes) -> JoystickPacket | None:
+    """Read a JOYSTICK packet's data."""
+    if len(data) < _JOYSTICK.size:
+        return None
+    _, connected, buttons, x, y, throttle = _JOYSTICK.unpack_from(data)
+    return JoystickPacket(connected, buttons, x, y, throttle, data[_JOYSTICK.size :])
+
+
+def decode_notification(data: bytes) -> Notification | None:
+    """Read a reset or sync notification's data."""
+    return Notification(data[0], data[1:])

@@ -1,0 +1,147 @@
+"""What can go wrong between an emulated device and its client, and what went over the line."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from drivers.emulated_port import EmulatedDevice, PtyPort
+from drivers.p2os.command_numbers import CommandNumber
+from drivers.p2os.commands import decode_command
+from drivers.p2os.framing import PacketFramer
+from drivers.timed_bytes import TimedBytes
+
+_STANDING_ORDERS = frozenset((CommandNumber.STOP, CommandNumber.E_STOP, CommandNumber.CLOSE))
+
+
+class FaultyLine:
+    """A device behind a line that can be switched silent or noisy, each way, while it runs."""
+
+    def __init__(self, device: EmulatedDevice, rng: np.random.Generator) -> None:
+        self._device = device
+        self._rng = rng
+        self.deaf = False
+        """Nothing the client sends arrives."""
+        self.mute = False
+        """Nothing the device sends arrives."""
+        self.corrupt = 0.0
+        """Share of the device's packets of which one byte arrives wrong."""
+
+    @property
+    def baud(self) -> int:
+        """The device's present rate."""
+        return self._device.baud
+
+    def feed(self, data: bytes, t: float) -> None:
+        """Pass on bytes from the client."""
+        if not self.deaf:
+            self._device.feed(data, t)
+
+    def take_output(self, t: float) -> list[TimedBytes]:
+        """Pass on what has left the device by ``t``."""
+        output = self._device.take_output(t)
+        return [] if self.mute else [TimedBytes(item.t, self._spoilt(item.data)) for item in output]
+
+    def _spoilt(self, data: bytes) -> bytes:
+        if self._rng.random() >= self.corrupt:
+            return data
+        place = int(self._rng.integers(len(data)))
+        wrong = data[place] ^ int(self._rng.integers(1, 256))
+        return data[:place] + bytes((wrong,)) + data[place + 1 :]
+
+
+class OrderTap:
+    """Listens to what a base is told, and knows whether it is to stand or to move.
+
+    ``first_order`` is the first motion order since ``forget``, by name, at ``first_at`` (s). A
+    client that opens a session starts that watch anew: what it sent without one moved nothing.
+    """
+
+    def __init__(self, device: EmulatedDevice) -> None:
+        self._device = device
+        self._framer = PacketFramer()
+        self._speed = 0
+        self._turn_rate = 0
+        self.first_order = ""
+        self.first_at = math.inf
+
+    @property
+    def baud(self) -> int:
+        """The device's present rate."""
+        return self._device.baud
+
+    @property
+    def told_to_stand(self) -> bool:
+        """Whether the last orders amount to standstill."""
+        return self._speed == 0 and self._turn_rate == 0
+
+    def forget(self) -> None:
+        """Begin a new watch for the first order."""
+        self.first_order, self.first_at = "", math.inf
+
+    def feed(self, data: bytes, t: float) -> None:
+        """Pass on bytes from the client, and read them."""
+        for packet in self._framer.feed(data):
+            self._read(packet, t)
+        self._device.feed(data, t)
+
+    def take_output(self, t: float) -> list[TimedBytes]:
+        """Pass on what has left the device."""
+        return self._device.take_output(t)
+
+    def _read(self, packet: bytes, t: float) -> None:
+        command = decode_command(packet)
+        number, value = command.number, command.integer
+        if number == CommandNumber.OPEN:
+            self.forget()
+        elif number == CommandNumber.VEL:
+            self._speed = value
+            self._note(f"VEL {value}", t)
+        elif number == CommandNumber.RVEL:
+            self._turn_rate = value
+            self._note(f"RVEL {value}", t)
+        elif number == CommandNumber.ENABLE:
+            self._take_enable(value, t)
+        elif number in _STANDING_ORDERS:
+            self._speed = self._turn_rate = 0
+            self._note(CommandNumber(number).name, t)
+
+    def _take_enable(self, value: int, t: float) -> None:
+        if not value:
+            self._speed = self._turn_rate = 0
+        self._note(f"ENABLE {value}", t)
+
+    def _note(self, order: str, t: float) -> None:
+        if not self.first_order:
+            self.first_order, self.first_at = order, t
+
+
+class Cable:
+    """A pty to a device under a name that stays, as udev gives it; can be pulled and put back."""
+
+    def __init__(self, device: EmulatedDevice, path: Path) -> None:
+        self.path = path
+        self._device = device
+        self._port: PtyPort | None = None
+        self.put_back()
+
+    def put_back(self) -> None:
+        """Plug the cable in: the name appears, for whatever device node there is now."""
+        self._port = PtyPort(self._device)
+        self.path.symlink_to(self._port.url)
+
+    def pull(self) -> None:
+        """Unplug the cable: the name goes, and who has the port open is hung up on."""
+        if self._port is not None:
+            self.path.unlink()
+            self._port.close()
+            self._port = None
+
+    def pump(self, t: float) -> None:
+        """Carry bytes both ways; with the cable pulled, what the device sends is lost."""
+        if self._port is not None:
+            self._port.pump(t)
+        else:
+            self._device.take_output(t)

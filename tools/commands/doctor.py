@@ -1,0 +1,84 @@
+"""``patrol doctor ROBOT.toml``: preflight with remedies."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from tools.doctor import TRIAL_LIMIT_S, examine, is_fit
+from tools.finding import Finding, Verdict
+from tools.progress import Progress
+
+COLOURS = {
+    Verdict.OK: "green",
+    Verdict.WARNING: "yellow",
+    Verdict.FAILED: "red",
+    Verdict.SKIPPED: "dim",
+}
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = (
+        "example: patrol doctor robot1.toml\n\n"
+        "Nothing moves. Ends with status 0 when the robot may patrol, 1 when something failed;\n"
+        "warnings do not count. In a unit: ExecStartPre=patrol doctor /etc/patrol/robot1.toml"
+    )
+    parser.add_argument("config", type=Path, metavar="ROBOT.toml", help="the robot's configuration")
+    parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    parser.add_argument(
+        "--limit", type=float, default=TRIAL_LIMIT_S, metavar="S", help="wait for silent devices"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Check one robot; print what was found."""
+    with Progress("doctor", options.limit, "s") as progress:
+        findings = examine(options.config, options.limit, progress)
+    if options.json:
+        rows = [
+            {
+                "check": finding.subject,
+                "verdict": finding.verdict,
+                "found": finding.text,
+                "remedy": finding.remedy,
+            }
+            for finding in findings
+        ]
+        print(json.dumps({"fit": is_fit(findings), "checks": rows}, indent=2))
+    elif not (sys.stdout.isatty() and print_table(findings)):
+        print("\n".join(plain_lines(findings)))
+    return 0 if is_fit(findings) else 1
+
+
+def plain_lines(findings: list[Finding]) -> list[str]:
+    """Return the findings as lines: verdict, check, text; remedies indented below."""
+    lines = []
+    for finding in findings:
+        lines.append(f"{finding.verdict:<8} {finding.subject:<14} {finding.text}")
+        if finding.remedy:
+            lines.append(f"{'':<23} -> {finding.remedy}")
+    return lines
+
+
+def print_table(findings: list[Finding]) -> bool:
+    """Print a coloured table; False on a robot that lacks the operator's libraries."""
+    try:
+        from rich.console import Console
+        from rich.table import Table
+        from rich.text import Text
+    except ImportError:
+        return False
+    table = Table("check", "verdict", "found", "remedy")
+    for finding in findings:
+        colour = COLOURS[finding.verdict]
+        table.add_row(
+            Text(finding.subject),
+            Text(finding.verdict, style=colour),
+            Text(finding.text),
+            Text(finding.remedy),
+        )
+    Console().print(table)
+    return True

@@ -1,0 +1,48 @@
+"""``patrol faults``: how a patrolling robot takes faults, measured on emulated devices."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+import sys
+from pathlib import Path
+
+from tools.fault import FAULTS, chosen_faults
+from tools.fault_table import markdown, run_faults
+from tools.progress import Progress
+from tools.reaction import Reaction
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    listing = "\n".join(f"  {fault.name:<16} {fault.what}" for fault in FAULTS)
+    parser.epilog = (
+        f"example: patrol faults base-unplugged laser-silent\n\nfaults, about 15 s each:\n{listing}"
+    )
+    parser.add_argument("faults", nargs="*", metavar="FAULT", help="which ones; default: all")
+    parser.add_argument("-o", "--output", type=Path, metavar="OUT.md", help="write the table there")
+    parser.add_argument("--json", action="store_true", help="print JSON instead of Markdown")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the faults; end with 1 when a reaction falls short."""
+    faults = chosen_faults(options.faults)
+    with Progress("faults", len(faults)) as progress:
+        done: list[Reaction] = []
+
+        def tell(reaction: Reaction) -> None:
+            done.append(reaction)
+            progress(len(done))
+            if not sys.stderr.isatty():
+                verdict = "; ".join(reaction.complaints) or "ok"
+                print(f"patrol faults: {reaction.fault}: {verdict}", file=sys.stderr, flush=True)
+
+        reactions = run_faults(faults, tell)
+    if options.output:
+        options.output.write_text(markdown(reactions))
+    if options.json:
+        print(json.dumps([dataclasses.asdict(reaction) for reaction in reactions], indent=2))
+    else:
+        print(markdown(reactions), end="")
+    return 1 if any(reaction.complaints for reaction in reactions) else 0

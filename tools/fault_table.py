@@ -1,0 +1,154 @@
+"""The table of faults and reactions: detected, stopped, back, patrolling again.
+
+Each fault gets an emulated robot of its own in a small room, driven by the shipped agent process
+over pseudo-terminals. All that decides is measured on the robot's side of the line: which order it
+was under, how its wheels turned. Only detection and the laser's return come from the recording.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from tools.bench.agent_stage import AgentStage, Moment
+from tools.fault import Fault, FaultError
+from tools.reaction import (
+    AGENT_LIMIT_S,
+    RECOVERY_LIMIT_S,
+    STOP_LIMIT_S,
+    WATCHDOG_LIMIT_S,
+    Reaction,
+    complaints,
+    first_scan,
+    measure_stop,
+    new_reaction,
+    note_detection,
+    patrols,
+    steady_since,
+)
+
+START_LIMIT_S = 25.0
+"""How long an agent may take from its start until the robot patrols."""
+WATCHED_S = 15.0
+"""How long a robot is given to recover."""
+
+
+def run_fault(fault: Fault, folder: Path) -> Reaction:
+    """Run one fault on a robot of its own in an empty folder; takes about 15 s.
+
+    Raises FaultError if the robot does not come to patrol in the first place.
+    """
+    reaction = new_reaction(fault)
+    with AgentStage(folder) as stage:
+        if fault.name == "operator-absent":
+            stage.seat_operator()
+        stage.start_agent()
+        _wait_for_patrol(stage)
+        begun = time.monotonic()
+        fault.begin(stage)
+        trace = _watch(stage, fault.lasts)
+        stage.tap.forget()
+        ended = time.monotonic()
+        fault.end(stage)
+        after = _watch(stage, WATCHED_S, until=patrols)
+        stage.end_agent()
+    measure_stop(reaction, begun, [*trace, *after])
+    note_detection(reaction, begun, after[-1].t, stage.recordings[0])
+    if patrols(after):
+        reaction.recovered = max(0.0, steady_since(after) - ended)
+    if fault.of_laser:
+        reaction.back = first_scan(ended, stage.recordings[0])
+    elif stage.tap.first_order:
+        reaction.back = stage.tap.first_at - ended
+    reaction.first_order = stage.tap.first_order
+    reaction.contacts = stage.world.contacts
+    reaction.complaints = complaints(reaction)
+    return reaction
+
+
+def _wait_for_patrol(stage: AgentStage) -> None:
+    """Step until the robot patrols at speed."""
+    moments = _watch(stage, START_LIMIT_S, until=lambda seen: patrols(seen) and seen[-1].v > 0.25)
+    if not patrols(moments):
+        raise FaultError(f"the robot did not begin to patrol: {stage.agent_log()}")
+
+
+def _watch(
+    stage: AgentStage,
+    duration: float,
+    until: Callable[[Sequence[Moment]], bool] = lambda _: False,
+) -> list[Moment]:
+    """Step for a duration, s, or until something is so; return every moment, one at least."""
+    moments = [stage.step()]
+    while moments[-1].t - moments[0].t < duration and not until(moments):
+        moments.append(stage.step())
+    return moments
+
+
+def run_faults(
+    faults: Sequence[Fault], tell: Callable[[Reaction], None] = lambda _: None
+) -> list[Reaction]:
+    """Run faults one after the other; ``tell`` hears of each as it is done."""
+    reactions = []
+    for fault in faults:
+        with tempfile.TemporaryDirectory(prefix="patrol-fault-") as folder:
+            reactions.append(run_fault(fault, Path(folder)))
+        tell(reactions[-1])
+    return reactions
+
+
+HEADINGS = (
+    "fault",
+    "detected s",
+    "by",
+    "ordered to stand s",
+    "by",
+    "at rest s",
+    "back s",
+    "first order",
+    "patrolling again s",
+    "contacts",
+    "verdict",
+)
+
+
+def row(reaction: Reaction) -> tuple[str, ...]:
+    """Return a reaction as the cells below ``HEADINGS``."""
+    return (
+        reaction.what,
+        _seconds(reaction.detected),
+        reaction.detected_by,
+        _seconds(reaction.ordered),
+        reaction.ordered_by,
+        _seconds(reaction.stopped),
+        _seconds(reaction.back),
+        reaction.first_order,
+        _seconds(reaction.recovered),
+        str(reaction.contacts),
+        "; ".join(reaction.complaints) or "ok",
+    )
+
+
+def _seconds(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"
+
+
+def markdown(reactions: Sequence[Reaction]) -> str:
+    """Return the table in Markdown."""
+    lines = [HEADINGS, tuple("---" for _ in HEADINGS), *map(row, reactions)]
+    table = "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+    return f"{table}\n\n{NOTE}\n"
+
+
+NOTE = (
+    "Detected, ordered, at rest: since the fault began. Back (base commanded again, or a scan "
+    "understood again), patrolling again: since it ended, which is the cable's return or the "
+    "agent's new start. First order: of those that move or stop. Limits: ordered to stand within "
+    f"{AGENT_LIMIT_S:g} s where the agent sees the fault and can still command, else within the "
+    f"base's watchdog of {WATCHDOG_LIMIT_S:g} s; at rest within {STOP_LIMIT_S:g} s, after the "
+    "watchdog plus its ramp; back within 1 s where the robot is still in session, 2 s after any "
+    f"other return of a cable; patrolling again within {RECOVERY_LIMIT_S:g} s; first order to "
+    "stand; no contact."
+)
