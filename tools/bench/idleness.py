@@ -18,6 +18,8 @@ from maps.border import Border
 
 VISIT_RADIUS = 0.25
 BORDER_STEP = 0.25
+BESIDE_WRECK = 2.0
+"""The border this near a wreck cannot be driven: teammates turn back before it."""
 ENTROPY_BIN_S = 10.0
 """Gaps that differ by less are the same to one who watches the patrol."""
 
@@ -37,10 +39,18 @@ class BorderVisits:
 
 
 def border_visits(
-    border: Border, positions: Sequence[NDArray[np.float64]], t: NDArray[np.float64]
+    border: Border,
+    positions: Sequence[NDArray[np.float64]],
+    t: NDArray[np.float64],
+    wrecks: Sequence[tuple[float, float]] = (),
 ) -> BorderVisits:
-    """Find all visits of robots at true positions, each (n, 2) m in the map, at times t (n,)."""
+    """Find all visits of robots at true positions, each (n, 2) m in the map, at times t (n,).
+
+    The border beside wrecks, at (x, y) m, is left out.
+    """
     points = border.polyline(BORDER_STEP)
+    for wreck in wrecks:
+        points = points[np.hypot(*(points - wreck).T) > BESIDE_WRECK]
     visited = np.zeros((t.size, len(points)), dtype=bool)
     for position in positions:
         offset = position[:, None, :] - points[None, :, :]

@@ -182,19 +182,31 @@ def _reaction(run: RobotRun, start: int, end: int) -> str:
     return done[-1]
 
 
-def _patrol_figures(border: Border, runs: Sequence[RobotRun]) -> dict[str, Any]:
+def _patrol_figures(
+    border: Border, runs: Sequence[RobotRun], wrecks: Sequence[tuple[float, float]]
+) -> dict[str, Any]:
     """Idleness and what goes with it, counted from the time the last robot has arrived."""
     arrivals = [arrival_index(distance_from_border(border, run)) for run in runs]
     reached = [index for index in arrivals if index is not None]
     if not reached:
         return idleness_figures(None)
     start = max(reached)
-    visits = border_visits(border, [run.position[start:] for run in runs], runs[0].t[start:])
+    positions = [run.position[start:] for run in runs]
+    visits = border_visits(border, positions, runs[0].t[start:], wrecks)
     return idleness_figures(visits)
 
 
-def bench_figures(border: Border, runs: Sequence[RobotRun], contacts: int) -> dict[str, Any]:
-    """Return the figures of a run that need only true positions and actions."""
+def bench_figures(
+    border: Border,
+    runs: Sequence[RobotRun],
+    contacts: int,
+    wrecks: Sequence[tuple[float, float]] = (),
+) -> dict[str, Any]:
+    """Return the figures of a run that need only true positions and actions.
+
+    wrecks: places (x, y), m, of robots that stand for good; the border beside them is left out of
+    the idleness.
+    """
     return {
         "contacts": contacts,
         "closest_m": closest_approach(runs),
@@ -213,7 +225,7 @@ def bench_figures(border: Border, runs: Sequence[RobotRun], contacts: int) -> di
             for meeting in meetings(runs)
         ],
         "interferences": interferences(runs),
-        **_patrol_figures(border, runs),
+        **_patrol_figures(border, runs, wrecks),
         "action_share": action_share(runs),
         "longest_avoid_s": longest_avoid(runs),
     }
