@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import msgspec
 import tomli_w
 
+from drivers.camera_source import CameraSettings
 from drivers.lms200.settings import LaserSettings
 from drivers.p2os.settings import BaseSettings
 from localization.settings import LocalizationSettings
@@ -75,6 +76,8 @@ class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     start: StartSettings | None = None
     base: BaseSettings = BaseSettings()
     laser: LaserSettings = LaserSettings()
+    camera: CameraSettings = CameraSettings()
+    """Looked at by `patrol doctor` only: no decision uses pictures yet."""
     localization: LocalizationSettings = LocalizationSettings()
     perception: PerceptionSettings = PerceptionSettings()
     patrol: PatrolSettings = PatrolSettings()

@@ -26,6 +26,7 @@ from robot_agent.patrol.patrol import Patrol
 from robot_agent.patrol.rules import RulesError
 from tools.device_trial import run_trials
 from tools.doctor_base import BaseExamination
+from tools.doctor_camera import CameraExamination
 from tools.doctor_laser import LaserExamination
 from tools.finding import Finding, Verdict, failed, ok, skipped, warning
 from tools.mapping import check_map
@@ -119,11 +120,12 @@ def _examine_rules(config: AgentConfig, content: MapFolder) -> Finding:
 def examine_devices(
     config: AgentConfig, limit: float, progress: Callable[[float], None] = lambda _: None
 ) -> list[Finding]:
-    """Try base and laser side by side, at most ``limit`` s."""
+    """Try base, laser and camera side by side, base and laser for at most ``limit`` s."""
     base, laser = BaseExamination(config.base), LaserExamination(config.laser)
     trials = [trial for trial in (base.trial, laser.trial) if trial is not None]
+    camera = CameraExamination(config.camera)
     run_trials(trials, limit, progress)
-    return [*base.findings(), *laser.findings()]
+    return [*base.findings(), *laser.findings(), *camera.findings()]
 
 
 def examine_clock(

@@ -16,9 +16,10 @@ from drivers.emulated_port import EmulatedDevice, PtyPort, TcpPort
 from drivers.p2os.model import load_model
 from maps.map_folder import MapFolder
 from maps.pose import Pose
-from tools.bench.real_time_rig import RealTimeRig
+from tools.bench.emulated_camera import CameraServer
+from tools.bench.real_time_rig import Pumped, RealTimeRig
 from tools.bench.rig import RobotRig
-from tools.bench.robot_body import Outline
+from tools.bench.robot_body import Outline, RobotBody
 from tools.bench.start_poses import free_start_poses
 from tools.bench.world import World
 
@@ -35,6 +36,8 @@ class EmulateOptions:
     p2os: str = "pty"
     """``pty`` or ``tcp:PORT``; port 0 takes any free one."""
     lms200: str = "pty"
+    camera: int | None = None
+    """TCP port of an MJPEG stream; 0 takes any free one, None serves none."""
     pose: Pose | None = None
     """True starting pose, map_from_base; None chooses a free place near the border."""
     seed: int = 1
@@ -61,7 +64,7 @@ class Emulation:
         self.rig = RobotRig("Emulated", world, body, time.monotonic(), options.model)
         self.urls: dict[str, str] = {}
         with ExitStack() as stack:
-            ports = []
+            ports: list[Pumped] = []
             for name, place, device in (
                 ("p2os", options.p2os, self.rig.base),
                 ("lms200", options.lms200, self.rig.laser),
@@ -70,6 +73,11 @@ class Emulation:
                 stack.callback(port.close)
                 self.urls[name] = port.url
                 ports.append(port)
+            if options.camera is not None:
+                camera = open_camera(options.camera, world, body)
+                stack.callback(camera.close)
+                self.urls["camera"] = camera.url
+                ports.append(camera)
             self._closing = stack.pop_all()
         self._real_time = RealTimeRig(self.rig, ports)
 
@@ -103,6 +111,16 @@ def open_emulated_port(option: str, place: str, device: EmulatedDevice) -> PtyPo
         raise EmulateError(
             f"{option} {place}: cannot listen there ({error.strerror}); choose another port, "
             "or tcp:0 for any free one"
+        ) from error
+
+
+def open_camera(port: int, world: World, body: RobotBody) -> CameraServer:
+    """Serve what a robot sees; raises EmulateError if the port cannot be had."""
+    try:
+        return CameraServer(world, lambda: body.pose, port)
+    except (OSError, OverflowError) as error:
+        raise EmulateError(
+            f"--camera {port}: cannot listen there ({error}); choose another port, or 0 for any"
         ) from error
 
 

@@ -124,7 +124,7 @@ def holders_of(device: Path, proc: Path = Path("/proc")) -> tuple[str, ...]:
 
 def _open_files(process: Path) -> set[str]:
     """Return what a process has open; nothing where we may not look."""
-    opened = set()
+    opened: set[str] = set()
     try:
         descriptors = list((process / "fd").iterdir())
     except OSError:

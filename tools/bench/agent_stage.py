@@ -6,7 +6,9 @@ import math
 import signal
 import subprocess
 import sys
+import threading
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -84,7 +86,7 @@ class Moment:
 
 
 class AgentStage:
-    """The world steps in ``step``; the agent is a process of its own, started by ``start_agent``."""
+    """The world steps in ``step``; the agent is a process, started by ``start_agent``."""
 
     def __init__(self, folder: Path, seed: int = 1) -> None:
         """Build world and lines in a folder of their own, to which configuration and recordings
@@ -154,13 +156,23 @@ class AgentStage:
 
     def seat_operator(self) -> None:
         """Let the operator's machine listen where the agent dials."""
-        self._operator = Operator(self._endpoint)
+        self._meanwhile(self._make_operator)
 
     def dismiss_operator(self) -> None:
         """Take the operator's machine off the network."""
         if self._operator is not None:
-            self._operator.close()
+            self._meanwhile(self._operator.close)
             self._operator = None
+
+    def _make_operator(self) -> None:
+        self._operator = Operator(self._endpoint)
+
+    def _meanwhile(self, work: Callable[[], None]) -> None:
+        """Do something that takes its time while the world goes on."""
+        worker = threading.Thread(target=work)
+        worker.start()
+        while worker.is_alive():
+            self.step()
 
     @property
     def operator_hears(self) -> bool:

@@ -127,7 +127,11 @@ class World:
 
     def free_way(self, x: float, y: float, direction: float) -> float:
         """Return the distance, m, from a place to the next wall in a direction, rad."""
-        return float(self._caster.cast(x, y, np.array([direction]), self.laser_max_range)[0])
+        return float(self.free_ways(x, y, np.array([direction]))[0])
+
+    def free_ways(self, x: float, y: float, directions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return (n,) distances, m, from a place to the next walls in directions (n,), rad."""
+        return self._caster.cast(x, y, directions, self.laser_max_range)
 
     def sonar(self, body: RobotBody, ring: Sequence[SonarMount]) -> list[float]:
         """Return each transducer's range, m: the nearest of three rays over its cone, 5 m at most.
@@ -208,18 +212,20 @@ class World:
         if walls.size:
             points.append(walls)
         self._note(Contact(body.index, None), touching=walls.size > 0, near=near)
-        rectangle = body.rectangle()
-        for other in self.bodies:
-            if other is body:
-                continue
+        close = self._neighbours(body, body.pose, _PART)
+        rectangle = body.rectangle() if close else ()
+        for other in close:
             touching = overlap(rectangle, other.rectangle(margin=TOUCH))
             if touching:
                 points.append(meeting_points(body, other, 2 * TOUCH))
             self._note(
-                Contact(min(body.index, other.index), max(body.index, other.index)),
+                _contact(body, other),
                 touching=touching,
                 near=overlap(rectangle, other.rectangle(margin=_PART)),
             )
+        for other in self.bodies if self._in_touch else ():
+            if other not in close:
+                self._in_touch.discard(_contact(body, other))
         return np.concatenate(points) if points else np.empty((0, 2))
 
     def _note(self, contact: Contact, *, touching: bool, near: bool) -> None:
@@ -268,6 +274,10 @@ class World:
             and math.hypot(other.pose.x - pose.x, other.pose.y - pose.y)
             <= body.outline.reach + other.outline.reach + 2 * margin
         ]
+
+
+def _contact(body: RobotBody, other: RobotBody) -> Contact:
+    return Contact(min(body.index, other.index), max(body.index, other.index))
 
 
 def _distance_to_walls_and_rim(occupancy: OccupancyMap) -> NDArray[np.float64]:

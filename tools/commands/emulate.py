@@ -22,6 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(
             f"--{name}", default="pty", metavar="PLACE", help=f"{device}: pty or tcp:PORT"
         )
+    parser.add_argument("--camera", type=int, metavar="PORT", help="serve its view as MJPEG there")
     parser.add_argument("--map", default="paper_lab", metavar="DIR", help="map folder or name")
     parser.add_argument("--pose", metavar="X,Y,DEG", help="start; default a free place")
     parser.add_argument("--seed", type=int, default=1, metavar="N")
@@ -34,6 +35,7 @@ def run(options: argparse.Namespace) -> int:
         model=options.model,
         p2os=options.p2os,
         lms200=options.lms200,
+        camera=options.camera,
         pose=None if options.pose is None else parse_pose(options.pose),
         seed=options.seed,
     )

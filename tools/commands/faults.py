@@ -8,15 +8,17 @@ import json
 import sys
 from pathlib import Path
 
-from tools.fault_table import FAULTS, Reaction, chosen_faults, markdown, run_faults
+from tools.fault import FAULTS, chosen_faults
+from tools.fault_table import markdown, run_faults
 from tools.progress import Progress
+from tools.reaction import Reaction
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     listing = "\n".join(f"  {fault.name:<16} {fault.what}" for fault in FAULTS)
     parser.epilog = (
-        f"example: patrol faults base-unplugged laser-silent\n\nfaults, about 20 s each:\n{listing}"
+        f"example: patrol faults base-unplugged laser-silent\n\nfaults, about 15 s each:\n{listing}"
     )
     parser.add_argument("faults", nargs="*", metavar="FAULT", help="which ones; default: all")
     parser.add_argument("-o", "--output", type=Path, metavar="OUT.md", help="write the table there")

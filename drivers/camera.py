@@ -1,0 +1,220 @@
+"""The camera: one thread that opens it, grabs, keeps the newest picture, and opens it again.
+
+Sources: a V4L2 device (``/dev/video0``), an MJPEG stream (``http://host:port/path``), or a file, of
+pictures or of one. No decision of the agent uses pictures yet: the preflight grabs one.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.camera_source import (
+    CameraError,
+    CameraSettings,
+    CameraTrouble,
+    fix_adjustments,
+    is_file,
+    no_pictures,
+    open_capture,
+)
+
+FIRST_PAUSE = 0.25  # s before the source is opened again; doubles
+LONGEST_PAUSE = 1.0  # s
+
+_WAIT = 0.05  # s
+
+
+class CameraState(StrEnum):
+    """Where a camera stands."""
+
+    CLOSED = "closed"
+    OPENING = "opening"
+    STREAMING = "streaming"  # pictures come
+    DOWN = "down"  # opened again at ``next_try``
+    ENDED = "ended"  # a file has no more pictures
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Picture:
+    """One picture. ``t`` (s) is when it had arrived, by the camera's clock; exposure, coding and
+    transport came before, by an amount nobody tells. ``number`` counts from 1."""
+
+    t: float
+    number: int
+    pixels: NDArray[np.uint8]
+    """(height, width, 3), blue, green, red."""
+
+
+@dataclass(frozen=True, slots=True)
+class CameraStatus:
+    """A camera at one moment, for people.
+
+    trouble, reason: what keeps it from giving pictures, and that in words with a remedy.
+    next_try: when it is opened next, by its clock (s). fixed: which automatic adjustments are off.
+    pictures: how many came. times_lost: how often they ceased.
+    """
+
+    state: CameraState
+    trouble: CameraTrouble | None
+    reason: str
+    next_try: float | None
+    fixed: tuple[str, ...]
+    pictures: int
+    times_lost: int
+
+
+class Camera:
+    """Grabs on a thread of its own from ``start`` to ``close``; ``clock`` returns s.
+
+    Every picture is taken off the source as it comes, so ``newest`` is never one that had to queue.
+    """
+
+    def __init__(
+        self, settings: CameraSettings, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._settings = settings
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._newest: Picture | None = None
+        self._status = CameraStatus(CameraState.CLOSED, None, "", None, (), 0, 0)
+        self._closing = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    @property
+    def newest(self) -> Picture | None:
+        """The last picture, None while none comes; whether it is new is told by its number."""
+        with self._lock:
+            return self._newest
+
+    @property
+    def status(self) -> CameraStatus:
+        """Where the camera stands now."""
+        with self._lock:
+            return self._status
+
+    def start(self) -> None:
+        """Begin; may be called once."""
+        self._thread = threading.Thread(target=self._run, name="camera", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the thread, which may take as long as a silent source is waited for; idempotent."""
+        self._closing.set()
+        if self._thread is not None:
+            self._thread.join()
+        self._note(CameraState.CLOSED)
+
+    # The thread
+
+    def _run(self) -> None:
+        pause = FIRST_PAUSE
+        while not self._closing.is_set():
+            before = self._status.pictures
+            self._note(CameraState.OPENING)
+            try:
+                self._open_and_grab()
+            except CameraError as failure:
+                if self._status.pictures > before:
+                    pause = FIRST_PAUSE
+                self._go_down(failure, pause)
+            else:
+                return
+            self._closing.wait(pause)
+            pause = min(2.0 * pause, LONGEST_PAUSE)
+
+    def _open_and_grab(self) -> None:
+        """Grab until told to close, or until a file has ended."""
+        capture = open_capture(self._settings)
+        try:
+            fixed = fix_adjustments(capture, self._settings)
+            frames = _Pacer(capture, self._clock) if is_file(self._settings.url) else None
+            grabbed = 0
+            while not self._closing.is_set():
+                there, pixels = capture.read()
+                if there:
+                    grabbed += 1
+                    self._keep(pixels, fixed)
+                elif frames is not None and grabbed:
+                    self._note(CameraState.ENDED)
+                    return
+                else:
+                    raise _ceased(self._settings.url, grabbed)
+                if frames is not None:
+                    self._closing.wait(frames.until_next())
+        finally:
+            capture.release()
+
+    def _keep(self, pixels: cv2.typing.MatLike, fixed: tuple[str, ...]) -> None:
+        with self._lock:
+            number = self._status.pictures + 1
+            self._newest = Picture(self._clock(), number, np.asarray(pixels, dtype=np.uint8))
+            self._status = replace(
+                self._status,
+                state=CameraState.STREAMING,
+                trouble=None,
+                reason="",
+                fixed=fixed,
+                pictures=number,
+            )
+
+    def _note(self, state: CameraState) -> None:
+        """Enter a state that is nobody's fault; why the camera was down stays readable."""
+        with self._lock:
+            self._status = replace(self._status, state=state, next_try=None)
+
+    def _go_down(self, failure: CameraError, pause: float) -> None:
+        with self._lock:
+            lost = failure.trouble is CameraTrouble.LOST
+            self._newest = None
+            self._status = replace(
+                self._status,
+                state=CameraState.DOWN,
+                trouble=failure.trouble,
+                reason=str(failure),
+                next_try=self._clock() + pause,
+                fixed=(),
+                times_lost=self._status.times_lost + lost,
+            )
+
+
+class _Pacer:
+    """Lets a file's pictures come at the rate they were taken at."""
+
+    def __init__(self, capture: cv2.VideoCapture, clock: Callable[[], float]) -> None:
+        rate = capture.get(cv2.CAP_PROP_FPS)
+        self._period = 1.0 / rate if 0.1 <= rate <= 1000.0 else 0.0
+        self._clock = clock
+        self._next = clock()
+
+    def until_next(self) -> float:
+        """Return how long, s, to wait before the next picture."""
+        self._next += self._period
+        return max(0.0, self._next - self._clock())
+
+
+def _ceased(url: str, grabbed: int) -> CameraError:
+    if not grabbed:
+        return no_pictures(url)
+    return CameraError(
+        f"pictures from {url} ceased: unplugged, switched off, or the network is gone?",
+        CameraTrouble.LOST,
+    )
+
+
+def wait_for_picture(camera: Camera, limit: float, after: int = 0) -> Picture | None:
+    """Return the first picture numbered above ``after`` that is seen within ``limit`` s."""
+    give_up = time.monotonic() + limit
+    while (picture := camera.newest) is None or picture.number <= after:
+        ended = camera.status.state is CameraState.ENDED
+        if ended or time.monotonic() >= give_up:
+            return None
+        time.sleep(_WAIT)
+    return picture

@@ -1,0 +1,299 @@
+"""The camera driver on an MJPEG stream served over HTTP, on video and picture files."""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from drivers.camera import LONGEST_PAUSE, Camera, CameraState, wait_for_picture
+from drivers.camera_source import (
+    CameraError,
+    CameraSettings,
+    CameraTrouble,
+    fix_adjustments,
+    open_capture,
+)
+from robot_agent.config import ConfigError, format_config, parse_config
+
+LIMIT = 15.0  # s, generous: nothing waits that long when it works
+SIZE = (64, 48)
+
+
+def grey(level: int) -> np.ndarray:
+    return np.full((SIZE[1], SIZE[0], 3), level, np.uint8)
+
+
+class PictureServer:
+    """A small network camera: an MJPEG stream whose pictures count up in brightness."""
+
+    def __init__(self, port: int = 0, period: float = 0.02) -> None:
+        self.silent = threading.Event()
+        self.level = 0
+        self.streams = 0
+        server = self
+
+        class Handler(BaseHTTPRequestHandler):
+            def do_GET(self) -> None:
+                if self.path != "/stream":
+                    self.send_error(404)
+                    return
+                server.streams += 1
+                self.send_response(200)
+                self.send_header("Content-Type", "multipart/x-mixed-replace; boundary=x")
+                self.end_headers()
+                try:
+                    while not server.ended.wait(period):
+                        if not server.silent.is_set():
+                            self.wfile.write(server.part())
+                except ConnectionError:
+                    pass
+
+            def log_message(self, *_: object) -> None:
+                pass
+
+        self.ended = threading.Event()
+        self.http = ThreadingHTTPServer(("127.0.0.1", port), Handler)
+        self.http.daemon_threads = True
+        self.port = self.http.server_address[1]
+        self.url = f"http://127.0.0.1:{self.port}/stream"
+        self.thread = threading.Thread(target=self.http.serve_forever, args=(0.02,))
+        self.thread.start()
+
+    def part(self) -> bytes:
+        self.level = (self.level + 1) % 250
+        jpeg = cv2.imencode(".jpg", grey(self.level))[1].tobytes()
+        head = f"--x\r\nContent-Type: image/jpeg\r\nContent-Length: {len(jpeg)}\r\n\r\n"
+        return head.encode() + jpeg + b"\r\n"
+
+    def close(self) -> None:
+        self.ended.set()
+        self.http.shutdown()
+        self.http.server_close()
+        self.thread.join()
+
+
+@contextmanager
+def served(port: int = 0) -> Iterator[PictureServer]:
+    server = PictureServer(port)
+    try:
+        yield server
+    finally:
+        server.close()
+
+
+@contextmanager
+def running(settings: CameraSettings) -> Iterator[Camera]:
+    camera = Camera(settings)
+    camera.start()
+    try:
+        yield camera
+    finally:
+        camera.close()
+    assert camera.status.state is CameraState.CLOSED
+
+
+def wait_until(true: Callable[[], bool]) -> None:
+    give_up = time.monotonic() + LIMIT
+    while not true():
+        assert time.monotonic() < give_up
+        time.sleep(0.01)
+
+
+def test_stream_gives_the_newest_picture_only() -> None:
+    with served() as server, running(CameraSettings(url=server.url)) as camera:
+        assert camera.newest is None
+        first = wait_for_picture(camera, LIMIT)
+        assert first is not None
+        assert first.pixels.shape == (SIZE[1], SIZE[0], 3)
+        # Nobody looks for a while: what is found then is what the server sends then.
+        wait_until(lambda: camera.status.pictures > first.number + 20)
+        newest = camera.newest
+        assert newest is not None
+        assert newest.number > first.number + 19
+        assert newest.t > first.t
+        assert newest.pixels.mean() - first.pixels.mean() == pytest.approx(
+            newest.number - first.number, abs=2.0
+        )
+        status = camera.status
+        assert (status.state, status.trouble) == (CameraState.STREAMING, None)
+        assert status.times_lost == 0
+
+
+def test_stream_that_ends_is_named_and_opened_again() -> None:
+    with served() as server, running(CameraSettings(url=server.url)) as camera:
+        assert wait_for_picture(camera, LIMIT)
+        port = server.port
+        server.close()
+        wait_until(lambda: camera.status.trouble is CameraTrouble.REFUSED)
+        status = camera.status
+        assert status.times_lost == 1
+        assert "nothing listens" in status.reason
+        assert camera.newest is None, "an old picture is no picture"
+        before = status.pictures
+        with served(port):
+            back = wait_for_picture(camera, LIMIT, after=before)
+            assert back is not None
+            assert camera.status.reason == ""
+
+
+def test_stream_that_falls_silent_is_given_up() -> None:
+    with served() as server, running(CameraSettings(url=server.url)) as camera:
+        assert wait_for_picture(camera, LIMIT)
+        server.silent.set()
+        wait_until(lambda: camera.status.times_lost == 1)
+        assert camera.newest is None
+        server.silent.clear()
+        assert wait_for_picture(camera, LIMIT)
+        assert server.streams >= 2
+
+
+def test_waiting_camera_tells_its_next_try() -> None:
+    with running(CameraSettings(url="/dev/no-such-camera")) as camera:
+        wait_until(lambda: camera.status.state is CameraState.DOWN)
+        status = camera.status
+        assert status.trouble is CameraTrouble.MISSING
+        assert status.next_try is not None
+        assert status.next_try < time.monotonic() + LONGEST_PAUSE + 0.1
+
+
+@pytest.mark.parametrize(
+    ("url", "trouble"),
+    [
+        ("/dev/no-such-camera", CameraTrouble.MISSING),
+        ("ftp://camera/stream", CameraTrouble.BAD_ADDRESS),
+        ("http:///stream", CameraTrouble.BAD_ADDRESS),
+        ("http://127.0.0.1:99999/stream", CameraTrouble.BAD_ADDRESS),
+        ("/dev/null", CameraTrouble.NO_PICTURES),
+    ],
+)
+def test_what_is_no_camera(url: str, trouble: CameraTrouble) -> None:
+    with pytest.raises(CameraError) as caught:
+        open_capture(CameraSettings(url=url))
+    assert caught.value.trouble is trouble
+    assert url in str(caught.value)
+
+
+def test_wrong_path_on_a_camera_is_no_pictures() -> None:
+    with served() as server, pytest.raises(CameraError) as caught:
+        open_capture(CameraSettings(url=server.url.replace("stream", "elsewhere")))
+    assert caught.value.trouble is CameraTrouble.NO_PICTURES
+
+
+def test_unreadable_device(tmp_path: Path) -> None:
+    if os.geteuid() == 0:
+        pytest.skip("root may read everything")
+    device = tmp_path / "video0"
+    device.touch(mode=0o000)
+    with pytest.raises(CameraError) as caught:
+        open_capture(CameraSettings(url=str(device)))
+    assert caught.value.trouble is CameraTrouble.NO_PERMISSION
+    assert "group video" in str(caught.value)
+
+
+@pytest.fixture
+def video(tmp_path: Path) -> Path:
+    """Ten pictures, 50 a second."""
+    path = tmp_path / "video.avi"
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 50.0, SIZE)
+    for level in range(0, 200, 20):
+        writer.write(grey(level))
+    writer.release()
+    return path
+
+
+def test_video_file_plays_to_its_end(video: Path) -> None:
+    with running(CameraSettings(url=str(video))) as camera:
+        wait_until(lambda: camera.status.state is CameraState.ENDED)
+        assert camera.status.pictures == 10
+        last = camera.newest
+        assert last is not None
+        assert last.pixels.mean() == pytest.approx(180.0, abs=3.0)
+        assert wait_for_picture(camera, LIMIT, after=10) is None, "told at once, not awaited"
+
+
+def test_video_file_keeps_its_rate(video: Path) -> None:
+    started = time.monotonic()
+    with running(CameraSettings(url=str(video))) as camera:
+        wait_until(lambda: camera.status.state is CameraState.ENDED)
+        assert time.monotonic() - started >= 0.18, "ten pictures, 0.02 s apart"
+
+
+def test_picture_file(tmp_path: Path) -> None:
+    path = tmp_path / "still.png"
+    cv2.imwrite(str(path), grey(90))
+    with running(CameraSettings(url=str(path))) as camera:
+        picture = wait_for_picture(camera, LIMIT)
+        assert picture is not None
+        assert (picture.pixels == 90).all()
+
+
+def test_file_that_is_no_video(tmp_path: Path) -> None:
+    path = tmp_path / "notes.txt"
+    path.write_text("no picture here\n")
+    with running(CameraSettings(url=str(path))) as camera:
+        wait_until(lambda: camera.status.trouble is CameraTrouble.NO_PICTURES)
+
+
+def test_file_has_nothing_to_fix(video: Path) -> None:
+    settings = CameraSettings(url=str(video), exposure=100.0, white_balance=4500)
+    capture = open_capture(settings)
+    assert fix_adjustments(capture, settings) == (), "what did not take is not claimed"
+    capture.release()
+
+
+class CameraRegisters:
+    """A V4L2 camera's adjustments without its sensor; refused ones keep their value."""
+
+    def __init__(self, refused: set[int]) -> None:
+        self.values: dict[int, float] = {}
+        self.refused = refused
+
+    def set(self, number: int, value: float) -> bool:
+        if number not in self.refused:
+            self.values[number] = value
+        return True  # drivers accept what they ignore
+
+    def get(self, number: int) -> float:
+        return self.values.get(number, 3.0)
+
+
+@pytest.mark.parametrize(
+    ("refused", "fixed"),
+    [
+        (set(), ("exposure", "white balance")),
+        ({cv2.CAP_PROP_AUTO_EXPOSURE}, ("white balance",)),
+        ({cv2.CAP_PROP_WB_TEMPERATURE}, ("exposure",)),
+    ],
+)
+def test_fixed_is_what_reads_back(refused: set[int], fixed: tuple[str, ...]) -> None:
+    camera = CameraRegisters(refused)
+    settings = CameraSettings(url="/dev/video0", exposure=150.0, white_balance=4500)
+    assert fix_adjustments(camera, settings) == fixed
+    if not refused:
+        assert camera.values == {
+            cv2.CAP_PROP_AUTO_EXPOSURE: 1.0,
+            cv2.CAP_PROP_EXPOSURE: 150.0,
+            cv2.CAP_PROP_AUTO_WB: 0.0,
+            cv2.CAP_PROP_WB_TEMPERATURE: 4500.0,
+        }
+
+
+def test_configuration_section() -> None:
+    text = b'[camera]\nurl = "/dev/video0"\nexposure = 150.0\nwhite_balance = 4500\n'
+    config = parse_config(text, "robot.toml")
+    assert config.camera.exposure == 150.0
+    assert parse_config(format_config(config).encode(), "printed") == config
+    assert parse_config(b"", "robot.toml").camera.url == ""
+    with pytest.raises(ConfigError, match=r"camera\.gain: unknown key"):
+        parse_config(b"[camera]\ngain = 1\n", "robot.toml")
+    with pytest.raises(ConfigError, match=r"camera\.white_balance"):
+        parse_config(b"[camera]\nwhite_balance = 100\n", "robot.toml")
