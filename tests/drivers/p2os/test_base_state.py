@@ -1,0 +1,61 @@
+from __future__ import annotations
+
+import pytest
+
+from drivers.p2os.base_state import BaseState, ChargeState, base_state
+from drivers.p2os.model import load_model
+from drivers.p2os.odometer import Odometer
+from drivers.p2os.sip import decode_sip
+
+HEAD = "33 00 00 00 00 00 00 C8 00 38 FF 7F 09 22 00 00 {flags} 00 00"
+P2OS_TAIL = "05 00 00 FF 00"
+
+
+def state(flags: str = "03 00", sonar: str = "00", tail: str = P2OS_TAIL) -> BaseState:
+    head = HEAD.format(flags=flags).rsplit(" ", 1)[0]
+    sip = decode_sip(bytes.fromhex(f"{head} {sonar} {tail}"))
+    assert sip is not None
+    return base_state(7.0, sip, Odometer(), load_model("p2dx"))
+
+
+def test_p2os_report_in_si_units() -> None:
+    seen = state()
+    assert (seen.t, seen.v_left, seen.v_right) == (7.0, 0.2, -0.2)
+    assert seen.w == pytest.approx(-0.2 * 5.6)
+    assert seen.battery == pytest.approx(12.7)
+    assert (seen.stall_left, seen.stall_right) == (True, False)
+    assert (seen.rear_bumpers, seen.front_bumpers) == (0b100, 0b10001)
+    assert (seen.motors_enabled, seen.sonar_on, seen.stop_button) == (True, True, False)
+    assert seen.moving
+    assert not seen.standing
+
+
+def test_what_p2os_does_not_report_is_not_made_up() -> None:
+    seen = state()
+    assert seen.charge_state is seen.charge is seen.temperature_celsius is None
+    assert seen.fault_flags == 0
+
+
+def test_tail_of_later_firmware_is_used() -> None:
+    # 13.4 V, float charge, -30 deg/s, fault 2, no lateral speed, 31 degrees, 85 % charged
+    seen = state(flags="21 00", tail=f"{P2OS_TAIL} 86 00 03 D4 FE 02 00 00 00 1F 55")
+    assert seen.battery == pytest.approx(13.4)
+    assert seen.charge_state is ChargeState.FLOAT
+    assert seen.fault_flags == 2
+    assert seen.temperature_celsius == 31
+    assert seen.charge == pytest.approx(0.85)
+    assert seen.stop_button
+    assert not seen.sonar_on
+
+
+@pytest.mark.parametrize("cold", ["80", "81"])
+def test_unmeasured_temperature_and_unknown_charge_state_are_none(cold: str) -> None:
+    seen = state(tail=f"{P2OS_TAIL} 86 00 09 00 00 00 00 00 00 {cold} 00")
+    assert seen.temperature_celsius is None
+    assert seen.charge_state is None
+
+
+def test_readings_of_transducers_the_model_lacks_are_counted() -> None:
+    seen = state(sonar="03 00 93 0E 10 93 0E 0F E1 48")
+    assert seen.sonar == ((0, pytest.approx(0.9999, abs=1e-4)), (15, pytest.approx(5.0, abs=1e-3)))
+    assert seen.unknown_sonars == 1
