@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,23 @@ from localization.settings import MotionSettings, SampleSettings
 from maps.pose import Pose
 
 _MUCH_LARGER = 2.0  # times the needed number of particles: then the set is thinned
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Belief:
+    """A weighted set of poses."""
+
+    particles: NDArray[np.float64]
+    """(n, 3) map_from_base."""
+    weights: NDArray[np.float64]
+    """(n,) summing to 1."""
+
+    def mixed_with(self, others: NDArray[np.float64]) -> Belief:
+        """Believe as much in the particles ``others`` (n, 3) as in these."""
+        share = np.full(len(others), 0.5 / len(others))
+        return Belief(
+            np.vstack((self.particles, others)), np.concatenate((0.5 * self.weights, share))
+        )
 
 
 class ParticleFilter:
@@ -31,17 +50,22 @@ class ParticleFilter:
 
     def restart(self, particles: NDArray[np.float64]) -> None:
         """Forget everything and believe equally in each of particles (n, 3)."""
-        self.particles = particles
-        self.weights = np.full(len(particles), 1.0 / len(particles))
-        self.effective_sample_size = float(len(particles))
+        self.belief = Belief(particles, np.full(len(particles), 1.0 / len(particles)))
+
+    @property
+    def belief(self) -> Belief:
+        """The present belief; setting it restores one from before."""
+        return Belief(self.particles, self.weights)
+
+    @belief.setter
+    def belief(self, belief: Belief) -> None:
+        self.particles, self.weights = belief.particles, belief.weights
+        self.effective_sample_size = effective_sample_size(self.weights)
 
     def doubt(self, others: NDArray[np.float64], kept: int) -> None:
         """Believe as much in the particles ``others`` (n, 3) as in ``kept`` drawn from before."""
-        before = self.particles[self._draw(kept)]
-        self.particles = np.vstack((before, others))
-        self.weights = np.concatenate(
-            (np.full(kept, 0.5 / kept), np.full(len(others), 0.5 / len(others)))
-        )
+        self.restart(self.particles[self._draw(kept)])
+        self.belief = self.belief.mixed_with(others)
 
     def predict(self, increment: Pose) -> None:
         """Move the particles by a step of the odometry (base_then_from_base_now)."""

@@ -47,14 +47,16 @@ def move_particles(
     noise = rng.standard_normal((4, count), dtype=np.float32)
     floor_xy = np.full(count, settings.floor_xy, dtype=np.float32)
     floor_theta = np.full(count, settings.floor_theta, dtype=np.float32)
+    travelled = np.full(count, translation)
     if settings.slip_share > 0.0:
         scouts = slice(None, None, max(1, round(1.0 / settings.slip_share)))
         floor_xy[scouts] += settings.slip_xy
         floor_theta[scouts] += settings.slip_theta
+        travelled[scouts] *= 1.0 - settings.slip_most * rng.random(len(travelled[scouts]))
     travel_sigma = np.hypot(floor_xy, _translation_sigma(first, translation, second, settings))
     turn_sigma = np.hypot(floor_theta, _rotation_sigma(second, translation, settings))
     heading = particles[:, 2] + (first + _rotation_sigma(first, translation, settings) * noise[0])
-    ahead = translation + travel_sigma * noise[1]
+    ahead = travelled + travel_sigma * noise[1]
     aside = floor_xy * noise[2]
     # Single precision is ample for the direction of a step of a metre or so.
     cosine, sine = np.cos(heading.astype(np.float32)), np.sin(heading.astype(np.float32))
