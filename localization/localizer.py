@@ -136,7 +136,11 @@ class Localizer:
         # 3. Take the best cluster, slid to where the scan fits best.
         sight = self._look(points)
         # 4. If the scan does not fit there, see whether it fits nearby: wheels slip.
-        if not self._searching and sight.fit is not None and sight.fit < self._settings.window.below:
+        if (
+            not self._searching
+            and sight.fit is not None
+            and sight.fit < self._settings.window.below
+        ):
             sight = self._look_around(sight, points, worth)
         # 5. Judge how sure that is.
         self.estimate = self._judge(t, odometry, points, sight, worth)
@@ -179,9 +183,7 @@ class Localizer:
         pose = cluster.mean if refined is None else refined.pose
         return _Sight(cluster, refined, pose, self._check.fit(pose, points))
 
-    def _look_around(
-        self, sight: _Sight, points: NDArray[np.float64], worth: float
-    ) -> _Sight:
+    def _look_around(self, sight: _Sight, points: NDArray[np.float64], worth: float) -> _Sight:
         """Weigh poses in a window round the estimate; believe in them if the scan fits there."""
         before, window = self._filter.belief, self._settings.window
         reach = np.array((window.reach_xy, window.reach_xy, window.reach_theta))

@@ -47,7 +47,7 @@ def move_particles(
     noise = rng.standard_normal((4, count), dtype=np.float32)
     floor_xy = np.full(count, settings.floor_xy, dtype=np.float32)
     floor_theta = np.full(count, settings.floor_theta, dtype=np.float32)
-    travelled = np.full(count, translation)
+    travelled = np.full(count, translation, dtype=np.float64)
     if settings.slip_share > 0.0:
         scouts = slice(None, None, max(1, round(1.0 / settings.slip_share)))
         floor_xy[scouts] += settings.slip_xy

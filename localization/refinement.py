@@ -120,7 +120,8 @@ class Refinement:
         residual = max(misfit.residual, settings.least_residual)
         worth = min(1.0, settings.covariance_points / count) / residual**2
         per_point = misfit.curvature / self._information_per_point(count)
-        return np.asarray(np.linalg.inv(per_point * worth + prior), dtype=np.float64)
+        covariance = np.asarray(np.linalg.inv(per_point * worth + prior), dtype=np.float64)
+        return 0.5 * (covariance + covariance.T)  # single precision moments are not quite symmetric
 
     def _information_per_point(self, count: int) -> float:
         return min(1.0, self._settings.independent_points / count) / self._settings.sigma**2

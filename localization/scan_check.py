@@ -6,8 +6,6 @@ teammate; and how many pass through mapped walls, which the likelihood field doe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -19,12 +19,12 @@ from maps.map_folder import MapFolder
 from tools.carmen import LogError, read_carmen
 from tools.localize import (
     LocalizeOptions,
-    LocalizeResult,
     LocalizeStep,
     localize_steps,
     log_steps,
     map_of_log,
 )
+from tools.localize_result import LocalizeResult
 
 RESOLUTION = 0.05
 """m; of the maps built."""

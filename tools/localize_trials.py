@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from localization.health import Health
 from localization.settings import LocalizationSettings
 from maps.pose import Pose
-from tools.localize import LocalizeOptions, LocalizeResult, LocalizeStep
+from tools.localize import LocalizeOptions, LocalizeStep
+from tools.localize_result import LocalizeResult
 from tools.localize_study import (
     Progress,
     StudyLog,

@@ -10,11 +10,7 @@ import pytest
 
 from localization.health import Health
 from localization.localizer import Localizer
-from localization.settings import (
-    GlobalSettings,
-    LocalizationSettings,
-    SampleSettings,
-)
+from localization.settings import LocalizationSettings, SampleSettings
 from maps.occupancy_map import MapError, OccupancyMap
 from maps.pose import Pose, wrap_angle
 from tools.carmen import read_carmen
@@ -165,7 +161,7 @@ def test_finds_itself_anywhere_in_the_room(room, circle) -> None:
 
 
 def test_a_kidnapped_robot_notices_and_recovers(room, circle) -> None:
-    localizer = new_localizer(room, search=GlobalSettings(after_lost=5))
+    localizer = new_localizer(room)
     localizer.start_at(circle[0], 0.1, 0.05)
     elsewhere = [Pose(2.5, 2.6, 2.5).compose(circle[0].between(pose)) for pose in circle[:120]]
     rng, odometry = np.random.default_rng(4), Pose(0, 0, 0)
@@ -184,7 +180,7 @@ def test_a_kidnapped_robot_notices_and_recovers(room, circle) -> None:
 
 def test_a_crowd_does_not_make_it_forget_where_it_is(room, circle) -> None:
     """People hide the walls for so long that the search starts; then they step aside."""
-    localizer = new_localizer(room, search=GlobalSettings(after_lost=5))
+    localizer = new_localizer(room)
     localizer.start_at(circle[0], 0.1, 0.05)
     rng, odometer, healths = np.random.default_rng(6), WornOdometer(), []
     for index, pose in enumerate(circle[:100]):

@@ -12,7 +12,8 @@ import cv2
 from maps.map_folder import MapFolder, load_map_folder
 from robot_agent.config import find_map, parse_config
 from tools.carmen import read_carmen
-from tools.localize import LocalizeOptions, LocalizeResult, localize, localize_steps
+from tools.localize import LocalizeOptions, localize, localize_steps
+from tools.localize_result import LocalizeResult
 from tools.progress import Progress
 from tools.recorded_scans import recorded_scans
 from tools.recording import read_recording
