@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from localization.scan_check import Fit
 from localization.settings import HealthSettings
 
 
@@ -20,8 +21,8 @@ class Health(StrEnum):
 class Evidence:
     """What one update says about the estimate."""
 
-    fit: float | None
-    """Mean fit of the scan's beams at the estimate, 0..1; None if it has too few to tell."""
+    fit: Fit | None
+    """Of the scan at the estimate; None if it has too few beams to tell."""
     spread: float
     """Standard deviation of the best cluster's position along its worst direction, m."""
     share: float
@@ -48,28 +49,31 @@ class HealthMonitor:
     def __init__(self, settings: HealthSettings, health: Health = Health.UNSURE) -> None:
         self._settings = settings
         self.health = health
-        self._run: list[Health] = []  # verdicts in a row that were all better, or all worse
-        self._run_worth = 0.0
+        # Verdicts in a row that were all better, or all worse, with the worth of their scans.
+        self._run: list[tuple[Health, float]] = []
 
     def update(self, evidence: Evidence) -> Health:
         """Return the health after one more update."""
         verdict = self._verdict(evidence)
         change = self._change(verdict)
-        if self._run and change * self._change(self._run[0]) <= 0:
-            self._forget_run()
-        if change != 0:
-            self._run.append(verdict)
-            self._run_worth += evidence.worth
-            needed = self._settings.worsen_after if change < 0 else self._settings.improve_after
-            if self._run_worth >= needed * _ENOUGH:
-                # What all of the run agree on: the verdict nearest to the present health.
-                self.health = min(self._run, key=lambda verdict: abs(self._change(verdict)))
-                self._forget_run()
+        if self._run and change * self._change(self._run[0][0]) <= 0:
+            self._run.clear()
+        if change == 0:
+            return self.health
+        self._run.append((verdict, evidence.worth))
+        needed = self._settings.worsen_after if change < 0 else self._settings.improve_after
+        if sum(worth for _, worth in self._run) >= needed * _ENOUGH:
+            # What all of the run agree on: the verdict nearest to the present health.
+            self.health = min((each for each, _ in self._run), key=lambda v: abs(self._change(v)))
+            self._keep_what_asks_for_more(change)
         return self.health
 
-    def _forget_run(self) -> None:
-        self._run.clear()
-        self._run_worth = 0.0
+    def _keep_what_asks_for_more(self, change: int) -> None:
+        """Drop the run but for its newest verdicts that a further change may build on."""
+        kept = len(self._run)
+        while kept and self._change(self._run[kept - 1][0]) * change > 0:
+            kept -= 1
+        del self._run[:kept]
 
     def _change(self, verdict: Health) -> int:
         """Return how much better (positive) or worse a verdict is than the present health."""
@@ -81,18 +85,19 @@ class HealthMonitor:
         if evidence.fit is None:
             return Health.LOST if self.health is Health.LOST else Health.UNSURE
         lost_limit = settings.found_above if self.health is Health.LOST else settings.lost_below
-        if evidence.fit < lost_limit:
+        if evidence.fit.excusing < lost_limit:
             return Health.LOST
         if self.health is Health.LOCALIZED:
             good = (
-                evidence.fit >= settings.unsure_below
+                evidence.fit.excusing >= settings.unsure_below
                 and evidence.through <= settings.unsure_through
                 and evidence.spread <= settings.unsure_spread
                 and evidence.share >= settings.unsure_share
             )
         else:
+            # People may hide the map from a robot that knows where it is; who does not must see it.
             good = (
-                evidence.fit >= settings.localized_above
+                evidence.fit.whole >= settings.localized_above
                 and evidence.through <= settings.localized_through
                 and evidence.spread <= settings.localized_spread
                 and evidence.share >= settings.localized_share

@@ -16,7 +16,7 @@ from localization.global_search import GlobalSearch
 from localization.health import Evidence, Health, HealthMonitor
 from localization.likelihood_field import LikelihoodField
 from localization.refinement import Refined, Refinement
-from localization.scan_check import ScanCheck
+from localization.scan_check import Fit, ScanCheck
 from localization.settings import LocalizationSettings
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
@@ -32,7 +32,7 @@ class _Sight:
     cluster: Cluster
     refined: Refined | None
     pose: Pose
-    fit: float | None
+    fit: Fit | None
     strayed: bool = False
     """Whether it is found only beside where the odometry puts it."""
 
@@ -136,11 +136,7 @@ class Localizer:
         # 3. Take the best cluster, slid to where the scan fits best.
         sight = self._look(points)
         # 4. If the scan does not fit there, see whether it fits nearby: wheels slip.
-        if (
-            not self._searching
-            and sight.fit is not None
-            and sight.fit < self._settings.window.below
-        ):
+        if not self._searching and self._misfits(sight):
             sight = self._look_around(sight, points, worth)
         # 5. Judge how sure that is.
         self.estimate = self._judge(t, odometry, points, sight, worth)
@@ -183,6 +179,9 @@ class Localizer:
         pose = cluster.mean if refined is None else refined.pose
         return _Sight(cluster, refined, pose, self._check.fit(pose, points))
 
+    def _misfits(self, sight: _Sight) -> bool:
+        return sight.fit is not None and sight.fit.excusing < self._settings.window.below
+
     def _look_around(self, sight: _Sight, points: NDArray[np.float64], worth: float) -> _Sight:
         """Weigh poses in a window round the estimate; believe in them if the scan fits there."""
         before, window = self._filter.belief, self._settings.window
@@ -194,7 +193,7 @@ class Localizer:
         refined = self._refinement.refine(best, np.diag(np.square(_WINDOW_STEP * reach)), points)
         if refined is not None:
             fit = self._check.fit(refined.pose, points)
-            if fit is not None and fit >= window.above:
+            if fit is not None and fit.whole >= window.above:
                 cluster = best_cluster(self.particles, self.weights)
                 return _Sight(cluster, refined, refined.pose, fit, strayed=True)
         self._filter.belief = before
@@ -208,7 +207,8 @@ class Localizer:
         jump = Pose(0.0, 0.0, 0.0) if last is None else last.pose_at(odometry).between(pose)
         before = self._monitor.health
         # While all is well, following the beams through the map tells nothing new.
-        well = before is Health.LOCALIZED and (sight.fit or 0.0) >= self._settings.window.below
+        seen = 0.0 if sight.fit is None else sight.fit.whole
+        well = before is Health.LOCALIZED and seen >= self._settings.window.above
         health = self._monitor.update(
             Evidence(
                 fit=sight.fit,
@@ -231,18 +231,18 @@ class Localizer:
             health=health,
             particle_count=len(self.weights),
             effective_sample_size=self._filter.effective_sample_size,
-            likelihood=0.0 if sight.fit is None else sight.fit,
+            likelihood=seen,
             cluster_share=cluster.share,
             refined=sight.refined is not None,
         )
 
-    def _renew_doubt(self, before: Health, health: Health, fit: float | None, worth: float) -> None:
+    def _renew_doubt(self, before: Health, health: Health, fit: Fit | None, worth: float) -> None:
         """Count up to the next search of the whole map: at once when lost, then now and then."""
         search = self._settings.search
         if health is Health.LOCALIZED:
             self._doubt, self._searching = 0.0, False
         elif health is Health.LOST and before is not Health.LOST and not self._searching:
             self._doubt = 1.0
-        elif fit is not None and fit < self._settings.health.localized_above:
+        elif fit is not None and fit.whole < self._settings.health.localized_above:
             scans = search.repeat_lost if health is Health.LOST else search.repeat_unsure
             self._doubt += worth / (scans or math.inf)

@@ -6,6 +6,8 @@ teammate; and how many pass through mapped walls, which the likelihood field doe
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +17,16 @@ from localization.refinement import TOO_FEW_POINTS, as_complex, turned
 from localization.settings import CheckSettings
 from maps.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 from maps.pose import Pose
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """How well end points fit the map: mean of exp(-d^2 / 2 sigma^2), 1 if all are on surfaces."""
+
+    whole: float
+    """Of all end points."""
+    excusing: float
+    """Without those on free floor, up to the share that people may block."""
 
 
 class ScanCheck:
@@ -32,12 +44,8 @@ class ScanCheck:
         self._steps = np.arange(0.5, 2.0 * settings.reach * self._scale) * 0.5
         self._half = np.float32(-0.5 / settings.sigma**2)
 
-    def fit(self, pose: Pose, points: NDArray[np.float64]) -> float | None:
-        """Return how well end points (m, 2) fit the map at a pose: mean of exp(-d^2/2 sigma^2).
-
-        1: all on mapped surfaces, 0: none near one, None: too few points to tell. Beams that end
-        on free floor are left out, up to the share that people may block.
-        """
+    def fit(self, pose: Pose, points: NDArray[np.float64]) -> Fit | None:
+        """Return how well end points (m, 2) fit the map at a pose; None: too few to tell."""
         ends = as_complex(spread_evenly(points, self._settings.points))
         if len(ends) < TOO_FEW_POINTS:
             return None
@@ -47,7 +55,7 @@ class ScanCheck:
         short = distance > self._settings.short
         on_floor = int(np.count_nonzero(self._states(pose, arms[short]) == FREE))
         excused = min(on_floor, int(self._settings.excused * len(ends)))
-        return total / (len(ends) - excused)
+        return Fit(total / len(ends), total / (len(ends) - excused))
 
     def through(self, pose: Pose, points: NDArray[np.float64]) -> float:
         """Return the share of the beams to end points (m, 2) that pass through mapped walls."""

@@ -7,12 +7,13 @@ from dataclasses import replace
 import pytest
 
 from localization.health import Evidence, Health, HealthMonitor
+from localization.scan_check import Fit
 from localization.settings import HealthSettings
 
 SETTINGS = HealthSettings(worsen_after=3, improve_after=5)
-GOOD = Evidence(fit=0.95, spread=0.05, share=1.0)
-CLOUDY = replace(GOOD, fit=0.55)
-NOTHING_FITS = replace(GOOD, fit=0.1)
+GOOD = Evidence(fit=Fit(0.95, 0.95), spread=0.05, share=1.0)
+CLOUDY = replace(GOOD, fit=Fit(0.55, 0.55))
+NOTHING_FITS = replace(GOOD, fit=Fit(0.1, 0.1))
 BLIND = replace(GOOD, fit=None)
 
 
@@ -51,16 +52,19 @@ def test_transition_after_enough_updates_in_a_row(
 @pytest.mark.parametrize(
     ("health", "evidence"),
     [
-        (Health.LOCALIZED, Evidence(fit=0.65, spread=0.35, share=0.75, through=0.35)),
+        (Health.LOCALIZED, Evidence(fit=Fit(0.65, 0.65), spread=0.35, share=0.75, through=0.35)),
         (Health.LOCALIZED, replace(GOOD, jump_xy=0.45, jump_theta=0.45)),
-        (Health.UNSURE, replace(GOOD, fit=0.65)),
+        (Health.UNSURE, replace(GOOD, fit=Fit(0.65, 0.65))),
         (Health.UNSURE, replace(GOOD, spread=0.35)),
         (Health.UNSURE, replace(GOOD, share=0.75)),
         (Health.UNSURE, replace(GOOD, through=0.3)),
         (Health.UNSURE, replace(GOOD, strayed=True)),
-        (Health.UNSURE, replace(GOOD, fit=0.48)),
-        (Health.LOST, replace(GOOD, fit=0.48)),
+        (Health.UNSURE, replace(GOOD, fit=Fit(0.48, 0.48))),
+        (Health.LOST, replace(GOOD, fit=Fit(0.48, 0.48))),
         (Health.LOST, BLIND),
+        # A crowd does not make it lose a known pose, and does not let it find an unknown one.
+        (Health.LOCALIZED, replace(GOOD, fit=Fit(0.5, 0.8))),
+        (Health.UNSURE, replace(GOOD, fit=Fit(0.5, 0.8))),
     ],
 )
 def test_between_the_thresholds_nothing_changes(health: Health, evidence: Evidence) -> None:
@@ -89,6 +93,16 @@ def test_verdicts_that_waver_between_two_better_ones_count_for_the_lesser() -> N
         assert monitor.health is Health.LOST
         monitor.update(evidence)
     assert monitor.health is Health.UNSURE
+
+
+def test_the_better_tail_of_a_run_counts_towards_the_next_step() -> None:
+    """Five scans bring it from lost to unsure; three of them already spoke for localized."""
+    monitor = HealthMonitor(SETTINGS, Health.LOST)
+    for evidence in (CLOUDY, CLOUDY, GOOD, GOOD, GOOD):
+        monitor.update(evidence)
+    assert monitor.health is Health.UNSURE
+    assert monitor.update(GOOD) is Health.UNSURE
+    assert monitor.update(GOOD) is Health.LOCALIZED
 
 
 @pytest.mark.parametrize(
