@@ -136,7 +136,7 @@ class Localizer:
         # 3. Take the best cluster, slid to where the scan fits best.
         sight = self._look(points)
         # 4. If the scan does not fit there, see whether it fits nearby: wheels slip.
-        if not self._searching and self._misfits(sight):
+        if not self._searching:
             sight = self._look_around(sight, points, worth)
         # 5. Judge how sure that is.
         self.estimate = self._judge(t, odometry, points, sight, worth)
@@ -179,12 +179,11 @@ class Localizer:
         pose = cluster.mean if refined is None else refined.pose
         return _Sight(cluster, refined, pose, self._check.fit(pose, points))
 
-    def _misfits(self, sight: _Sight) -> bool:
-        return sight.fit is not None and sight.fit.excusing < self._settings.window.below
-
     def _look_around(self, sight: _Sight, points: NDArray[np.float64], worth: float) -> _Sight:
-        """Weigh poses in a window round the estimate; believe in them if the scan fits there."""
+        """Weigh poses in a window round a misfit; believe in them if the scan fits there."""
         before, window = self._filter.belief, self._settings.window
+        if sight.fit is None or sight.fit.excusing >= window.below:
+            return sight
         reach = np.array((window.reach_xy, window.reach_xy, window.reach_theta))
         offsets = self._rng.uniform(-1.0, 1.0, (window.samples, 3)) * reach
         self._filter.restart(np.array(sight.cluster.mean) + offsets)
@@ -193,7 +192,11 @@ class Localizer:
         refined = self._refinement.refine(best, np.diag(np.square(_WINDOW_STEP * reach)), points)
         if refined is not None:
             fit = self._check.fit(refined.pose, points)
-            if fit is not None and fit.whole >= window.above:
+            needed = max(window.above, sight.fit.whole + window.gain)
+            # A false fit is seen through walls.
+            through = self._check.through(refined.pose, points)
+            possible = through <= self._settings.health.localized_through
+            if fit is not None and fit.whole >= needed and possible:
                 cluster = best_cluster(self.particles, self.weights)
                 return _Sight(cluster, refined, refined.pose, fit, strayed=True)
         self._filter.belief = before

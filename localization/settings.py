@@ -27,6 +27,7 @@ class MotionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     floor_theta: Positive = 0.01  # rad
     slip_share: Share = 0.1  # of the particles, moved as if the wheels had slipped
     slip_most: Share = 0.5  # of the translation counted, lost by them at most
+    slip_lasting: Share = 0.7  # of the particles that slipped, slip on at the next step
     slip_xy: NotNegative = 0.1  # m
     slip_theta: NotNegative = 0.1  # rad
 
@@ -47,7 +48,7 @@ class SampleSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     """Number of particles: fixed, or by KLD sampling between a minimum and a maximum."""
 
     fixed: Count | None = None  # None: KLD sampling
-    minimum: Count = 200
+    minimum: Count = 500
     maximum: Count = 5000
     bin_xy: Positive = 0.1  # m
     bin_theta: Positive = 0.087  # rad
@@ -135,10 +136,11 @@ class FloorSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 class WindowSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Search round the estimate when a scan does not fit where the odometry puts it."""
 
-    below: Share = 0.6  # fit of a scan that starts it
+    below: Share = 0.8  # fit of a scan that starts it
     above: Share = 0.75  # fit of a pose worth going to
+    gain: Share = 0.1  # by which it must fit better
     samples: Count = 3000
-    reach_xy: Positive = 0.8  # m
+    reach_xy: Positive = 1.0  # m
     reach_theta: Positive = 0.6  # rad
 
 
