@@ -21,7 +21,7 @@ from tools.localize_result import LocalizeResult, LocalizeRow
 from tools.mapping import Scans, build_map
 
 Progress = Callable[[float], None]
-"""Called with the scans done."""
+"""Called with the scans or runs done."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

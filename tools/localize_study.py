@@ -20,6 +20,7 @@ from tools.carmen import LogError, read_carmen
 from tools.localize import (
     LocalizeOptions,
     LocalizeStep,
+    Progress,
     localize_steps,
     log_steps,
     map_of_log,
@@ -28,9 +29,6 @@ from tools.localize_result import LocalizeResult
 
 RESOLUTION = 0.05
 """m; of the maps built."""
-
-Progress = Callable[[float], None]
-"""Called with the runs done."""
 
 Table = list[dict[str, object]]
 """Rows of a table: column name to value."""

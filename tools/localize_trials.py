@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from localization.health import Health
 from localization.settings import LocalizationSettings
 from maps.pose import Pose
-from tools.localize import LocalizeOptions, LocalizeStep
+from tools.carmen import LogError
+from tools.localize import LocalizeOptions, LocalizeStep, Progress
 from tools.localize_result import LocalizeResult
 from tools.localize_study import (
-    Progress,
     StudyLog,
     Table,
     reference_of,
@@ -77,6 +77,21 @@ class Outcome:
         doubted = np.flatnonzero(~self.localized & (self.travel >= 0.0))
         return float(self.travel[doubted[0]]) if doubted.size else math.inf
 
+    @property
+    def summary(self) -> dict[str, object]:
+        """What became of one event, for JSON; null: never."""
+        return {
+            "doubted_after_m": _finite(self.doubted_after),
+            "right_and_localized_after_m": _finite(self.found_after),
+            "wrong_and_localized_scans": int(
+                np.count_nonzero(~self.right & self.localized & (self.travel >= 0.0))
+            ),
+        }
+
+
+def _finite(travel: float) -> float | None:
+    return travel if math.isfinite(travel) else None
+
 
 def outcome(result: LocalizeResult, steps: Sequence[LocalizeStep], event: int = 0) -> Outcome:
     """Judge a run; ``event`` is the scan from which travel counts."""
@@ -133,9 +148,7 @@ def kidnaps(
     for seed, (which, start) in enumerate(spread(trials, sizes)):
         log = logs[which]
         before = log.steps[start : start + TRACKED_SCANS]
-        landing = _landing(log.steps, before[-1], np.random.default_rng(seed))
-        after = _within(log.steps[landing:], RECOVER_TRAVEL)
-        steps = [*before, *carried_on(after, before[-1].odometry)]
+        steps = carried_away(before, log.steps, np.random.default_rng(seed), RECOVER_TRAVEL)
         options = LocalizeOptions(seed=seed, settings=settings)
         result = run_trial(log, steps, options)
         outcomes.append((log.name, outcome(result, steps, TRACKED_SCANS)))
@@ -145,7 +158,7 @@ def kidnaps(
 
 def _kidnap_row(outcomes: Sequence[Outcome]) -> dict[str, object]:
     doubted = np.array([trial.doubted_after for trial in outcomes])
-    again = np.array([_recovered_after(trial) for trial in outcomes])
+    again = np.array([trial.found_after for trial in outcomes])
     return {
         "trials": len(outcomes),
         "noticed_within_2_m": int(np.count_nonzero(doubted <= NOTICE_TRAVEL)),
@@ -158,14 +171,27 @@ def _kidnap_row(outcomes: Sequence[Outcome]) -> dict[str, object]:
     }
 
 
-def _recovered_after(trial: Outcome) -> float:
-    return trial.found_after
+def carried_away(
+    before: Sequence[LocalizeStep],
+    steps: Sequence[LocalizeStep],
+    rng: np.random.Generator,
+    travel: float = math.inf,
+) -> list[LocalizeStep]:
+    """Return steps that go on elsewhere after ``before``, for a travel, m, or all the way.
 
-
-def carried_on(steps: Sequence[LocalizeStep], odometry: Pose) -> list[LocalizeStep]:
-    """Return steps whose odometry goes on from a reading taken elsewhere."""
-    shift = odometry.compose(steps[0].odometry.inverse())
-    return [replace(step, odometry=shift.compose(step.odometry)) for step in steps]
+    Neither odometry nor clock notice. Raises LogError if there is no other place to go on from.
+    """
+    last = before[-1]
+    landing = _landing(steps, last, rng)
+    after = _within(steps[landing:], travel)
+    shift = last.odometry.compose(after[0].odometry.inverse())
+    later = last.t - after[0].t
+    if len(before) > 1:
+        later += last.t - before[-2].t
+    return [
+        *before,
+        *(replace(step, t=step.t + later, odometry=shift.compose(step.odometry)) for step in after),
+    ]
 
 
 def frozen_turns(
@@ -280,6 +306,11 @@ def _landing(
     away = np.hypot(*(places - reference_of(taken_at)[:2]).T)
     far = np.flatnonzero(away >= KIDNAP_DISTANCE)
     usable = far[far < _last_start(steps, RECOVER_TRAVEL)]
+    if usable.size == 0:
+        raise LogError(
+            f"a kidnapped robot needs a scan {KIDNAP_DISTANCE:g} m away with "
+            f"{RECOVER_TRAVEL:g} m of road after it: take a longer log"
+        )
     return int(rng.choice(usable))
 
 
