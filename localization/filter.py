@@ -25,14 +25,14 @@ class Belief:
     """(n, 3) map_from_base."""
     weights: NDArray[np.float64]
     """(n,) summing to 1."""
-    slips: NDArray[np.float64]
+    slips: NDArray[np.float32]
     """(n,) share of the last counted translation that each particle did not move."""
 
     @classmethod
     def in_each_of(cls, particles: NDArray[np.float64]) -> Belief:
         """Believe equally in each of particles (n, 3)."""
         count = len(particles)
-        return cls(particles, np.full(count, 1.0 / count), np.zeros(count))
+        return cls(particles, np.full(count, 1.0 / count), np.zeros(count, np.float32))
 
     def drawn(self, chosen: NDArray[np.intp]) -> Belief:
         """Believe equally in each of the chosen particles (m,)."""

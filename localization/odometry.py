@@ -35,11 +35,11 @@ def decompose(increment: Pose) -> tuple[float, float, float]:
 
 def move_particles(
     particles: NDArray[np.float64],
-    slips: NDArray[np.float64],
+    slips: NDArray[np.float32],
     increment: Pose,
     settings: MotionSettings,
     rng: np.random.Generator,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[NDArray[np.float64], NDArray[np.float32]]:
     """Return particles (n, 3) moved by a sample each of the odometry's step, and their slips.
 
     particles: map_from_base. slips (n,): the share of a counted translation that each particle
@@ -51,19 +51,20 @@ def move_particles(
     noise = rng.standard_normal((4, count), dtype=np.float32)
     floor_xy = np.full(count, settings.floor_xy, dtype=np.float32)
     floor_theta = np.full(count, settings.floor_theta, dtype=np.float32)
-    slips = np.where(rng.random(count, dtype=np.float32) < settings.slip_lasting, slips, 0.0)
+    slips = slips * (rng.random(count, dtype=np.float32) < settings.slip_lasting)
     if settings.slip_share > 0.0:
         scouts = slice(None, None, max(1, round(1.0 / settings.slip_share)))
         floor_xy[scouts] += settings.slip_xy
         floor_theta[scouts] += settings.slip_theta
-        slips[scouts] = settings.slip_most * rng.random(len(slips[scouts]))
+        slips[scouts] = settings.slip_most * rng.random(len(slips[scouts]), dtype=np.float32)
     travel_sigma = np.hypot(floor_xy, _translation_sigma(first, translation, second, settings))
     turn_sigma = np.hypot(floor_theta, _rotation_sigma(second, translation, settings))
-    heading = particles[:, 2] + (first + _rotation_sigma(first, translation, settings) * noise[0])
-    ahead = translation * (1.0 - slips) + travel_sigma * noise[1]
+    # Single precision is ample for a step of a metre or so.
+    heading = particles[:, 2].astype(np.float32)
+    heading += first + _rotation_sigma(first, translation, settings) * noise[0]
+    ahead = np.float32(translation) * (np.float32(1.0) - slips) + travel_sigma * noise[1]
     aside = floor_xy * noise[2]
-    # Single precision is ample for the direction of a step of a metre or so.
-    cosine, sine = np.cos(heading.astype(np.float32)), np.sin(heading.astype(np.float32))
+    cosine, sine = np.cos(heading), np.sin(heading)
     theta = heading + second + turn_sigma * noise[3]
     moved = np.empty_like(particles)
     moved[:, 0] = particles[:, 0] + (ahead * cosine - aside * sine)
