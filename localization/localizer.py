@@ -115,9 +115,9 @@ class Localizer:
         """Take in a scan and return the new estimate.
 
         t: when the scan was measured, s. odometry: odom_from_base then. points: (n, 2) end points
-        of the beams that returned, m, base_link, in the order of their bearing; see ``deskew`` for
-        scans taken while moving. ignore: (n,) the beams known to end on people or teammates.
-        Raises RuntimeError before a start.
+        of the beams that returned, m, base_link at that time, in the order of their bearing.
+        ignore: (n,) the beams known to end on people or teammates. Raises RuntimeError before a
+        start.
         """
         if not self._started:
             raise RuntimeError("the localizer was told no start: call start_at or start_anywhere")

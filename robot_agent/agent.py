@@ -138,7 +138,7 @@ class Agent:
         if odometry is None:
             return  # nobody knows where the robot was when this was measured
         # 1. What stands in the way, wherever the map says we are.
-        points = self._projector.points(scan)
+        points = self._projector.points(scan, *self.odometry.twist_at(scan.t))
         self._obstacles.see(scan.t, odometry, points)
         # 2. Where the robot was.
         estimate = self.localizer.update(

@@ -34,6 +34,24 @@ class Scan:
         beams = np.arange(self.ranges.size, dtype=np.float64)
         return self.angle_min + self.angle_increment * beams
 
+    @property
+    def delays(self) -> NDArray[np.float64]:
+        """When each beam was measured, (n,) s after ``t``; see ``beam_delays``."""
+        return beam_delays(self.ranges.size, self.angle_min, self.angle_increment)
+
+
+def beam_delays(n: int, angle_min: float, increment: float) -> NDArray[np.float64]:
+    """Return (n,) s from the middle of a scan to the moment each beam was measured.
+
+    The mirror turns counter-clockwise, once in ``TURN``. It measures every degree; a finer scan
+    is interlaced: its beams belong in order to as many successive turns as there are to a degree.
+    """
+    beams = np.arange(n)
+    turns = max(1, round(math.radians(1.0) / increment))
+    within = (angle_min + increment * beams) / math.tau
+    delays: NDArray[np.float64] = (within + beams % turns - (turns - 1) / 2) * TURN
+    return delays
+
 
 def scan_of(measurement: Measurement, arrival: float, wire_time: float) -> Scan:
     """Date a measurement whose telegram's last byte arrived at ``arrival`` (s).
