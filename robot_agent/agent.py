@@ -7,6 +7,7 @@ bytes and carries out the effects. The same event list gives the same effects, b
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session
@@ -137,16 +138,27 @@ class Agent:
         if odometry is None:
             return  # nobody knows where the robot was when this was measured
         # 1. What stands in the way, wherever the map says we are.
-        points = self._projector.points(scan)
+        points = self._projector.points(scan, *self.odometry.twist_at(scan.t))
         self._obstacles.see(scan.t, odometry, points)
         # 2. Where the robot was.
-        estimate = self.localizer.update(scan.t, odometry, points)
+        estimate = self.localizer.update(
+            scan.t, odometry, points, self._on_teammates(scan.t, odometry, points)
+        )
         self._trust_pose(estimate.health)
         self._say(t, "localization", estimate.health, _LEVELS[estimate.health])
         # 3. Who else is there.
         if estimate.health is not Health.LOST:
             self.tracker.update(scan.t, estimate.pose, points)
         self._publish(self.reports.on_scan(t, scan))
+
+    def _on_teammates(
+        self, t: float, odometry: Pose, points: NDArray[np.float64]
+    ) -> NDArray[np.bool_] | None:
+        """Return (n,) which points end on tracked people and teammates, if the pose is known."""
+        estimate = self.localizer.estimate
+        if estimate is None or estimate.health is not Health.LOCALIZED:
+            return None
+        return self.tracker.covered(t, estimate.pose_at(odometry), points)
 
     # --- one control step ----------------------------------------------------------------------
 
