@@ -91,10 +91,11 @@ class BaseExamination:
         return ok("base", text)
 
     def _line(self) -> Finding:
+        assert self.trial is not None
         counters = self._session.framer.counters
         text = (
             f"{counters.good} packets good, {counters.bad_checksum} with a bad checksum, "
-            f"{counters.discarded_bytes} bytes between packets"
+            f"{counters.discarded_bytes} bytes between packets; {describe_line(self.trial.line)}"
         )
         if counters.bad_checksum > 0.01 * counters.good:
             return warning("base line", text, "shorten or change the cable, or its adapter")

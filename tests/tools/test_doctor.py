@@ -143,6 +143,9 @@ def test_sound_robot_is_all_green(
     assert "2.2 m/s" in found["base limits"]
     assert found["base watchdog"] == "stops the robot 2 s after silence"
     assert found["battery"] == "13.0 V"
+    assert "tried 9600 baud" in found["base line"]
+    assert "last " in found["base line"]
+    assert re.search(r"base -> /dev/pts/\d+, \w+:\w+ \d{4}$", found["base port"])
     assert found["laser"].startswith("LMS200")
     assert found["laser"].endswith("38400 baud")
     rate = float(found["laser scans"].split()[0])
