@@ -102,7 +102,6 @@ def test_connects_and_sets_up_before_ready(bench: MakeBench) -> None:
     wire.run(0.1)
     sent = [(c.number, c.argument) for _, c in wire.heard]
     assert sent == [
-        (N.STOP, None),
         (N.SYNC0, None),
         (N.SYNC1, None),
         (N.SYNC2, None),
@@ -176,7 +175,7 @@ def test_old_session_is_stopped_then_closed_then_connected(bench: MakeBench) -> 
     wire.heard.clear()
     wire.connect()
     numbers = [c.number for _, c in wire.heard]
-    assert numbers[:4] == [N.STOP, N.SYNC0, N.STOP, N.CLOSE]
+    assert numbers[:3] == [N.STOP, N.CLOSE, N.SYNC0]
     assert wire.path == path
     assert wire.session.handshake.old_sessions == 1
     assert wire.emulator.counters.sessions == 2
@@ -217,13 +216,38 @@ def test_rates_are_tried_in_order_and_again() -> None:
 def test_sync_trouble_restarts_after_a_pause(reply: bytes) -> None:
     session = P2osSession(BaseSettings())
     session.link_up(0.0)
-    session.take_requests()
     session.feed(encode_packet(reply), 0.1)
     session.feed(encode_packet(b"\x00"), 0.2)
     session.tick(0.25)
     assert written(session) == []
     session.tick(0.4)
-    assert written(session) == [STOP, Command(0)]
+    assert written(session) == [Command(0)]
+
+
+def test_first_packet_on_a_silent_line_is_sync0_and_comes_after_listening() -> None:
+    """A server that is no robot may take any other for the end of the handshake."""
+    session = P2osSession(BaseSettings())
+    session.link_up(0.0)
+    session.tick(0.2)
+    assert written(session) == []
+    session.tick(0.25)
+    assert written(session) == [Command(0)]
+
+
+def test_robot_that_reports_is_stopped_before_anything_else(bench: MakeBench) -> None:
+    """The old session's motion, halted by the watchdog, must not go on for a moment."""
+    wire = bench()
+    wire.connect()
+    wire.enable()
+    wire.run(1.5, lambda t: wire.session.drive(t, 0.3, 0.0))
+    wire.session = P2osSession(BaseSettings())
+    wire.run(4.0)
+    assert wire.emulator.watchdog_expired
+    path = wire.path
+    wire.heard.clear()
+    wire.connect()
+    assert wire.heard[0][1] == STOP
+    assert wire.path == path
 
 
 def test_half_finished_handshake_is_unstuck(bench: MakeBench) -> None:
@@ -234,8 +258,10 @@ def test_half_finished_handshake_is_unstuck(bench: MakeBench) -> None:
     session = wire.session
     session.link_up(0.0)
     session.take_requests()
-    session.tick(0.5)
-    assert written(session) == [STOP, OPEN, Command(0)]
+    session.tick(0.3)
+    assert written(session) == [Command(0)]
+    session.tick(0.8)
+    assert written(session) == [OPEN, Command(0)]
     wire.connect()
 
 
