@@ -22,6 +22,7 @@ import serial
 
 from drivers.camera import Camera, wait_for_picture
 from drivers.camera_source import CameraSettings
+from drivers.line_faults import FaultSpecError
 from drivers.p2os.model import UnknownModelError
 from maps.map_folder import MapFolder, load_map_folder
 from maps.pose import Pose
@@ -316,6 +317,59 @@ def test_serial_client_changes_the_rate_and_comes_back(folder: MapFolder) -> Non
                 client.sip()
                 client.send(CLOSE_1)
                 time.sleep(0.2)
+
+
+@pytest.mark.parametrize("place", ["pty", "tcp:0"])
+def test_cut_line_goes_away_and_comes_back(folder: MapFolder, place: str) -> None:
+    options = EmulateOptions(p2os=place, p2os_faults="cut=1:1.5", pose=OPEN_PLACE)
+    with emulated(folder, options) as urls:
+        url = urls["p2os"]
+        with ManualClient(url) as client:
+            client.shake_hands()
+            client.sip()
+            # Hung up on: a socket ends or breaks, a serial port fails.
+            with pytest.raises((AssertionError, OSError)):
+                client.packet(lambda _: False)
+        # A cable is no power switch: the session is still open.
+        assert first_report_again(url)[0] in (0x32, 0x33)
+
+
+def first_report_again(url: str) -> bytes:
+    """Try a port that was taken away until it gives a report."""
+    give_up = time.monotonic() + LIMIT
+    while True:
+        try:
+            with ManualClient(url) as client:
+                return client.sip()
+        except (AssertionError, OSError):  # not there yet, or still being taken away
+            assert time.monotonic() < give_up, "never came back"
+            time.sleep(0.02)
+
+
+def test_reset_on_request(folder: MapFolder) -> None:
+    options = EmulateOptions(p2os="tcp:0", p2os_faults="reset=1", pose=OPEN_PLACE)
+    with emulated(folder, options) as urls, ManualClient(urls["p2os"]) as client:
+        client.shake_hands()
+        set_up(client)
+        client.socket.settimeout(0.5)
+        with pytest.raises(TimeoutError):
+            client.packet(lambda _: False)
+        client.socket.settimeout(LIMIT)
+        give_up = time.monotonic() + LIMIT
+        while True:  # deaf while it starts up
+            assert time.monotonic() < give_up
+            client.send(SYNC0)
+            client.socket.settimeout(0.3)
+            try:
+                assert client.packet() == b"\x00"
+                break
+            except TimeoutError:
+                continue
+
+
+def test_unusable_faults(folder: MapFolder) -> None:
+    with pytest.raises(FaultSpecError, match="melt"):
+        Emulation(folder, EmulateOptions(lms200_faults="melt=1"))
 
 
 def test_view_of_the_camera(folder: MapFolder) -> None:
