@@ -17,7 +17,7 @@ REPLY_TIMEOUT = 0.5  # s
 SETTLING_TIME = 0.3  # s, in which replies to earlier commands run dry
 PATIENCE = 3  # times in a row that the same trouble is met before people are told
 HEARD_KEPT = 8  # bytes
-ECHOES = frozenset(command.encode()[3:-2] for command in (STOP, OPEN, CLOSE))
+ECHOES = frozenset(command.encode()[3:-2] for command in (STOP, OPEN, CLOSE, SYNCS[2]))
 """Packets of ours that no robot sends: the port hears itself."""
 
 
