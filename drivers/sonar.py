@@ -42,6 +42,11 @@ class SonarRing:
 
         Readings older than ``max_age`` s or at the far value are left out.
         """
-        heard = (self.ages(t) <= max_age) & (self.ranges < self._far)
-        echoes = self.ranges[heard, None] * self._directions[heard]
-        return np.asarray(self._origins[heard] + echoes)
+        echoes = self.echoes()
+        return echoes[(self.ages(t) <= max_age) & np.isfinite(echoes[:, 0])]
+
+    def echoes(self) -> NDArray[np.float64]:
+        """Return where each transducer last heard something, (transducers, 2) m in base_link; nan
+        where it heard nothing."""
+        ranges = np.where(self.ranges < self._far, self.ranges, np.nan)
+        return np.asarray(self._origins + ranges[:, None] * self._directions)

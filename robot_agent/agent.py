@@ -32,6 +32,7 @@ from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.tracker import TeammateTracker
 from robot_agent.reports import Reports
 from robot_agent.scan_points import ScanProjector
+from robot_agent.sonar_obstacles import SonarObstacles
 from robot_agent.streams import Payload, encode
 
 STOPPING = frozenset(
@@ -80,6 +81,7 @@ class Agent:
         self.gate_stops = 0
         self._projector = ScanProjector(Pose(*(config.laser.mount or model.laser_mount)))
         self._obstacles = Obstacles()
+        self._sonar_obstacles = SonarObstacles(model)
         self._pose_trusted = False
         self._ending = False
         self._effects: list[Effect] = []
@@ -123,6 +125,8 @@ class Agent:
         self.reports.hear("base", t, data, understood=bool(states))
         for state in states:
             self.odometry.add(state)
+            at_report = Pose(state.x, state.y, state.theta)
+            self._sonar_obstacles.hear(state, at_report, self.base.model)
             self._control_step(t, state)
 
     def _take_laser_bytes(self, t: float, data: bytes) -> None:
@@ -214,7 +218,9 @@ class Agent:
             motors_enabled=state.motors_enabled,
             stalled=state.stall_left or state.stall_right,
             bumpers=state.front_bumpers | state.rear_bumpers,
-            obstacles=self._obstacles.around(odometry),
+            obstacles=np.concatenate(
+                (self._obstacles.around(odometry), self._sonar_obstacles.around(t, odometry))
+            ),
             v=state.v,
             w=state.w,
         )

@@ -22,6 +22,7 @@ from robot_agent.patrol.rules import RULES_FILE, load_rules
 from robot_agent.patrol.settings import PatrolSettings
 from robot_agent.recording_writer import RecordingWriter, RunHeader
 from tools.bench.agent_stage import AgentStage
+from tools.bench.driver_load import driver_load
 from tools.bench.fleet import Fleet, run_bench
 from tools.convert import RecordingObserver
 from tools.demo import Demo, DemoOptions, free_endpoint
@@ -211,8 +212,17 @@ def record_lockstep(folder: MapFolder, duration: float, file: BinaryIO) -> None:
     writers[0].finish()
 
 
-def decoders(folder_path: Path) -> Iterator[Figure]:
-    """Time the decoding of base reports and of scans, from bytes to SI units."""
+def drivers(folder_path: Path) -> Iterator[Figure]:
+    """Time the decoding of base reports and of scans, and load the drivers at full rate."""
+    yield from _decoding(folder_path)
+    share, scans, reports = driver_load(MEASURED_S)
+    yield Figure("driver threads at full rate, share of one core", 100 * share, "%")
+    yield Figure("scans of 361 values at 500 kbaud", scans, "1/s", 37.0, at_least=True)
+    yield Figure("base reports meanwhile", reports, "1/s", 9.5, at_least=True)
+
+
+def _decoding(folder_path: Path) -> Iterator[Figure]:
+    """Time what a settled agent's sessions make of what it heard: from bytes to SI units."""
     heard: dict[LinkName, list[BytesReceived]] = {"base": [], "laser": []}
 
     class Listener:
@@ -261,8 +271,8 @@ GROUPS: dict[str, Callable[[Path], Iterator[Figure]]] = {
     "decision": decision_step,
     "patrol": patrol_bench,
     "replay": replay_speed,
-    "decoders": decoders,
     "localization": localization,
+    "drivers": drivers,
 }
 
 

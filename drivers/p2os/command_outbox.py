@@ -67,9 +67,7 @@ class CommandOutbox:
 
     def has_room(self, t: float) -> bool:
         """Tell whether the controller takes another command now."""
-        elapsed = max(0.0, t - self._credited_at)
-        self._credit = min(BURST, self._credit + elapsed / self.period)
-        self._credited_at = t
+        self._earn_credit(t)
         return self._credit >= 1.0 - 1e-6
 
     def send(self, command: Command, t: float) -> None:
@@ -82,7 +80,13 @@ class CommandOutbox:
             self._write(STOP, t)
         self._write(command, t)
 
+    def _earn_credit(self, t: float) -> None:
+        elapsed = max(0.0, t - self._credited_at)
+        self._credit = min(BURST, self._credit + elapsed / self.period)
+        self._credited_at = t
+
     def _write(self, command: Command, t: float) -> None:
+        self._earn_credit(t)
         self._credit -= 1.0
         self.last_sent = t
         self._note_sent(command, t)

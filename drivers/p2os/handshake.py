@@ -12,19 +12,23 @@ from drivers.p2os.rate_search import RateSearch
 from drivers.p2os.robot_identity import RobotIdentity, decode_sync_reply
 from drivers.requests import Request, SetBaud, Write
 
+LISTENING_TIME = 0.25  # s, two cycles of reports and more
 REPLY_TIMEOUT = 0.5  # s
 SETTLING_TIME = 0.3  # s, in which replies to earlier commands run dry
 PATIENCE = 3  # times in a row that the same trouble is met before people are told
 HEARD_KEPT = 8  # bytes
-ECHOES = frozenset(command.encode()[3:-2] for command in (STOP, OPEN, CLOSE))
+ECHOES = frozenset(command.encode()[3:-2] for command in (STOP, OPEN, CLOSE, SYNCS[2]))
 """Packets of ours that no robot sends: the port hears itself."""
 
 
 class Handshake:
     """Brings a robot from any state to the point where OPEN starts its servers.
 
-    Every attempt begins with STOP: a robot still in an earlier session takes SYNC0 for PULSE and
-    would resume that session's motion. ``trouble`` says, for people, why there is no robot yet.
+    A robot still in a session takes SYNC0 for PULSE and would resume that session's motion, but
+    it also reports all the time: so the line is listened to before the first SYNC0, and a robot
+    that reports is stopped first. STOP goes out unasked only where there was a session on this
+    line: servers exist that take any first packet but SYNC0 for the end of the handshake.
+    ``trouble`` says, for people, why there is no robot yet.
     """
 
     def __init__(self, baud: int, requests: list[Request]) -> None:
@@ -47,16 +51,15 @@ class Handshake:
         return self.rates.baud
 
     def start(self, t: float, *, in_session: bool = False) -> None:
-        """Begin, at the rate that worked last if there is one; ``in_session``: the robot is
-        likely still in a session of ours."""
+        """Begin, at the rate that worked last if there is one; ``in_session``: the robot was in a
+        session of ours on this line and fell silent."""
         self.trouble = None
         self._in_session = in_session
         self._heard = b""
         self._stuck.clear()
         self.rates.restart()
         self._requests.append(SetBaud(self.baud))
-        self._tries = 0
-        self._attempt(t)
+        self._begin_rate(t)
 
     def note_bytes(self, data: bytes) -> None:
         """Remember what was heard last, packet or not."""
@@ -88,19 +91,30 @@ class Handshake:
             return
         if self._settling:
             self._tries = 0
-        elif self._tries >= self.rates.tries:
-            self._tries = 0
+        if self._tries >= self.rates.tries:
             self._next_rate()
-        self._attempt(t)
+            self._begin_rate(t)
+        else:
+            self._attempt(t)
+
+    def _begin_rate(self, t: float) -> None:
+        """Listen at a rate before the first attempt."""
+        self._tries = 0
+        if self._in_session:
+            self._attempt(t)
+        else:
+            self._settling = False
+            self._expected = 0  # somebody just before us may have asked
+            self._deadline = t + LISTENING_TIME
 
     def _attempt(self, t: float) -> None:
         self._settling = False
         self._tries += 1
         self.attempts += 1
-        self._write(STOP.encode())
-        if self._tries > 1 and not self._in_session:
-            # A robot that got SYNC2 but whose reply was lost only answers to OPEN. One in a session
-            # would resume its motion, should a cable that returns just now let only OPEN pass.
+        if self._in_session:
+            self._write(STOP.encode())
+        elif self._tries > 1:
+            # A robot that got SYNC2 but whose reply was lost only answers to OPEN.
             self._write(OPEN.encode())
         self._send_sync(0, t)
 

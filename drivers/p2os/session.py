@@ -283,7 +283,8 @@ class P2osSession:
         self._enter(state, t)
         self._search_reason = reason
         self._forget_motion()
-        self.handshake.start(t, in_session=self._ours)
+        in_session = self._ours and state is SessionState.SILENT
+        self.handshake.start(t, in_session=in_session)
 
     def _shake_hands(self, data: bytes, t: float) -> None:
         identity = self.handshake.feed(data, t)

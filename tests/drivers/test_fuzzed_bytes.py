@@ -68,7 +68,7 @@ class PacketReader:
 
 
 class TelegramReader:
-    """An LMS 200 framer, its telegrams decoded too; ACK and NAK, which any byte may be, left out."""
+    """An LMS 200 framer, its telegrams decoded too; ACK and NAK, single bytes, left out."""
 
     def __init__(self, addresses: range) -> None:
         self.framer = TelegramFramer(addresses)
@@ -366,7 +366,7 @@ def test_bytes_of_any_kind_raise_nothing_and_cost_no_more_than_was_damaged(
 
 @pytest.mark.parametrize("codec", CODECS.values(), ids=CODECS)
 def test_work_is_linear_in_bytes(codec: Codec) -> None:
-    """Also for the worst stream: frames that begin everywhere, claim the most and are never good."""
+    """Also for the worst stream: frames that begin everywhere, claim much, are never good."""
     longest = bytes((200,)) if codec.overhead == 5 else (700).to_bytes(2, "little")
     worst = codec.magic + longest
     bound = (MAX_COUNT + 3 if codec.overhead == 5 else 706) / len(worst) + 3

@@ -17,12 +17,13 @@ import numpy as np
 import pytest
 
 from drivers.emulated_port import PtyPort, TcpPort
-from drivers.link import Link, LinkState
+from drivers.link import LONGEST_PAUSE, Link, LinkState
 from drivers.lms200.emulator import Lms200Emulator
 from drivers.lms200.framing import Telegram, TelegramFramer, encode_telegram
 from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session
 from drivers.lms200.settings import LaserSettings
+from drivers.port import PortTrouble
 from drivers.requests import SetBaud
 
 LIMIT = 10.0  # s, generous: nothing waits that long when it works
@@ -218,6 +219,51 @@ def test_tcp_server_gone_and_back() -> None:
             heard.wait_for("up")
             link.write(READ_TYPE)
             assert heard.wait_for_telegram().code == 0xBA
+
+
+def test_status_names_trouble_remedy_and_next_try(tmp_path: Path) -> None:
+    device = tmp_path / "laser"
+    with linked(str(device)) as (link, heard):
+        heard.wait_for("down")
+        status = link.status
+        assert (status.state, status.trouble) == (LinkState.DOWN, PortTrouble.MISSING)
+        assert "check cable and name" in status.reason
+        assert status.port == str(device)
+        if status.next_try is not None:  # None for the moment of a try
+            assert status.next_try - time.monotonic() <= LONGEST_PAUSE
+        with pumped(PtyPort(laser(), device)):
+            heard.wait_for("up")
+            status = link.status
+            assert (status.state, status.trouble, status.reason) == (LinkState.UP, None, "")
+            assert status.next_try is None
+        heard.wait_for("down")
+        assert link.status.trouble in (PortTrouble.UNPLUGGED, PortTrouble.MISSING)
+    assert link.status.state is LinkState.CLOSED
+    assert link.status.next_try is None
+
+
+def test_pauses_between_tries_leave_a_returned_cable_unseen_for_half_a_second_at_most() -> None:
+    assert LONGEST_PAUSE <= 0.5
+
+
+def test_adapter_that_comes_back_under_another_name_is_found(tmp_path: Path) -> None:
+    lasting = tmp_path / "usb-adapter"
+    heard = Heard()
+    with pumped(PtyPort(laser())) as new_url:
+        with pumped(PtyPort(laser())) as url:
+            lasting.symlink_to(url)
+            link = Link(url, 9600, heard, time.monotonic, tmp_path)
+            link.start()
+            heard.wait_for("up")
+            assert link.status.port == url
+            lasting.unlink()
+        heard.wait_for("down")
+        lasting.symlink_to(new_url)
+        heard.wait_for("up")
+        assert link.status.port == str(lasting)
+        link.write(READ_TYPE)
+        assert heard.wait_for_telegram().code == 0xBA
+        link.close()
 
 
 def test_same_trouble_is_told_once(tmp_path: Path) -> None:

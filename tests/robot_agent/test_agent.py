@@ -16,7 +16,7 @@ from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, find_map
 from robot_agent.effects import Effect, Publish, Send
 from robot_agent.events import BytesReceived, Event, LinkDown, Shutdown, Tick
-from robot_agent.motion.gate import GateReason
+from robot_agent.motion.gate import GateReason, SafetyGate
 from robot_agent.patrol.patrol import PATROLLING
 from robot_agent.streams import DecisionPayload, StatusPayload, decode
 from tools.bench.fleet import Fleet
@@ -203,3 +203,28 @@ def test_a_bumper_stops_the_robot_before_it_pushes(folder: MapFolder) -> None:
     inputs = robot.agent._gate_inputs(fleet.t, replace(state, front_bumpers=0b00100))
     decision = robot.agent.gate.permit(fleet.t, (0.3, 0.0), inputs)
     assert (decision.v, decision.w, decision.reason) == (0.0, 0.0, GateReason.BUMPER)
+
+
+def test_what_only_the_sonars_hear_behind_slows_a_turn_towards_it(folder: MapFolder) -> None:
+    fleet = make_fleet(folder)
+    run_until(fleet, 15.0)
+    agent = fleet.robots[0].agent
+    state = agent.odometry.latest
+    assert state is not None
+    behind = replace(state, sonar=((11, 0.1), (12, 0.1)))
+    agent._sonar_obstacles.hear(behind, Pose(state.x, state.y, state.theta), agent.base.model)
+    inputs = replace(agent._gate_inputs(state.t, state), v=0.0, w=0.0, bumpers=0)
+    with_sonar, without = (
+        replace(inputs, obstacles=points)
+        for points in (inputs.obstacles, inputs.obstacles[inputs.obstacles[:, 0] > -0.3])
+    )
+    turns = []
+    for seen in (with_sonar, without):
+        gate = SafetyGate(agent.config.gate)
+        for step in range(10):
+            t = state.t + 0.1 * step
+            at = replace(seen, base_time=t, scan_time=t)
+            decision = gate.permit(t, (0.0, 1.5), at)
+        turns.append(decision)
+    assert turns[0].w < turns[1].w
+    assert turns[0].reason is GateReason.OBSTACLE

@@ -23,14 +23,22 @@ class RobotRig:
     """Moves a body as its base's wheels turn; the laser and the sonars see from where it is."""
 
     def __init__(
-        self, name: str, world: World, body: RobotBody, t: float, model: str = "p2dx"
+        self,
+        name: str,
+        world: World,
+        body: RobotBody,
+        t: float,
+        model: str = "p2dx",
+        *,
+        later_firmware: bool = False,
     ) -> None:
-        """Put the robot into the world at time t, both devices just powered."""
+        """Put the robot into the world at time t, both devices just powered; with
+        ``later_firmware`` its base reports what AROS does, the stop button among it."""
         self.name = name
         self.world = world
         self.body = body
         self._model = load_model(model)
-        self.base = P2osEmulator(self._model, name=name)
+        self.base = P2osEmulator(self._model, name=name, later_firmware=later_firmware)
         self.laser = Lms200Emulator(scan_source=self._scan)
         self.stuck = False
         """Whether something holds the wheels."""

@@ -14,7 +14,7 @@ import pytest
 from numpy.typing import NDArray
 
 from drivers.lms200.emulator import Lms200Emulator
-from drivers.lms200.framing import Telegram, TelegramFramer, encode_telegram
+from drivers.lms200.framing import HOST_ADDRESSES, Ack, Telegram, TelegramFramer, encode_telegram
 from drivers.lms200.measurement import MEASURING_MODES, decode_measurement
 from drivers.lms200.telegrams import Variant
 
@@ -83,6 +83,40 @@ def test_client_gets_every_reply_it_waits_for(
     measurement = decode_measurement(scans[0], MEASURING_MODES[5])
     assert measurement is not None
     np.testing.assert_allclose(measurement.ranges, np.linspace(1.0, 5.0, count), atol=0.00051)
+
+
+@pytest.mark.parametrize("name", ["client-laser.jsonl", "client-laser-halfdegree.jsonl"])
+def test_every_byte_of_the_client_decodes_and_re_encodes(data_folder: Path, name: str) -> None:
+    stream = b"".join(command.data for command in host_side(data_folder / "captures" / name))
+    framer = TelegramFramer(HOST_ADDRESSES)
+    telegrams = [item for item in framer.feed(stream) if isinstance(item, Telegram)]
+    assert b"".join(encode_telegram(t.payload, t.address) for t in telegrams) == stream
+    assert framer.counters.discarded_bytes == framer.counters.bad_checksum == 0
+
+
+def in_short(kinds: list[str]) -> list[str]:
+    """Scans in a row counted once."""
+    pairs = zip(["", *kinds], kinds, strict=False)
+    return [kind for before, kind in pairs if kind != "b0" or before != "b0"]
+
+
+@pytest.mark.parametrize("name", ["client-laser.jsonl", "client-laser-halfdegree.jsonl"])
+def test_client_gets_the_answers_it_got_in_their_order(data_folder: Path, name: str) -> None:
+    capture = data_folder / "captures" / name
+    lines = [json.loads(line) for line in capture.read_text().splitlines()]
+    heard = [line["hex"] for line in lines if line["dir"] == "laser->host"]
+    recorded = ["ack" if text == "06" else text[8:10] for text in heard]
+    emulator, framer = Lms200Emulator(scan_source=ramp), TelegramFramer()
+    ours: list[str] = []
+    now = 0.0
+    for command in [*host_side(capture), Recorded(7.0, 9600, b"")]:
+        while now < command.t:
+            now = min(now + POLL, command.t)
+            for item in emulator.take_output(now):
+                found = framer.feed(item.data)
+                ours += ["ack" if isinstance(i, Ack) else f"{i.code:02x}" for i in found]  # type: ignore[union-attr]
+        emulator.feed(command.data, command.t)
+    assert in_short(ours) == in_short(recorded)
 
 
 def test_client_release_that_sends_resolution_zero_is_not_locked_out() -> None:

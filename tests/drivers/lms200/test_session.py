@@ -13,7 +13,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from drivers.lms200.emulator import Lms200Emulator
+from drivers.lms200.errors import ErrorEntry, Severity
 from drivers.lms200.framing import encode_telegram
+from drivers.lms200.measurement import Special
 from drivers.lms200.session import Lms200Session, SessionState
 from drivers.lms200.settings import LaserSettings
 from drivers.lms200.telegrams import Configuration, Mode, Variant, VariantReply
@@ -382,3 +384,87 @@ def test_any_bytes_never_raise(chunks: list[bytes]) -> None:
 def test_settings_are_checked(given_settings: dict[str, object], named: str) -> None:
     with pytest.raises(msgspec.ValidationError, match=named):
         msgspec.convert(given_settings, LaserSettings)
+
+
+def streaming(line: Any, emulator: Lms200Emulator, **settings: object) -> Any:
+    wire = line(laser(**settings), emulator)
+    wire.connect()
+    wire.run_until(STREAMING, limit=12.0)
+    return wire
+
+
+def test_healthy_laser_is_known_to_be_ok_and_not_asked_again(line: Any) -> None:
+    wire = streaming(line, Lms200Emulator(scan_source=Corner()))
+    asked = len(wire.to_laser)
+    wire.run(20.0)
+    assert wire.session.health is not None
+    assert wire.session.health.ok
+    assert len(wire.to_laser) == asked
+
+
+def test_pollution_and_errors_surface_while_scans_go_on(line: Any) -> None:
+    emulator = Lms200Emulator(scan_source=Corner())
+    wire = streaming(line, emulator)
+    wire.run(1.0)
+    emulator.polluted = True
+    emulator.set_errors((ErrorEntry(Severity.WARNING, 18, present=True),), wire.t)
+    wire.run(3.0)
+    health = wire.session.health
+    assert health.pollution
+    assert health.level is Severity.WARNING
+    assert "warning 18: front window polluted" in health.text
+    scans = len(wire.scans)
+    wire.run(3.0)
+    assert len(wire.scans) - scans == pytest.approx(28, abs=2)
+    emulator.polluted = False
+    emulator.set_errors((ErrorEntry(Severity.WARNING, 18, present=False),), wire.t)
+    wire.run(8.0)
+    assert wire.session.health.ok
+
+
+def test_fatal_laser_says_so_when_its_scans_stop(line: Any) -> None:
+    emulator = Lms200Emulator(scan_source=Corner())
+    wire = streaming(line, emulator)
+    wire.run(1.0)
+    emulator.set_errors((ErrorEntry(Severity.FATAL, 57, present=True),), wire.t)
+    wire.run(8.0)
+    assert wire.session.state is not STREAMING
+    assert "fatal 57: no zero index" in wire.session.trouble
+    emulator.set_errors((), wire.t)
+    wire.run_until(STREAMING, limit=6.0)
+    wire.run(1.0)
+    assert wire.session.health.ok
+    assert wire.session.trouble is None
+
+
+def test_dazzled_scans_have_no_ranges_and_say_why(line: Any) -> None:
+    emulator = Lms200Emulator(scan_source=Corner())
+    wire = streaming(line, emulator)
+    emulator.blind(wire.t + 2.0)
+    wire.run(1.5)
+    scan = wire.scans[-1]
+    assert np.isinf(scan.ranges).all()
+    assert scan.special_counts() == {Special.DAZZLED: 181}
+    assert wire.session.health.implausible
+    wire.run(3.0)
+    assert np.isfinite(wire.scans[-1].ranges).any()
+
+
+def test_partial_scans_come_one_a_turn_each_at_its_offset_and_time(line: Any) -> None:
+    scene = Corner()
+    wire = streaming(
+        line, Lms200Emulator(scan_source=scene), baud=500000, resolution_deg=0.5, partial_scans=True
+    )
+    wire.run(2.0)
+    scans = wire.scans[2:]
+    assert len(scans) == pytest.approx(150, abs=4)
+    firsts = {round(math.degrees(scan.angle_min), 3) for scan in scans}
+    assert firsts == {-90.0, -89.5}
+    for scan in scans:
+        assert scan.angle_increment == pytest.approx(math.radians(1.0))
+        assert scan.turns == 1
+        np.testing.assert_allclose(scan.ranges, corner_ranges(scan.angles), atol=0.00051)
+    times = np.array([scan.t for scan in scans])
+    assert np.diff(times) == pytest.approx(13.32e-3, abs=1e-4)
+    nearest = np.abs(np.subtract.outer(times, scene.asked)).min(axis=1)
+    assert nearest.max() < 1e-4

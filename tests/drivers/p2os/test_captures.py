@@ -50,6 +50,15 @@ def test_every_byte_decodes_and_re_encodes(capture: Capture) -> None:
             assert re_encoded(direction, packet) == encode_packet(packet)
 
 
+def test_every_byte_of_a_client_that_hunts_decodes_and_re_encodes(
+    read_capture: Callable[[str], Capture],
+) -> None:
+    stream = b"".join(data for _, data in read_capture("client-silent-robot").side(HOST))
+    framer = PacketFramer()
+    packets = framer.feed(stream)
+    assert b"WMS2\r" + b"".join(re_encoded(HOST, packet) for packet in packets) == stream
+
+
 def re_encoded(direction: str, packet: bytes) -> bytes:
     if direction == HOST:
         return decode_command(packet).encode()
@@ -100,6 +109,23 @@ def test_session_reaches_the_recorded_pose(capture: Capture) -> None:
         assert math.degrees(final.theta) * 0.00153 * 4096 / math.tau == pytest.approx(
             -92.7, abs=0.1
         )
+
+
+def test_session_reaches_every_recorded_pose_on_the_way(capture: Capture) -> None:
+    """The simulator starts at the origin and counts in 16 bits, so its counters are the pose."""
+    packets = PacketFramer().feed(b"".join(data for _, data in capture.side(ROBOT)))
+    sips = [sip for packet in packets if (sip := decode_sip(packet)) is not None]
+    _, states = replay_robot(capture)
+    assert len(states) == len(sips)
+    for sip, state in zip(sips, states, strict=True):
+        x, y = ((count + 0x8000) % 0x10000 - 0x8000 for count in (sip.x_counts, sip.y_counts))
+        assert (state.x, state.y) == pytest.approx((0.00084 * x, 0.00084 * y), abs=1e-9)
+        turned = math.remainder(state.theta - math.tau * sip.heading_counts / 4096, math.tau)
+        assert turned == pytest.approx(0.0, abs=1e-9)
+        assert (state.v_left, state.v_right) == pytest.approx(
+            (0.001 * sip.left_speed_counts, 0.001 * sip.right_speed_counts)
+        )
+        assert state.sonar == tuple((n, pytest.approx(0.000268 * c)) for n, c in sip.sonar)
 
 
 def test_emulator_answers_the_client_like_the_simulator(capture: Capture) -> None:

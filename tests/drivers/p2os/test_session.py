@@ -102,7 +102,6 @@ def test_connects_and_sets_up_before_ready(bench: MakeBench) -> None:
     wire.run(0.1)
     sent = [(c.number, c.argument) for _, c in wire.heard]
     assert sent == [
-        (N.STOP, None),
         (N.SYNC0, None),
         (N.SYNC1, None),
         (N.SYNC2, None),
@@ -176,7 +175,7 @@ def test_old_session_is_stopped_then_closed_then_connected(bench: MakeBench) -> 
     wire.heard.clear()
     wire.connect()
     numbers = [c.number for _, c in wire.heard]
-    assert numbers[:4] == [N.STOP, N.SYNC0, N.STOP, N.CLOSE]
+    assert numbers[:3] == [N.STOP, N.CLOSE, N.SYNC0]
     assert wire.path == path
     assert wire.session.handshake.old_sessions == 1
     assert wire.emulator.counters.sessions == 2
@@ -217,13 +216,38 @@ def test_rates_are_tried_in_order_and_again() -> None:
 def test_sync_trouble_restarts_after_a_pause(reply: bytes) -> None:
     session = P2osSession(BaseSettings())
     session.link_up(0.0)
-    session.take_requests()
     session.feed(encode_packet(reply), 0.1)
     session.feed(encode_packet(b"\x00"), 0.2)
     session.tick(0.25)
     assert written(session) == []
     session.tick(0.4)
-    assert written(session) == [STOP, Command(0)]
+    assert written(session) == [Command(0)]
+
+
+def test_first_packet_on_a_silent_line_is_sync0_and_comes_after_listening() -> None:
+    """A server that is no robot may take any other for the end of the handshake."""
+    session = P2osSession(BaseSettings())
+    session.link_up(0.0)
+    session.tick(0.2)
+    assert written(session) == []
+    session.tick(0.25)
+    assert written(session) == [Command(0)]
+
+
+def test_robot_that_reports_is_stopped_before_anything_else(bench: MakeBench) -> None:
+    """The old session's motion, halted by the watchdog, must not go on for a moment."""
+    wire = bench()
+    wire.connect()
+    wire.enable()
+    wire.run(1.5, lambda t: wire.session.drive(t, 0.3, 0.0))
+    wire.session = P2osSession(BaseSettings())
+    wire.run(4.0)
+    assert wire.emulator.watchdog_expired
+    path = wire.path
+    wire.heard.clear()
+    wire.connect()
+    assert wire.heard[0][1] == STOP
+    assert wire.path == path
 
 
 def test_half_finished_handshake_is_unstuck(bench: MakeBench) -> None:
@@ -234,8 +258,10 @@ def test_half_finished_handshake_is_unstuck(bench: MakeBench) -> None:
     session = wire.session
     session.link_up(0.0)
     session.take_requests()
-    session.tick(0.5)
-    assert written(session) == [STOP, OPEN, Command(0)]
+    session.tick(0.3)
+    assert written(session) == [Command(0)]
+    session.tick(0.8)
+    assert written(session) == [OPEN, Command(0)]
     wire.connect()
 
 
@@ -481,3 +507,129 @@ def test_odometry_goes_on_after_a_new_session(bench: MakeBench) -> None:
     wire.run(2.0, lambda t: wire.session.stop(t))
     final = wire.states[-1]
     assert (final.x, final.y) == pytest.approx((wire.pose.x, wire.pose.y), abs=0.003)
+
+
+def test_replugged_adapter_finds_the_robot_in_session_and_stops_it_first(bench: MakeBench) -> None:
+    wire = bench()
+    wire.connect()
+    wire.enable()
+    wire.run(2.0, lambda t: wire.session.drive(t, 0.3, 0.0))
+    wire.session.link_down(wire.t)
+    wire.run(1.0)
+    assert wire.session.state is SessionState.DOWN
+    wire.heard.clear()
+    back_at = wire.t
+    wire.connect()
+    assert wire.heard[0][1] == STOP
+    assert wire.heard[0][0] - back_at < 0.2
+    assert wire.t - back_at < 1.0
+    assert [c.number for _, c in wire.heard].count(N.OPEN) == 0
+    assert wire.emulator.counters.sessions == 1
+    wire.run(1.0, lambda t: wire.session.stop(t))
+    assert wire.emulator.velocity == (0.0, 0.0)
+    assert wire.states[-1].x == pytest.approx(wire.pose.x, abs=0.005)
+
+
+@pytest.mark.parametrize("notify", [True, False])
+def test_controller_that_resets_itself_is_opened_anew(bench: MakeBench, notify: bool) -> None:
+    wire = bench()
+    wire.connect()
+    wire.enable()
+    wire.run(1.5, lambda t: wire.session.drive(t, 0.3, 0.0))
+    x = wire.states[-1].x
+    wire.emulator.reset(wire.t, notify=notify)
+    wire.heard.clear()
+    wire.run_until(lambda: wire.session.state is not SessionState.READY, 2.0)
+    wire.run_until(lambda: wire.session.state is SessionState.READY, 5.0)
+    assert wire.emulator.counters.sessions == 2
+    assert not wire.emulator.motors_enabled
+    assert wire.session.motors is MotorState.OFF
+    assert wire.states[-1].x == pytest.approx(x, abs=0.05)
+    assert all(c.integer == 0 for _, c in motion(wire) if c.number != N.ENABLE)
+
+
+def test_stop_button_is_told_and_left_to_people(bench: MakeBench) -> None:
+    wire = bench()
+    wire.connect()
+    wire.enable()
+    wire.run(1.0, lambda t: wire.session.drive(t, 0.3, 0.0))
+    wire.emulator.press_stop_button()
+    wire.heard.clear()
+
+    def insist(t: float) -> None:
+        wire.session.enable_motors(t)
+        wire.session.drive(t, 0.3, 0.0)
+
+    wire.run(2.0, insist)
+    assert wire.session.motors is MotorState.STOP_BUTTON
+    assert "press MOTORS" in (wire.session.trouble or "")
+    assert N.ENABLE not in [c.number for _, c in wire.heard]
+    wire.emulator.release_stop_button()
+    wire.emulator.press_motors_button()
+    wire.run_until(lambda: wire.session.motors is MotorState.ON, 1.0)
+    assert wire.session.trouble is None
+    assert wire.emulator.velocity == (0.0, 0.0)
+
+
+def test_seto_zeroes_the_counters_and_not_the_pose(bench: MakeBench) -> None:
+    wire = bench()
+    wire.connect()
+    wire.enable()
+    wire.run(3.0, lambda t: wire.session.drive(t, 0.3, 0.4))
+    assert not wire.session.reset_odometry(wire.t)
+    wire.run(2.5, lambda t: wire.session.stop(t))
+    before = wire.states[-1]
+    assert before.x > 0.3
+    assert wire.session.reset_odometry(wire.t)
+    wire.run(0.5, lambda t: wire.session.stop(t))
+    assert (wire.emulator.base.x, wire.emulator.base.theta) == (0.0, 0.0)
+    after = wire.states[-1]
+    assert (after.x, after.y, after.theta) == (before.x, before.y, before.theta)
+    wire.run(2.0, lambda t: wire.session.drive(t, 0.3, -0.3))
+    wire.run(2.0, lambda t: wire.session.stop(t))
+    final = wire.states[-1]
+    assert (final.x, final.y) == pytest.approx((wire.pose.x, wire.pose.y), abs=0.003)
+
+
+def test_asked_for_packets_stream_and_are_kept(bench: MakeBench) -> None:
+    wire = bench(baud=38400, robot_baud=38400)
+    wire.connect()
+    for number in (N.ENCODER, N.IOREQUEST):
+        wire.session.request(Command(number, 2))
+    wire.enable()
+    wire.run(2.0, lambda t: wire.session.drive(t, 0.2, 0.0))
+    latest = wire.session.latest
+    assert latest.encoder is not None
+    assert latest.encoder.left_ticks > 0
+    assert latest.io is not None
+    assert min(latest.received_at.values()) > wire.t - 0.2
+    for reserved in (N.VEL, N.ENABLE, N.HOSTBAUD, N.RESET, N.SETA, N.CLOSE):
+        with pytest.raises(ValueError, match="belongs to the session"):
+            wire.session.request(Command(reserved, 1))
+
+
+def test_port_that_hears_itself_is_told() -> None:
+    session = P2osSession(BaseSettings())
+    session.link_up(0.0)
+    for step in range(200):
+        t = 0.05 * step
+        session.tick(t)
+        for request in session.take_requests():
+            if isinstance(request, Write):
+                session.feed(request.data, t + 0.01)
+    assert session.state is SessionState.SYNCING
+    assert "echoes what is sent" in (session.trouble or "")
+
+
+def test_trouble_of_an_absent_robot_names_rates_and_last_bytes() -> None:
+    session = P2osSession(BaseSettings())
+    session.link_up(0.0)
+    for step in range(200):
+        session.tick(0.05 * step)
+    assert "no reply at 9600, 38400, 19200, 115200, 57600 baud" in (session.trouble or "")
+    session.link_up(20.0)
+    for step in range(200):
+        session.feed(b"\x55\xaa", 20.0 + 0.05 * step)
+        session.tick(20.0 + 0.05 * step)
+    assert "only noise" in (session.trouble or "")
+    assert "55 aa" in (session.trouble or "")

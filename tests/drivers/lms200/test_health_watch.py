@@ -1,0 +1,107 @@
+from __future__ import annotations
+
+from drivers.lms200 import telegrams
+from drivers.lms200.errors import ErrorEntry, Severity, encode_errors
+from drivers.lms200.framing import Telegram
+from drivers.lms200.health_watch import PAUSE, STEP_LIMIT, HealthWatch
+from drivers.lms200.telegrams import DeviceStatus, Variant
+
+POLLUTED = 0x92
+
+
+def errors(*entries: ErrorEntry, status: int = 0x10) -> Telegram:
+    return Telegram(0x80, encode_errors(entries)[:-1] + bytes((status,)))
+
+
+def device_status(*, defective: bool = False) -> Telegram:
+    status = DeviceStatus("V02.10", 0x25, defective, 5, Variant(180, 100), 38400, 1)
+    return Telegram(0x80, status.encode())
+
+
+def set_up() -> HealthWatch:
+    """A watch that has heard the answers of a healthy laser's set-up and its first scan."""
+    watch = HealthWatch()
+    assert watch.health is None
+    watch.take(device_status())
+    watch.take(errors())
+    watch.see_scan(0x10)
+    assert watch.health is not None
+    assert watch.health.ok
+    return watch
+
+
+def test_healthy_laser_is_asked_nothing() -> None:
+    watch = set_up()
+    for step in range(200):
+        watch.see_scan(0x10)
+        assert watch.next_command(0.1 * step) is None
+
+
+def test_changed_status_byte_shows_at_once_and_is_asked_about() -> None:
+    watch = set_up()
+    watch.see_scan(POLLUTED)
+    assert watch.health is not None
+    assert watch.health.pollution
+    assert watch.next_command(1.0) == telegrams.READ_ERRORS
+    assert watch.next_command(1.1) is None
+    watch.take(errors(ErrorEntry(Severity.WARNING, 17, present=True), status=POLLUTED))
+    assert watch.health.text.startswith("warning 17")
+    assert watch.next_command(1.2) == telegrams.READ_STATUS
+    watch.take(device_status(defective=True))
+    assert watch.health.defective
+    assert watch.next_command(1.3) == telegrams.SELECT_CONTINUOUS
+    assert watch.next_command(9.0) is None
+
+
+def test_stream_that_goes_on_by_itself_is_not_started_again() -> None:
+    watch = set_up()
+    watch.see_scan(POLLUTED)
+    watch.next_command(1.0)
+    watch.take(errors(status=POLLUTED))
+    watch.next_command(1.1)
+    watch.see_scan(POLLUTED)
+    watch.take(device_status())
+    assert watch.next_command(1.2 + STEP_LIMIT) is None
+
+
+def test_unanswered_questions_are_passed_over_in_time() -> None:
+    watch = set_up()
+    watch.see_scan(POLLUTED)
+    asked = [
+        (0.1 * step, command)
+        for step in range(30)
+        if (command := watch.next_command(0.1 * step)) is not None
+    ]
+    assert [command for _, command in asked] == [
+        telegrams.READ_ERRORS,
+        telegrams.READ_STATUS,
+        telegrams.SELECT_CONTINUOUS,
+    ]
+    assert asked[-1][0] >= 2 * STEP_LIMIT
+
+
+def test_flickering_status_is_asked_about_only_so_often() -> None:
+    watch = set_up()
+    questions = 0
+    for step in range(600):
+        watch.see_scan(POLLUTED if step % 2 else 0x10)
+        questions += watch.next_command(0.1 * step) == telegrams.READ_ERRORS
+    assert 2 <= questions <= 60.0 / PAUSE + 1
+
+
+def test_new_session_asks_for_itself() -> None:
+    watch = set_up()
+    watch.see_scan(POLLUTED)
+    watch.next_command(0.0)
+    watch.forget_questions()
+    assert watch.next_command(9.0) is None
+    watch.take(errors())
+    watch.see_scan(0x10)
+    assert watch.next_command(20.0) is None
+
+
+def test_short_status_telegrams_and_other_replies_tell_nothing() -> None:
+    watch = HealthWatch()
+    watch.take(Telegram(0x80, b"\xb1\x10"))
+    watch.take(Telegram(0x80, b"\xa0\x00\x10"))
+    assert watch.health is None

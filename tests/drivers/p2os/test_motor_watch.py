@@ -1,0 +1,85 @@
+from __future__ import annotations
+
+from drivers.p2os.base_state import BaseState, base_state
+from drivers.p2os.model import load_model
+from drivers.p2os.motor_watch import MotorState, MotorWatch
+from drivers.p2os.odometer import Odometer
+from drivers.p2os.sip import decode_sip
+
+IDLE = bytes.fromhex("32 00 00 00 00 00 00 00 00 00 00 80 00 00 00 00 00 00 00 00 05 00 00 FF 00")
+
+
+def report(*, motors: bool, stalled: bool = False, button: bool = False) -> BaseState:
+    data = bytearray(IDLE)
+    data[12] = data[13] = stalled
+    data[16] = motors | button << 5
+    sip = decode_sip(bytes(data))
+    assert sip is not None
+    return base_state(0.0, sip, Odometer(), load_model("p2dx"))
+
+
+def running() -> MotorWatch:
+    watch = MotorWatch()
+    watch.take(report(motors=False), commands_pending=False)
+    watch.ask(0.0)
+    watch.take(report(motors=True), commands_pending=False)
+    assert watch.state is MotorState.ON
+    return watch
+
+
+def test_motors_are_off_until_asked_for_and_on_when_reported() -> None:
+    watch = MotorWatch()
+    assert watch.state is MotorState.UNKNOWN
+    assert not watch.may_be_asked
+    watch.take(report(motors=False), commands_pending=False)
+    assert watch.state is MotorState.OFF
+    assert watch.may_be_asked
+    watch.ask(1.0)
+    watch.take(report(motors=False), commands_pending=False)
+    assert watch.state is MotorState.ENABLING
+    watch.take(report(motors=True), commands_pending=True)
+    assert watch.state is MotorState.ENABLING  # ENABLE has not left yet: not its answer
+    watch.take(report(motors=True), commands_pending=False)
+    assert watch.state is MotorState.ON
+    assert watch.trouble(99.0) is None
+
+
+def test_enable_is_asked_again_and_then_people_are() -> None:
+    watch = MotorWatch()
+    watch.take(report(motors=False), commands_pending=False)
+    watch.ask(1.0)
+    assert not watch.is_overdue(1.4)
+    assert watch.is_overdue(1.5)
+    watch.ask(1.5)
+    assert not watch.is_overdue(1.9)
+    assert watch.trouble(3.9) is None
+    assert "motors do not come on" in (watch.trouble(4.1) or "")
+
+
+def test_motors_that_go_off_by_themselves_were_switched_off_by_a_person() -> None:
+    watch = running()
+    watch.take(report(motors=False), commands_pending=False)
+    assert watch.state is MotorState.STOP_BUTTON
+    assert not watch.may_be_asked
+    assert watch.trouble(9.0) == "stopped by the robot's stop button: press MOTORS on the robot"
+    watch.take(report(motors=False), commands_pending=False)
+    assert watch.state is MotorState.STOP_BUTTON
+    watch.take(report(motors=True), commands_pending=False)
+    assert watch.state is MotorState.ON
+
+
+def test_a_stall_is_not_a_stop_button() -> None:
+    watch = running()
+    watch.take(report(motors=False, stalled=True), commands_pending=False)
+    assert watch.state is MotorState.OFF
+    assert watch.may_be_asked
+
+
+def test_reported_button_is_told_apart_while_it_is_held() -> None:
+    watch = running()
+    watch.take(report(motors=False, button=True), commands_pending=False)
+    assert watch.state is MotorState.STOP_BUTTON
+    assert "release it and press MOTORS" in (watch.trouble(0.0) or "")
+    watch.take(report(motors=False), commands_pending=False)
+    assert watch.state is MotorState.STOP_BUTTON
+    assert "release" not in (watch.trouble(0.0) or "")
