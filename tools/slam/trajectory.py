@@ -1,10 +1,10 @@
-"""A trajectory: poses at some times, carried between them by the odometry."""
+"""A trajectory: poses at some of the odometry's readings, carried to all others by the odometry."""
 
 from __future__ import annotations
 
 import bisect
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from maps.pose import Pose, wrap_angle
 
@@ -18,52 +18,64 @@ class Trajectory:
     spread over the way in proportion to the motion.
     """
 
-    def __init__(
-        self, fixed: Sequence[tuple[float, Pose]], odometry: Sequence[tuple[float, Pose]]
-    ) -> None:
-        """Take map poses and odometry poses of the laser, both at increasing times, s.
+    def __init__(self, odometry: Sequence[tuple[float, Pose]], fixed: Mapping[int, Pose]) -> None:
+        """Take the odometry and the fixed poses, map_from_laser, by their index in it.
 
-        The odometry covers at least the fixed poses' times.
+        odometry: stamps, s, and odom_from_laser in the order of motion; the stamps may be out of
+        order. The first and the last fixed pose bound the trajectory.
         """
-        self._times, self._poses = [t for t, _ in fixed], [pose for _, pose in fixed]
-        self._odometry_times = [t for t, _ in odometry]
-        self._odometry = [pose for _, pose in odometry]
-        self._way = [0.0]
-        for last, pose in zip(self._odometry, self._odometry[1:], strict=False):
-            turn = abs(wrap_angle(pose.theta - last.theta))
-            self._way.append(self._way[-1] + math.dist(pose[:2], last[:2]) + _TURN_ARM * turn)
+        self.poses: dict[int, Pose] = {}
+        """map_from_laser by index in the odometry."""
+        marks = sorted(fixed)
+        self.poses[marks[0]] = fixed[marks[0]]
+        for start, end in zip(marks, marks[1:], strict=False):
+            raw = [pose for _, pose in odometry[start : end + 1]]
+            carried = _carry(raw, fixed[start], fixed[end])
+            self.poses.update(enumerate(carried, start=start))
+        stamped = sorted((odometry[index][0], index) for index in self.poses)
+        self._times = [t for t, _ in stamped]
+        self._stamped = [self.poses[index] for _, index in stamped]
 
     def at(self, t: float) -> Pose | None:
         """Return map_from_laser at a time; None outside the fixed poses."""
         if not self._times[0] <= t <= self._times[-1]:
             return None
-        index = min(bisect.bisect_right(self._times, t), len(self._times) - 1) - 1
-        start, end = self._times[index], self._times[index + 1]
-        (from_way, from_odometry), (to_way, to_odometry) = self._raw(start), self._raw(end)
-        way, odometry = self._raw(t)
-        share = (way - from_way) / (to_way - from_way) if to_way > from_way else 0.0
-        moved = self._poses[index].compose(from_odometry.between(odometry))
-        reached = self._poses[index].compose(from_odometry.between(to_odometry))
-        target = self._poses[index + 1]
-        return Pose(
-            moved.x + share * (target.x - reached.x),
-            moved.y + share * (target.y - reached.y),
-            wrap_angle(moved.theta + share * wrap_angle(target.theta - reached.theta)),
+        right = bisect.bisect_left(self._times, t)
+        if self._times[right] == t:
+            return self._stamped[right]
+        before, after = self._times[right - 1], self._times[right]
+        return _between(
+            self._stamped[right - 1], self._stamped[right], (t - before) / (after - before)
         )
 
-    def _raw(self, t: float) -> tuple[float, Pose]:
-        """Return the way gone and the odometry at a time."""
-        right = bisect.bisect_left(self._odometry_times, t)
-        if right < len(self._odometry) and self._odometry_times[right] == t:
-            return self._way[right], self._odometry[right]
-        right = min(max(right, 1), len(self._odometry) - 1)
-        left = right - 1
-        before, after = self._odometry_times[left], self._odometry_times[right]
-        share = (t - before) / (after - before)
-        a, b = self._odometry[left], self._odometry[right]
-        pose = Pose(
-            a.x + share * (b.x - a.x),
-            a.y + share * (b.y - a.y),
-            wrap_angle(a.theta + share * wrap_angle(b.theta - a.theta)),
+
+def _carry(raw: Sequence[Pose], start: Pose, end: Pose) -> list[Pose]:
+    """Lay a stretch of odometry so that it begins and ends where it should."""
+    way = [0.0]
+    for last, pose in zip(raw, raw[1:], strict=False):
+        turn = abs(wrap_angle(pose.theta - last.theta))
+        way.append(way[-1] + math.dist(pose[:2], last[:2]) + _TURN_ARM * turn)
+    carried = [start.compose(raw[0].between(pose)) for pose in raw]
+    off = (
+        end.x - carried[-1].x,
+        end.y - carried[-1].y,
+        wrap_angle(end.theta - carried[-1].theta),
+    )
+    shares = [gone / way[-1] if way[-1] > 0.0 else 0.0 for gone in way]
+    laid = [
+        Pose(
+            pose.x + share * off[0],
+            pose.y + share * off[1],
+            wrap_angle(pose.theta + share * off[2]),
         )
-        return self._way[left] + share * (self._way[right] - self._way[left]), pose
+        for pose, share in zip(carried, shares, strict=True)
+    ]
+    return [*laid[:-1], end]
+
+
+def _between(a: Pose, b: Pose, share: float) -> Pose:
+    return Pose(
+        a.x + share * (b.x - a.x),
+        a.y + share * (b.y - a.y),
+        wrap_angle(a.theta + share * wrap_angle(b.theta - a.theta)),
+    )
