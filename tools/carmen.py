@@ -50,10 +50,14 @@ class CarmenScan:
 
     def points(self) -> NDArray[np.float64]:
         """Return (m, 2) the points of the beams that returned, m, laser frame."""
+        ranges, angles = self.beams()
+        return np.column_stack((ranges * np.cos(angles), ranges * np.sin(angles)))
+
+    def beams(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return (m,) ranges, m, and (m,) directions in the laser's frame, rad, that returned."""
         angles = self.angle_min + self.angle_increment * np.arange(self.ranges.size)
         valid = np.isfinite(self.ranges)
-        ranges, angles = self.ranges[valid], angles[valid]
-        return np.column_stack((ranges * np.cos(angles), ranges * np.sin(angles)))
+        return self.ranges[valid], np.asarray(angles[valid], dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -311,8 +315,8 @@ def _raw_odometry(
         end_t = times[index] if index < len(scans) else math.inf
         inner = list(zip((line.t for line in interval), poses, strict=True))
         raw.knots.extend(_increasing(inner, start_t, end_t))
-        # The line that repeats a corrected scan's pose is stamped 0.
-        raw.lines.extend(knot for knot in inner if start_t < knot[0] < end_t)
+        # The first line only repeats a corrected scan's pose, with a stamp that says nothing.
+        raw.lines.extend(inner[1:] if rebased and index > 0 else inner)
         if index < len(scans):
             start = (poses[-1] if poses else start) if rebased else scans[index].robot
             start_t = end_t

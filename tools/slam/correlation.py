@@ -49,7 +49,8 @@ def search(
     half = round(_REACH / _CELL) + 1
     shifts = math.ceil(window / _CELL)
     field = _likelihood(target - guess[:2], half + shifts)
-    turns = _TURN * np.arange(-math.ceil(turn_window / _TURN), math.ceil(turn_window / _TURN) + 1)
+    many = math.ceil(turn_window / _TURN)
+    turns = np.arange(-many, many + 1) * np.float64(_TURN)
     scores = np.stack([_scores(points, guess.theta + turn, field, half) for turn in turns])
     likely = scores - _reluctance(shifts, turns)
     best = np.unravel_index(int(np.argmax(likely)), scores.shape)
@@ -57,9 +58,7 @@ def search(
     over_turns = scores.max(axis=0)
     apart = round(_SAME_PLACE / _CELL)
     score = float(scores[best])
-    over_turns[
-        max(row - apart, 0) : row + apart + 1, max(col - apart, 0) : col + apart + 1
-    ] = 0.0
+    over_turns[max(row - apart, 0) : row + apart + 1, max(col - apart, 0) : col + apart + 1] = 0.0
     pose = Pose(
         guess.x + (col - shifts) * _CELL,
         guess.y + (row - shifts) * _CELL,
@@ -83,7 +82,7 @@ def _likelihood(target: NDArray[np.float64], half: int) -> NDArray[np.float32]:
     cells = cells[((cells >= 0) & (cells <= 2 * half)).all(axis=1)]
     empty[cells[:, 1], cells[:, 0]] = 0
     distance = cv2.distanceTransform(empty, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * _CELL
-    return np.exp(-0.5 * (distance / _SIGMA) ** 2).astype(np.float32)
+    return np.asarray(np.exp(-0.5 * (distance / _SIGMA) ** 2), dtype=np.float32)
 
 
 def _scores(

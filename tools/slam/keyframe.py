@@ -86,9 +86,7 @@ def surface_normals(points: NDArray[np.float64]) -> NDArray[np.float64]:
         away = away * near[:, None]
         count[here] += near
         first[here] += away
-        second[here] += np.column_stack(
-            (away[:, 0] ** 2, away[:, 0] * away[:, 1], away[:, 1] ** 2)
-        )
+        second[here] += np.column_stack((away[:, 0] ** 2, away[:, 0] * away[:, 1], away[:, 1] ** 2))
     mean = first / np.maximum(count, 1.0)[:, None]
     xx, xy, yy = (second / np.maximum(count, 1.0)[:, None]).T
     xx, xy, yy = xx - mean[:, 0] ** 2, xy - mean[:, 0] * mean[:, 1], yy - mean[:, 1] ** 2

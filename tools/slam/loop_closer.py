@@ -6,6 +6,7 @@ well, and a second stretch farther on says the same of the drift.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -49,7 +50,9 @@ class _Candidate:
 class LoopCloser:
     """Looks for loops along the chain, and keeps the graph up to date as it finds them."""
 
-    def __init__(self, frames: Sequence[Keyframe], poses: Sequence[Pose], edges: list[Edge]) -> None:
+    def __init__(
+        self, frames: Sequence[Keyframe], poses: Sequence[Pose], edges: list[Edge]
+    ) -> None:
         self._frames = frames
         self._chain = list(poses)
         self.poses = list(poses)
@@ -58,7 +61,7 @@ class LoopCloser:
         self.loops: list[Edge] = []
         """Loops believed."""
         self._pending: list[_Candidate] = []
-        steps = [math.dist(a[:2], b[:2]) for a, b in zip(poses, poses[1:], strict=False)]
+        steps = [math.dist(a[:2], b[:2]) for a, b in itertools.pairwise(poses)]
         self._way = np.concatenate(([0.0], np.cumsum(steps)))
 
     def close(self, progress: Callable[[float], None]) -> None:

@@ -38,9 +38,7 @@ class Edge:
     """Whether it may be wrong."""
 
 
-def optimize(
-    poses: Sequence[Pose], edges: Sequence[Edge], scale: float = 3.0
-) -> list[Pose]:
+def optimize(poses: Sequence[Pose], edges: Sequence[Edge], scale: float = 3.0) -> list[Pose]:
     """Return the poses that agree best with the edges; the first one stays where it is.
 
     scale: the disagreement, in standard deviations, at which a robust edge counts a quarter.

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -19,34 +20,45 @@ from tools.slam.cloud import Cloud
 from tools.slam.keyframe import Keyframe
 from tools.slam.pose_graph import Edge, optimize
 
-ROUNDS = 2
 _NEAR = 3.0  # m between two scans' lasers
-_MOST_PARTNERS = 10  # of each scan, the nearest ones
+_MOST_PARTNERS = 8  # of each scan, the nearest ones
 _LEAST_SHARE = 0.35
 _CORRECTION = (0.3, math.radians(4.0))  # m, rad; more is a wrong match
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Refinement:
+    """Poses, and the pairs of scans that they rest on."""
+
+    poses: list[Pose]
+    pairs: list[Edge]
+
+    def disagreement(self) -> float:
+        """Return the median distance between a pair's own measure and the poses, m."""
+        off = [
+            math.dist(pair.pose[:2], self.poses[pair.start].between(self.poses[pair.end])[:2])
+            for pair in self.pairs
+        ]
+        return float(np.median(off)) if off else math.nan
 
 
 def refine(
     frames: Sequence[Keyframe],
     poses: Sequence[Pose],
-    odometry: Sequence[Edge],
+    edges: Sequence[Edge],
     progress: Callable[[float], None],
-) -> tuple[list[Pose], int]:
-    """Return better poses, and the number of pairs they rest on.
+) -> Refinement:
+    """Return better poses.
 
-    odometry: edges that hold scans that match nothing. progress: called with the number of scans
-    done, ROUNDS times over.
+    edges: those of the chain and the loops, which hold scans that match no other. progress: called
+    with the number of scans done.
     """
     clouds = [Cloud(frame.points, frame.normals) for frame in frames]
-    refined = list(poses)
-    edges: list[Edge] = []
-    for number in range(ROUNDS):
-        edges = []
-        for index, partners in enumerate(_partners(refined)):
-            edges += _pairs(frames, clouds, refined, index, partners)
-            progress(number * len(frames) + index)
-        refined = optimize(refined, [*odometry, *edges])
-    return refined, len(edges)
+    pairs: list[Edge] = []
+    for index, partners in enumerate(_partners(poses)):
+        pairs += _pairs(frames, clouds, poses, index, partners)
+        progress(index)
+    return Refinement(optimize(poses, [*edges, *pairs]), pairs)
 
 
 def _partners(poses: Sequence[Pose]) -> list[list[int]]:

@@ -17,7 +17,8 @@ import numpy as np
 
 from maps.pose import Pose, wrap_angle
 
-
+PUBLISHED_M = {"scan matching": 0.220, "particle filter": 0.070, "graph mapping": 0.031}
+"""Mean translational errors in the paper's table for the Intel Research Lab, m."""
 
 
 class RelationsError(ValueError):
@@ -47,6 +48,16 @@ class RelationError:
     rmse_m: float
     mean_deg: float
     median_deg: float
+
+    def table(self) -> str:
+        """Return the errors and, beside them, those published for the Intel Research Lab."""
+        published = ", ".join(f"{name} {error:.3f} m" for name, error in PUBLISHED_M.items())
+        return (
+            f"{self.count} relations ({self.outside} outside the log): mean {self.mean_m:.4f} m, "
+            f"median {self.median_m:.4f} m, RMSE {self.rmse_m:.4f} m; mean {self.mean_deg:.2f} "
+            f"degrees, median {self.median_deg:.2f} degrees\n"
+            f"published means for the Intel Research Lab: {published}"
+        )
 
 
 def read_relations(path: Path, offset: float = 0.0) -> list[Relation]:

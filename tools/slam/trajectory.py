@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bisect
+import itertools
 import math
 from collections.abc import Mapping, Sequence
 
@@ -28,7 +29,7 @@ class Trajectory:
         """map_from_laser by index in the odometry."""
         marks = sorted(fixed)
         self.poses[marks[0]] = fixed[marks[0]]
-        for start, end in zip(marks, marks[1:], strict=False):
+        for start, end in itertools.pairwise(marks):
             raw = [pose for _, pose in odometry[start : end + 1]]
             carried = _carry(raw, fixed[start], fixed[end])
             self.poses.update(enumerate(carried, start=start))
@@ -52,7 +53,7 @@ class Trajectory:
 def _carry(raw: Sequence[Pose], start: Pose, end: Pose) -> list[Pose]:
     """Lay a stretch of odometry so that it begins and ends where it should."""
     way = [0.0]
-    for last, pose in zip(raw, raw[1:], strict=False):
+    for last, pose in itertools.pairwise(raw):
         turn = abs(wrap_angle(pose.theta - last.theta))
         way.append(way[-1] + math.dist(pose[:2], last[:2]) + _TURN_ARM * turn)
     carried = [start.compose(raw[0].between(pose)) for pose in raw]
