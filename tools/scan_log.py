@@ -53,7 +53,7 @@ class ScanLog:
     scan_lines: list[int]
     """Each scan's own place in the odometry."""
     referenced: bool
-    """Whether every scan has a reference pose of its own."""
+    """Whether every scan has a reference pose of its own, not just its odometry."""
     truncated: str | None
     """What was lost when the file ends early; None for a whole file."""
 
@@ -82,7 +82,9 @@ def read_scan_log(path: Path) -> ScanLog:
     if path.suffix == ".mcap":
         return _read_recorded(path)
     log = read_carmen(path)
-    return ScanLog(path, log.scans, log.lines, log.scan_lines, True, log.truncated)
+    # In a log that nobody corrected the pose of a scan is its odometry.
+    referenced = any(scan.reference != scan.odometry for scan in log.scans)
+    return ScanLog(path, log.scans, log.lines, log.scan_lines, referenced, log.truncated)
 
 
 def _read_recorded(path: Path) -> ScanLog:
