@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from tools.cli import main
 from tools.commands.convert import map_of
 from tools.convert import convert
 from tools.scan_log import read_scan_log
+from tools.slam.rigid_fit import fit
 
 SCANS = 60
 
@@ -37,7 +39,8 @@ def test_a_recording_reads_as_the_log_it_was_made_of(log: CarmenLog, recording: 
     assert read.referenced
     assert len(read.scans) == SCANS
     for recorded, scan in zip(read.scans, log.scans, strict=True):
-        assert recorded.reference == pytest.approx(scan.reference)
+        off = scan.reference.between(recorded.reference)
+        assert off == pytest.approx((0.0, 0.0, 0.0), abs=1e-6)
         assert recorded.points() == pytest.approx(scan.points(), abs=0.001)
         ranges, angles = recorded.beams()
         true_ranges, true_angles = scan.beams()
@@ -48,7 +51,11 @@ def test_a_recording_reads_as_the_log_it_was_made_of(log: CarmenLog, recording: 
 
 @pytest.mark.parametrize("source", ["reference", "odometry"])
 def test_a_map_is_built_of_a_recording(
-    recording: Path, tmp_path: Path, source: str, capsys: pytest.CaptureFixture[str]
+    recording: Path,
+    log: CarmenLog,
+    tmp_path: Path,
+    source: str,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert main(["map", "build", str(recording), "-o", str(tmp_path), "--from", source]) == 0
     out = capsys.readouterr().out
@@ -56,8 +63,18 @@ def test_a_map_is_built_of_a_recording(
     assert (tmp_path / "map.yaml").exists()
     assert (tmp_path / "map.png").exists()
     if source == "odometry":
+        # No place is seen twice so early in the log: the chain alone, against the odometry alone.
+        odometry = [scan.odometry for scan in log.scans]
+        references = [scan.reference for scan in log.scans]
+        frame = fit(odometry, references)
+        alone = np.mean(
+            [
+                math.dist(frame.compose(a)[:2], b[:2])
+                for a, b in zip(odometry, references, strict=True)
+            ]
+        )
         off = float(out.split(" m mean off")[0].rsplit(" ", 1)[1])
-        assert off < 0.15
+        assert off < 0.25 * float(alone)
 
 
 def test_a_first_scan_beyond_the_end_is_refused(data_folder: Path) -> None:

@@ -18,6 +18,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from maps.pose import Pose
 from tools.slam.alignment import align
+from tools.slam.chain import close
 from tools.slam.cloud import join
 from tools.slam.correlation import search
 from tools.slam.keyframe import Keyframe
@@ -37,14 +38,15 @@ _LEAST_SHARE = 0.6
 _DISTINCT = 0.9  # the largest ratio of the scores of the second best place and the best
 _TRUSTED_WAY = 15.0  # m; drift over less needs no second witness
 _WITNESSES_WITHIN = 8.0  # m travelled
-_AGREEMENT = (0.4, math.radians(4.0))
+_AGREEMENT = (0.4, math.radians(4.0))  # m, rad
+_SURPRISE = (0.1, math.radians(1.0))  # m, rad
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Candidate:
     edge: Edge
-    drift: Pose
-    """Where the old place lies, by the loop, as seen from where the graph has it."""
+    unknown: float
+    """Way over which drift may have grown, m."""
 
 
 class LoopCloser:
@@ -73,10 +75,16 @@ class LoopCloser:
                 if (candidate := self._match(index, *place)) is not None
             ]
             believed = [edge for candidate in found for edge in self._judge(candidate)]
-            if believed:
-                self.loops += believed
+            self.loops += believed
+            if any(self._surprises(edge) for edge in believed):
                 self.poses = optimize(self.poses, self.edges + self.loops)
             progress(index)
+        self.poses = optimize(self.poses, self.edges + self.loops)
+
+    def _surprises(self, loop: Edge) -> bool:
+        """Tell whether a loop says something that the poses do not know yet."""
+        known = self.poses[loop.start].between(self.poses[loop.end])
+        return not close(known, loop.pose, _SURPRISE)
 
     def _places(self, index: int) -> list[tuple[int, float]]:
         """Return old keyframes to match one with, and the way over which drift may have grown."""
@@ -121,13 +129,12 @@ class LoopCloser:
         found = align(source.points, target, peak.pose)
         if found is None or found.share < _LEAST_SHARE:
             return None
-        edge = Edge(place, index, found.pose, found.information)
-        return _Candidate(edge, there.compose(found.pose).compose(here.inverse()))
+        return _Candidate(Edge(place, index, found.pose, found.information), unknown)
 
     def _judge(self, candidate: _Candidate) -> list[Edge]:
         """Return the loops to believe now: a candidate, and those that waited for its witness."""
         edge = candidate.edge
-        if self._unknown_way(edge.end)[edge.start] < _TRUSTED_WAY:
+        if candidate.unknown < _TRUSTED_WAY:
             return [edge]
         witnesses = [
             other
@@ -145,5 +152,4 @@ class LoopCloser:
         """Tell whether going round by two loops and the graph leads back to the start."""
         old = self.poses[other.start].between(self.poses[edge.start])
         new = self.poses[other.end].between(self.poses[edge.end])
-        off = old.compose(edge.pose).between(other.pose.compose(new))
-        return math.hypot(off.x, off.y) < _AGREEMENT[0] and abs(off.theta) < _AGREEMENT[1]
+        return close(old.compose(edge.pose), other.pose.compose(new), _AGREEMENT)

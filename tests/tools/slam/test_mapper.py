@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -37,7 +38,7 @@ def true_poses(folder: MapFolder) -> list[Pose]:
 def drifted(truth: list[Pose], rng: np.random.Generator) -> list[Pose]:
     """An odometry that turns 2 degrees too far per metre, and is 2 % long."""
     poses = [Pose(0.0, 0.0, 0.0)]
-    for last, pose in zip(truth, truth[1:], strict=False):
+    for last, pose in itertools.pairwise(truth):
         step = last.between(pose)
         noise = rng.normal(0.0, (0.01, 0.01, math.radians(0.3)))
         poses.append(

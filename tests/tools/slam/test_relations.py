@@ -42,7 +42,7 @@ def test_a_bad_file_is_named_with_the_place(tmp_path: Path, text: str, said: str
 
 
 def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
-    with pytest.raises(RelationsError, match="absent.relations: cannot be read"):
+    with pytest.raises(RelationsError, match=r"absent.relations: cannot be read"):
         read_relations(tmp_path / "absent.relations")
     cut = tmp_path / "cut.gz"
     cut.write_bytes(gzip.compress(LINES.encode() * 100)[:60])
