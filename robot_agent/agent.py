@@ -70,7 +70,11 @@ class Agent:
         self.odometry = OdometryHistory()
         self.localizer = Localizer(config.localization, folder.map, rng)
         self.tracker = TeammateTracker(config.perception, folder.map)
-        self.patrol = Patrol(config.patrol, folder.border, rng) if folder.border else None
+        self.patrol = (
+            Patrol(config.patrol, folder.border, rng, folder.approach_field)
+            if folder.border
+            else None
+        )
         self.heading_loop = HeadingLoop(config.heading)
         self.gate = SafetyGate(config.gate)
         self.reports = Reports(self, start_wall_ns)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,12 +19,16 @@ from robot_agent.patrol.rules import RULES_FILE, load_rules
 from robot_agent.patrol.settings import PatrolSettings
 from robot_agent.patrol.supervisor import Choice, Supervisor
 
+if TYPE_CHECKING:
+    from maps.approach_field import Approach, ApproachField
+
 
 @dataclass(frozen=True, slots=True)
 class PatrolDecision:
     """Everything about one decision, in the map frame, SI units.
 
-    Distances that do not exist (nobody seen, a border without ends) are infinite.
+    Distances that do not exist (nobody seen, a border without ends, no way to the border) are
+    infinite.
     """
 
     t: float
@@ -33,7 +38,8 @@ class PatrolDecision:
     degrees: dict[Action, float]
     direction: int  # +1 clockwise, -1 counter-clockwise
     velocity: tuple[float, float]  # m/s
-    distance_from_border: float
+    distance_from_border: float  # straight
+    way_to_border: float  # round walls; the same as the straight one in sight of the border
     distance_from_neighbor: float
     gamma: float  # neighbor state, eq. 13
     distance_from_left_end: float
@@ -48,10 +54,17 @@ class PatrolDecision:
 class Patrol:
     """The paper's control structure: behaviors, actions, fuzzy supervisor, direction memory."""
 
-    def __init__(self, settings: PatrolSettings, border: Border, rng: np.random.Generator) -> None:
-        """Load the rules; raises RulesError."""
+    def __init__(
+        self,
+        settings: PatrolSettings,
+        border: Border,
+        rng: np.random.Generator,
+        approach_field: ApproachField | None = None,
+    ) -> None:
+        """Load the rules; raises RulesError. Without an approach_field there are no walls."""
         self._settings = settings
         self._border = border
+        self._approach_field = approach_field
         rules = load_rules(
             Path(settings.rules_file) if settings.rules_file else RULES_FILE,
             reading=settings.reading,
@@ -73,11 +86,16 @@ class Patrol:
         self._abscissa = foot.abscissa
         neighbor = self._neighbor_state.view(position, foot, teammate)
         ends = self._distances_from_ends(foot)
-        choice = self._supervisor.choose(t, _inputs(foot, neighbor, ends))
+        approach = self._approach(position, foot)
+        # Beside the border but behind a wall a robot is as far from patrolling as its way is long.
+        way = foot.distance if approach is None else approach.distance
+        choice = self._supervisor.choose(t, _inputs(way, neighbor, ends))
         reversed_at_random = self._turned_back(t, choice.winner, ends)
         direction = self._update_direction(choice.winner, foot, pose.theta)
         holding = self._caught(choice)
-        situation = Situation(position, foot, teammate, direction, ends[0] <= 0.0, ends[1] <= 0.0)
+        situation = Situation(
+            position, foot, teammate, direction, ends[0] <= 0.0, ends[1] <= 0.0, approach
+        )
         velocity = (
             (0.0, 0.0) if holding else action_velocity(choice.winner, situation, self._settings)
         )
@@ -90,6 +108,7 @@ class Patrol:
             direction=direction,
             velocity=velocity,
             distance_from_border=foot.distance,
+            way_to_border=way,
             distance_from_neighbor=neighbor.distance,
             gamma=neighbor.gamma,
             distance_from_left_end=ends[0],
@@ -100,6 +119,11 @@ class Patrol:
             reversed_at_random=reversed_at_random,
             holding=holding,
         )
+
+    def _approach(self, position: tuple[float, float], foot: BorderProjection) -> Approach | None:
+        if self._approach_field is None:
+            return None
+        return self._approach_field.around_walls(*position, (foot.x, foot.y))
 
     def _distances_from_ends(self, foot: BorderProjection) -> tuple[float, float]:
         if self._border.closed:
@@ -142,11 +166,11 @@ class Patrol:
 
 
 def _inputs(
-    foot: BorderProjection, neighbor: NeighborView, ends: tuple[float, float]
+    way_to_border: float, neighbor: NeighborView, ends: tuple[float, float]
 ) -> dict[str, float]:
     """Crisp inputs by the names of the rule file."""
     return {
-        "distance_from_border": foot.distance,
+        "distance_from_border": way_to_border,
         "distance_from_neighbor": neighbor.distance,
         "neighbor_state": neighbor.gamma,
         "distance_from_left_end": ends[0],

@@ -120,15 +120,17 @@ class _RuleFile:
         variable = Variable(
             name, {key: self._fuzzy_set(f"{place} {key}", sets[key]) for key in _SETS[name]}
         )
-        sets = list(variable.sets.values())
-        for (low, high), one, other in zip(pairwise(variable.sets), sets, sets[1:], strict=False):
+        curves = list(variable.sets.values())
+        for (low, high), one, other in zip(
+            pairwise(variable.sets), curves, curves[1:], strict=False
+        ):
             if one.b > other.b or one.c > other.c:
                 raise self._error(place, f"{low} lies above {high}, put the sets in order")
         lowest, highest = _RANGES.get(name, _DISTANCES)
-        for x in _probes(sets, lowest, highest):
-            if not any(s(x) > 0.0 for s in sets):
+        for x in _probes(curves, lowest, highest):
+            if not any(s(x) > 0.0 for s in curves):
                 raise self._error(place, f"no set covers {x:g}, make neighboring sets overlap")
-        if name == "level" and any(s.a < lowest or s.d > highest for s in sets):
+        if name == "level" and any(s.a < lowest or s.d > highest for s in curves):
             raise self._error(place, "a set leaves 0 to 1, keep all break points inside")
         return variable
 
