@@ -98,29 +98,40 @@ class ApproachField:
             if cell == _NOWHERE:
                 break
             points.append(self._center(cell))
-        for point in points[:0:-2]:
-            if self._sees(x, y, *point, _ROOM):
+        for point in points[:1:-2]:
+            if self._keeps_room(x, y, *point):
                 return point
-        return points[0]
+        return points[min(1, len(points) - 1)]
 
     def _center(self, cell: int) -> tuple[float, float]:
         row, col = divmod(cell, self._clearance.shape[1])
         resolution, origin = self._occupancy.resolution, self._occupancy.origin
         return origin.x + (col + 0.5) * resolution, origin.y + (row + 0.5) * resolution
 
-    def _sees(
-        self, x: float, y: float, to_x: float, to_y: float, most: float = _SIGHT_ROOM
-    ) -> bool:
+    def _keeps_room(self, x: float, y: float, to_x: float, to_y: float) -> bool:
+        """Tell whether a straight line stays as far from the walls as its start, or far enough."""
+        room = self._room_along(x, y, to_x, to_y)
+        return bool(room.min() >= min(_ROOM, room[0]))
+
+    def _sees(self, x: float, y: float, to_x: float, to_y: float) -> bool:
         """Tell whether a straight line keeps its room from the walls, as far as its start does."""
+        resolution = self._occupancy.resolution
+        room = self._room_along(x, y, to_x, to_y)
+        needed = min(_SIGHT_ROOM, max(float(room[0]) - resolution, resolution / 2))
+        return bool(room.min() >= needed)
+
+    def _room_along(self, x: float, y: float, to_x: float, to_y: float) -> NDArray[np.float32]:
+        """Room from the walls along a straight line, from its start on; 0 outside the map."""
         resolution = self._occupancy.resolution
         count = math.ceil(2.0 * math.hypot(to_x - x, to_y - y) / resolution) + 2
         line = np.column_stack((np.linspace(x, to_x, count), np.linspace(y, to_y, count)))
         rows, cols = self._occupancy.cells_at(line)
-        if not self._occupancy.inside(rows, cols).all():
-            return False
-        room = self._clearance[rows, cols]
-        needed = min(most, max(float(room[0]) - resolution, resolution / 2))
-        return bool(room.min() >= needed)
+        inside = self._occupancy.inside(rows, cols)
+        if inside.all():
+            return self._clearance[rows, cols]
+        room = np.zeros(count, dtype=np.float32)
+        room[inside] = self._clearance[rows[inside], cols[inside]]
+        return room
 
 
 def _room_around(occupancy: OccupancyMap) -> NDArray[np.float32]:
