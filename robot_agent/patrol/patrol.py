@@ -12,12 +12,13 @@ import numpy as np
 from maps.border import Border, BorderProjection
 from maps.pose import Pose
 from robot_agent.patrol.actions import PATROLLING, Action, Situation, action_velocity
+from robot_agent.patrol.automaton import Automaton
 from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
 from robot_agent.patrol.neighbor_state import NeighborState, NeighborView
 from robot_agent.patrol.reversal import RandomReversal
 from robot_agent.patrol.rules import RULES_FILE, load_rules
 from robot_agent.patrol.settings import PatrolSettings
-from robot_agent.patrol.supervisor import Choice, Supervisor
+from robot_agent.patrol.supervisor import ActionChooser, Choice, Supervisor
 
 if TYPE_CHECKING:
     from maps.approach_field import Approach, ApproachField
@@ -52,7 +53,7 @@ class PatrolDecision:
 
 
 class Patrol:
-    """The paper's control structure: behaviors, actions, fuzzy supervisor, direction memory."""
+    """The paper's control structure: behaviors, actions, supervisor, direction memory."""
 
     def __init__(
         self,
@@ -65,13 +66,7 @@ class Patrol:
         self._settings = settings
         self._border = border
         self._approach_field = approach_field
-        rules = load_rules(
-            Path(settings.rules_file) if settings.rules_file else RULES_FILE,
-            reading=settings.reading,
-            safety_distance=settings.safety_distance,
-            open_border=not border.closed,
-        )
-        self._supervisor = Supervisor(rules, settings.minimum_dwell)
+        self._supervisor = _make_supervisor(settings, border)
         self._neighbor_state = NeighborState(settings, border)
         self._reversal = RandomReversal(
             settings.reversal_period, settings.reversal_probability, rng
@@ -163,6 +158,18 @@ class Patrol:
         both = min(degrees[Action.PATROL_CLOCKWISE], degrees[Action.PATROL_COUNTER_CLOCKWISE])
         others = (Action.KEEP_GOING, Action.REACH_FRONTIER, Action.AVOID_TEAMMATE)
         return both > max(degrees[action] for action in others)
+
+
+def _make_supervisor(settings: PatrolSettings, border: Border) -> ActionChooser:
+    if settings.supervisor == "automaton":
+        return Automaton(settings.automaton, settings.minimum_dwell)
+    rules = load_rules(
+        Path(settings.rules_file) if settings.rules_file else RULES_FILE,
+        reading=settings.reading,
+        safety_distance=settings.safety_distance,
+        open_border=not border.closed,
+    )
+    return Supervisor(rules, settings.minimum_dwell)
 
 
 def _inputs(
