@@ -14,6 +14,7 @@ from maps.pose import Pose
 from robot_agent.patrol.actions import PATROLLING, Action, Situation, action_velocity
 from robot_agent.patrol.automaton import Automaton
 from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
+from robot_agent.patrol.blockage import Blockage
 from robot_agent.patrol.neighbor_state import NeighborState, NeighborView
 from robot_agent.patrol.reversal import RandomReversal
 from robot_agent.patrol.rules import RULES_FILE, load_rules
@@ -49,6 +50,7 @@ class PatrolDecision:
     tangent: tuple[float, float]  # unit vector along +s at the border's nearest point
     curvature: float  # 1/m of the way ahead in the direction of patrol, + turns left; 0 off it
     reversed_at_random: bool
+    blocked: bool  # gave up waiting for an object on its way, just now
     holding: bool  # caught between an end and a teammate: stands still
 
 
@@ -71,11 +73,22 @@ class Patrol:
         self._reversal = RandomReversal(
             settings.reversal_period, settings.reversal_probability, rng
         )
+        self._blockage = Blockage(settings)
         self._abscissa: float | None = None
         self._direction: int | None = None  # of the last patrol; none before the first
 
-    def step(self, t: float, pose: Pose, teammate: tuple[float, float] | None) -> PatrolDecision:
-        """Decide at t, s, from map_from_base and the closest teammate (x, y) in the map, if any."""
+    def step(
+        self,
+        t: float,
+        pose: Pose,
+        teammate: tuple[float, float] | None,
+        *,
+        held: bool = False,
+    ) -> PatrolDecision:
+        """Decide at t, s, from map_from_base and the closest teammate (x, y) in the map, if any.
+
+        held: an obstacle kept the robot from driving since the last step.
+        """
         position = (pose.x, pose.y)
         foot = self._border.project(pose.x, pose.y, self._abscissa)
         self._abscissa = foot.abscissa
@@ -86,6 +99,9 @@ class Patrol:
         way = foot.distance if approach is None else approach.distance
         choice = self._supervisor.choose(t, _inputs(way, neighbor, ends))
         reversed_at_random = self._turned_back(t, choice.winner, ends)
+        blocked = self._blockage.ends_waiting(t, position, neighbor.distance, held=held)
+        if blocked:
+            self._turn_back(choice.winner)
         direction = self._update_direction(choice.winner, foot, pose.theta)
         holding = self._caught(choice)
         situation = Situation(
@@ -112,6 +128,7 @@ class Patrol:
             tangent=foot.tangent,
             curvature=direction * foot.curvature if choice.winner in PATROLLING else 0.0,
             reversed_at_random=reversed_at_random,
+            blocked=blocked,
             holding=holding,
         )
 
@@ -131,9 +148,13 @@ class Patrol:
         keeps_going = action is Action.KEEP_GOING and self._direction is not None
         if not self._reversal.due(t, permitted=keeps_going and away_from_ends):
             return False
-        assert self._direction is not None
-        self._direction = -self._direction
+        self._turn_back(action)
         return True
+
+    def _turn_back(self, action: Action) -> None:
+        """Keep going the other way; any other action has its direction from the supervisor."""
+        if action is Action.KEEP_GOING and self._direction is not None:
+            self._direction = -self._direction
 
     def _update_direction(self, action: Action, foot: BorderProjection, theta: float) -> int:
         """Remember the direction of the last Patrol CW or CCW; at first that of the heading."""

@@ -59,6 +59,8 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     reversal_period: Positive = 27.0  # s between random decisions to turn back [paper]
     reversal_probability: Share = 0.25
     reversal_end_distance: NotNegative = 0.8  # m from an end of an open border without any
+    blockage_time: Positive = 10.0  # s an object may hold the robot before it turns back
+    blockage_neighbor_distance: Positive = 1.0  # m; a teammate so near may be that object
     supervisor: Literal["fuzzy", "automaton"] = "fuzzy"
     minimum_dwell: NotNegative = 0.5  # s an action lasts, unless Avoid Teammate is called for
     reading: Literal["R1", "R2", "R3"] = "R1"  # of the damaged cell of Table I
