@@ -28,6 +28,7 @@ from robot_agent.motion.gate import GateDecision, GateInputs, GateReason, Safety
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.obstacles import Obstacles
 from robot_agent.odometry_history import OdometryHistory
+from robot_agent.patrol.actions import Action
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.tracker import TeammateTracker
 from robot_agent.reports import Reports
@@ -48,6 +49,8 @@ STOPPING = frozenset(
     }
 )
 """Reasons of the gate that mean the robot is being held, not merely kept to its limits."""
+
+_CRAWL = 0.05  # m/s; slower than this before an obstacle is as good as held by it
 
 _LEVELS = {
     Health.LOCALIZED: LogLevel.INFO,
@@ -72,7 +75,11 @@ class Agent:
         self.odometry = OdometryHistory()
         self.localizer = Localizer(config.localization, folder.map, rng)
         self.tracker = TeammateTracker(config.perception, folder.map)
-        self.patrol = Patrol(config.patrol, folder.border, rng) if folder.border else None
+        self.patrol = (
+            Patrol(config.patrol, folder.border, rng, folder.approach_field)
+            if folder.border
+            else None
+        )
         self.heading_loop = HeadingLoop(config.heading)
         self.gate = SafetyGate(config.gate)
         self.reports = Reports(self, start_wall_ns)
@@ -175,7 +182,7 @@ class Agent:
         # 1. Decide: closest teammate, action, velocity in the map.
         track = self.tracker.closest(t, pose)
         teammate = None if track is None else (track.x, track.y)
-        decision = self.patrol.step(t, pose, teammate)
+        decision = self.patrol.step(t, pose, teammate, held=self._held_by_obstacle())
         # 2. Act: turn that velocity into wheel speeds.
         wish = self.heading_loop.command(t, decision.velocity, pose.theta, decision.curvature)
         # 3. Gate: nothing moves the robot but what leaves here.
@@ -185,6 +192,8 @@ class Agent:
         self.base.drive(t, gate.v, gate.w)
         # 4. Tell.
         self._note_gate(t, gate)
+        if decision.blocked:
+            self._say(t, "patrol", _blocked_words(decision), LogLevel.WARNING)
         self.decision, self.gate_decision = decision, gate
         self._publish(self.reports.on_decision(t, pose, decision, wish, gate, teammate))
 
@@ -224,6 +233,11 @@ class Agent:
             v=state.v,
             w=state.w,
         )
+
+    def _held_by_obstacle(self) -> bool:
+        """Tell whether the gate's last word was to stand still before an obstacle, or about to."""
+        gate = self.gate_decision
+        return gate is not None and gate.reason is GateReason.OBSTACLE and gate.v < _CRAWL
 
     def _note_gate(self, t: float, gate: GateDecision) -> None:
         """Count and tell when the gate begins to hold the robot."""
@@ -278,3 +292,8 @@ class Agent:
         if self.gate_decision is not None and self.gate_decision.reason in STOPPING:
             return f"gate: {self.gate_decision.reason}"
         return "ok"
+
+
+def _blocked_words(decision: PatrolDecision) -> str:
+    turned = ", turns back" if decision.action is Action.KEEP_GOING else ""
+    return f"unknown object near s = {decision.abscissa:.1f} m holds the robot{turned}"
