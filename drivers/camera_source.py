@@ -78,6 +78,7 @@ def open_capture(settings: CameraSettings) -> cv2.VideoCapture:
     url = settings.url
     _look_before_opening(url)
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", QUIET)
+    os.environ.setdefault("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", str(SILENCE_MS // 1000))
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     parameters = [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, SILENCE_MS]
     parameters += [cv2.CAP_PROP_READ_TIMEOUT_MSEC, SILENCE_MS]

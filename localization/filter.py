@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,37 @@ from localization.settings import MotionSettings, SampleSettings
 from maps.pose import Pose
 
 _MUCH_LARGER = 2.0  # times the needed number of particles: then the set is thinned
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Belief:
+    """A weighted set of poses."""
+
+    particles: NDArray[np.float64]
+    """(n, 3) map_from_base."""
+    weights: NDArray[np.float64]
+    """(n,) summing to 1."""
+    slips: NDArray[np.float32]
+    """(n,) share of the last counted translation that each particle did not move."""
+
+    @classmethod
+    def in_each_of(cls, particles: NDArray[np.float64]) -> Belief:
+        """Believe equally in each of particles (n, 3)."""
+        count = len(particles)
+        return cls(particles, np.full(count, 1.0 / count), np.zeros(count, np.float32))
+
+    def drawn(self, chosen: NDArray[np.intp]) -> Belief:
+        """Believe equally in each of the chosen particles (m,)."""
+        count = len(chosen)
+        return Belief(self.particles[chosen], np.full(count, 1.0 / count), self.slips[chosen])
+
+    def mixed_with(self, other: Belief) -> Belief:
+        """Believe as much in another belief as in this."""
+        return Belief(
+            np.vstack((self.particles, other.particles)),
+            np.concatenate((0.5 * self.weights, 0.5 * other.weights)),
+            np.concatenate((self.slips, other.slips)),
+        )
 
 
 class ParticleFilter:
@@ -31,21 +64,27 @@ class ParticleFilter:
 
     def restart(self, particles: NDArray[np.float64]) -> None:
         """Forget everything and believe equally in each of particles (n, 3)."""
-        self.particles = particles
-        self.weights = np.full(len(particles), 1.0 / len(particles))
-        self.effective_sample_size = float(len(particles))
+        self.belief = Belief.in_each_of(particles)
+
+    @property
+    def belief(self) -> Belief:
+        """The present belief; setting it restores one from before."""
+        return Belief(self.particles, self.weights, self._slips)
+
+    @belief.setter
+    def belief(self, belief: Belief) -> None:
+        self.particles, self.weights, self._slips = belief.particles, belief.weights, belief.slips
+        self.effective_sample_size = effective_sample_size(self.weights)
 
     def doubt(self, others: NDArray[np.float64], kept: int) -> None:
         """Believe as much in the particles ``others`` (n, 3) as in ``kept`` drawn from before."""
-        before = self.particles[self._draw(kept)]
-        self.particles = np.vstack((before, others))
-        self.weights = np.concatenate(
-            (np.full(kept, 0.5 / kept), np.full(len(others), 0.5 / len(others)))
-        )
+        self.belief = self.belief.drawn(self._draw(kept)).mixed_with(Belief.in_each_of(others))
 
     def predict(self, increment: Pose) -> None:
         """Move the particles by a step of the odometry (base_then_from_base_now)."""
-        self.particles = move_particles(self.particles, increment, self._motion, self._rng)
+        self.particles, self._slips = move_particles(
+            self.particles, self._slips, increment, self._motion, self._rng
+        )
 
     def weigh(self, points: NDArray[np.float64], independent_beams: float) -> None:
         """Multiply the weights by the likelihood of a scan's end points (m, 2) in base_link.
@@ -75,7 +114,7 @@ class ParticleFilter:
             if count <= _MUCH_LARGER * needed:
                 return
             drawn = self._draw(needed)
-        self.particles = self.particles[drawn]
+        self.particles, self._slips = self.particles[drawn], self._slips[drawn]
         self.weights = np.full(needed, 1.0 / needed)
 
     def _draw(self, count: int) -> NDArray[np.intp]:

@@ -18,12 +18,14 @@ class GlobalSearch:
         self._settings = settings
         self._occupancy = occupancy
         standable = (occupancy.cells == FREE) & (occupancy.distance_field() >= settings.clearance)
-        self._floor = np.flatnonzero(standable).astype(np.int32)
+        # One bit a cell: searches are rare, large maps are not.
+        self._standable = np.packbits(standable)
+        self._count = int(np.count_nonzero(standable))
 
     @property
     def possible(self) -> bool:
         """Whether there is such floor on the map."""
-        return self._floor.size > 0
+        return self._count > 0
 
     def sample(self, rng: np.random.Generator) -> NDArray[np.float64]:
         """Return particles (n, 3) (map_from_base) uniform over floor and headings.
@@ -33,11 +35,12 @@ class GlobalSearch:
         if not self.possible:
             raise MapError("the map has no free floor clear of walls to search for the robot on")
         resolution, origin = self._occupancy.resolution, self._occupancy.origin
-        area = self._floor.size * resolution**2
-        wanted = math.ceil(area * self._settings.particles_per_area)
+        wanted = math.ceil(self._count * resolution**2 * self._settings.particles_per_area)
         count = min(wanted, self._settings.maximum)
-        cells = self._floor[rng.integers(self._floor.size, size=count)]
-        rows, cols = np.divmod(cells, self._occupancy.cells.shape[1])
+        floor = np.flatnonzero(np.unpackbits(self._standable, count=self._occupancy.cells.size))
+        rows, cols = np.divmod(
+            floor[rng.integers(self._count, size=count)], self._occupancy.cells.shape[1]
+        )
         inside = rng.random((2, count))
         return np.column_stack(
             (

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import StrEnum
 
+from localization.scan_check import Fit
 from localization.settings import HealthSettings
 
 
@@ -15,60 +17,94 @@ class Health(StrEnum):
     LOST = "lost"
 
 
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What one update says about the estimate."""
+
+    fit: Fit | None
+    """Of the scan at the estimate; None if it has too few beams to tell."""
+    spread: float
+    """Standard deviation of the best cluster's position along its worst direction, m."""
+    share: float
+    """Of the weight in the best cluster, 0..1."""
+    through: float = 0.0
+    """Share of the beams that pass through mapped walls, 0..1."""
+    jump_xy: float = 0.0
+    """Between the estimate and where the odometry would put it, m."""
+    jump_theta: float = 0.0
+    """Likewise, rad."""
+    strayed: bool = False
+    """Whether the scan fits only beside where the odometry would put it."""
+    worth: float = 1.0
+    """Of the scan: 1 if taken a step away from the last one, less on the same place."""
+
+
 _RANK = {Health.LOST: 0, Health.UNSURE: 1, Health.LOCALIZED: 2}
+_ENOUGH = 1.0 - 1e-9  # sums of worths are not exact
 
 
 class HealthMonitor:
-    """Judges each update by the scan's fit and the belief's spread; confirms before it changes."""
+    """Judges each update by its evidence; wants several to agree before it changes its mind."""
 
     def __init__(self, settings: HealthSettings, health: Health = Health.UNSURE) -> None:
         self._settings = settings
         self.health = health
-        self._run: list[Health] = []  # verdicts in a row that were all better, or all worse
+        # Verdicts in a row that were all better, or all worse, with the worth of their scans.
+        self._run: list[tuple[Health, float]] = []
 
-    def update(self, likelihood: float | None, spread: float, share: float) -> Health:
-        """Return the health after one more update.
-
-        likelihood: mean fit of the current scan's beams at the estimate, 0..1, None if it has too
-        few to tell; spread: of the best cluster, m; share: of the weight in that cluster, 0..1.
-        """
-        verdict = self._verdict(likelihood, spread, share)
-        if self._run and self._change(verdict) * self._change(self._run[0]) <= 0:
-            self._run.clear()
+    def update(self, evidence: Evidence) -> Health:
+        """Return the health after one more update."""
+        verdict = self._verdict(evidence)
         change = self._change(verdict)
-        if change != 0:
-            self._run.append(verdict)
-        settings = self._settings
-        if len(self._run) >= (
-            settings.updates_to_worsen if change < 0 else settings.updates_to_improve
-        ):
-            # What all of the run agree on: the verdict nearest to the present health.
-            self.health = min(self._run, key=lambda verdict: abs(self._change(verdict)))
+        if self._run and change * self._change(self._run[0][0]) <= 0:
             self._run.clear()
+        if change == 0:
+            return self.health
+        self._run.append((verdict, evidence.worth))
+        needed = self._settings.worsen_after if change < 0 else self._settings.improve_after
+        if sum(worth for _, worth in self._run) >= needed * _ENOUGH:
+            # What all of the run agree on: the verdict nearest to the present health.
+            self.health = min((each for each, _ in self._run), key=lambda v: abs(self._change(v)))
+            self._keep_what_asks_for_more(change)
         return self.health
+
+    def _keep_what_asks_for_more(self, change: int) -> None:
+        """Drop the run but for its newest verdicts that a further change may build on."""
+        kept = len(self._run)
+        while kept and self._change(self._run[kept - 1][0]) * change > 0:
+            kept -= 1
+        del self._run[:kept]
 
     def _change(self, verdict: Health) -> int:
         """Return how much better (positive) or worse a verdict is than the present health."""
         return _RANK[verdict] - _RANK[self.health]
 
-    def _verdict(self, likelihood: float | None, spread: float, share: float) -> Health:
+    def _verdict(self, evidence: Evidence) -> Health:
         """Judge one update alone; thresholds depend on the present health (hysteresis)."""
         settings = self._settings
-        if likelihood is None:
+        if evidence.fit is None:
             return Health.LOST if self.health is Health.LOST else Health.UNSURE
         lost_limit = settings.found_above if self.health is Health.LOST else settings.lost_below
-        if likelihood < lost_limit:
+        if evidence.fit.excusing < lost_limit:
             return Health.LOST
         if self.health is Health.LOCALIZED:
             good = (
-                likelihood >= settings.unsure_below
-                and spread <= settings.unsure_spread
-                and share >= settings.unsure_share
+                evidence.fit.excusing >= settings.unsure_below
+                and evidence.through <= settings.unsure_through
+                and evidence.spread <= settings.unsure_spread
+                and evidence.share >= settings.unsure_share
             )
         else:
+            # People may hide the map from a robot that knows where it is; who does not must see it.
             good = (
-                likelihood >= settings.localized_above
-                and spread <= settings.localized_spread
-                and share >= settings.localized_share
+                evidence.fit.whole >= settings.localized_above
+                and evidence.through <= settings.localized_through
+                and evidence.spread <= settings.localized_spread
+                and evidence.share >= settings.localized_share
             )
-        return Health.LOCALIZED if good else Health.UNSURE
+        steady = (
+            not evidence.strayed
+            and evidence.jump_xy <= settings.jump_xy
+            and evidence.jump_theta <= settings.jump_theta
+        )
+        return Health.LOCALIZED if good and steady else Health.UNSURE

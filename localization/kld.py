@@ -41,6 +41,7 @@ def needed_samples(particles: NDArray[np.float64], settings: SampleSettings) -> 
     """Return the number of samples for the belief drawn as particles (n, 3)."""
     if settings.fixed is not None:
         return settings.fixed
-    bins = np.unique(bin_keys(particles, settings.bin_xy, settings.bin_theta)).size
+    keys = np.sort(bin_keys(particles, settings.bin_xy, settings.bin_theta))
+    bins = 1 + int(np.count_nonzero(keys[1:] != keys[:-1]))
     size = sample_size(bins, settings.error, settings.quantile)
     return min(max(size, settings.minimum), settings.maximum)

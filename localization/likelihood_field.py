@@ -47,7 +47,7 @@ class LikelihoodField:
         exponent = min(1.0, independent_beams / len(points))
         weight = np.full(len(points), exponent, dtype=np.float32)
         chunks = [
-            self._gather(particles[start : start + _CHUNK], points) @ weight
+            weight @ self._gather(particles[start : start + _CHUNK], points)
             for start in range(0, len(particles), _CHUNK)
         ]
         return np.concatenate(chunks).astype(np.float64)
@@ -55,7 +55,11 @@ class LikelihoodField:
     def _gather(
         self, particles: NDArray[np.float64], points: NDArray[np.float64]
     ) -> NDArray[np.float32]:
-        """Return (n, m) each beam's log-likelihood for each particle."""
+        """Return (m, n) each beam's log-likelihood for each particle.
+
+        A beam's ends lie close together for all particles of a cloud: in this order the look-ups
+        stay in the cache.
+        """
         columns, rows = self._pixels(particles, points)
         looked_up = cv2.remap(
             self._log_image,
@@ -70,7 +74,7 @@ class LikelihoodField:
     def _pixels(
         self, poses: NDArray[np.float64], points: NDArray[np.float64]
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Return (n, m) columns and (n, m) rows of points (m, 2) seen from poses (n, 3).
+        """Return (m, n) columns and (m, n) rows of points (m, 2) seen from poses (n, 3).
 
         In pixels; (0, 0) is the centre of the lower-left cell.
         """
@@ -78,14 +82,14 @@ class LikelihoodField:
         heading = poses[:, 2].astype(np.float32)
         scale = np.float32(1.0 / self._resolution)
         cosine, sine = np.cos(heading) * scale, np.sin(heading) * scale
-        rigid = np.empty((2, count, 3), dtype=np.float32)
-        rigid[0, :, 0], rigid[0, :, 1] = cosine, -sine
-        rigid[1, :, 0], rigid[1, :, 1] = sine, cosine
-        rigid[:, :, 2] = ((poses[:, :2] - self._origin[:2]) / self._resolution - 0.5).T
-        homogeneous = np.ones((3, len(points)), dtype=np.float32)
-        homogeneous[:2] = points.T
-        columns, rows = rigid @ homogeneous
-        return columns, rows
+        rigid = np.empty((2, 3, count), dtype=np.float32)
+        rigid[0, 0], rigid[0, 1] = cosine, -sine
+        rigid[1, 0], rigid[1, 1] = sine, cosine
+        rigid[0, 2] = (poses[:, 0] - self._origin.x) / self._resolution - 0.5
+        rigid[1, 2] = (poses[:, 1] - self._origin.y) / self._resolution - 0.5
+        homogeneous = np.ones((len(points), 3), dtype=np.float32)
+        homogeneous[:, :2] = points
+        return homogeneous @ rigid[0], homogeneous @ rigid[1]
 
 
 def spread_evenly(points: NDArray[np.float64], count: int) -> NDArray[np.float64]:

@@ -3,21 +3,38 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from localization.cluster import best_cluster
+from localization.cluster import Cluster, best_cluster
 from localization.estimate import Estimate
 from localization.filter import ParticleFilter
 from localization.global_search import GlobalSearch
-from localization.health import Health, HealthMonitor
+from localization.health import Evidence, Health, HealthMonitor
 from localization.likelihood_field import LikelihoodField
-from localization.refinement import Refinement
+from localization.refinement import Refined, Refinement
+from localization.scan_check import Fit, ScanCheck
 from localization.settings import LocalizationSettings
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
+
+_WINDOW_STEP = 0.2  # of a window's reach, to the sample nearest to the best pose in it
+_STILL_DECAY = 0.8  # of a scan's worth to a search, from one scan to the next on the same spot
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Sight:
+    """Where one scan is thought to be taken."""
+
+    cluster: Cluster
+    refined: Refined | None
+    pose: Pose
+    fit: Fit | None
+    strayed: bool = False
+    """Whether it is found only beside where the odometry puts it."""
 
 
 class Localizer:
@@ -37,21 +54,21 @@ class Localizer:
         field = LikelihoodField(settings.sensor, occupancy)
         self._filter = ParticleFilter(settings.motion, field, rng)
         self._refinement = Refinement(settings.refinement, occupancy)
+        self._check = ScanCheck(settings.check, occupancy, self._refinement.surface)
         self._search = GlobalSearch(settings.search, occupancy)
         # A number fixed for tracking would be too small for a search.
         self._search_samples = msgspec.structs.replace(
             settings.samples, fixed=None, maximum=settings.search.maximum_after
         )
-        # How much an update adds to the doubt that, once whole, starts a search.
-        self._doubt_of = {
-            Health.LOST: 1.0 / (settings.search.after_lost or math.inf),
-            Health.UNSURE: 1.0 / (settings.search.after_unsure or math.inf),
-        }
+        self._least_covariance = np.diag(
+            np.square((settings.floor.xy, settings.floor.xy, settings.floor.theta))
+        )
         self._monitor = HealthMonitor(settings.health)
         self._started = False
         self._searching = False
         self._last_odometry: Pose | None = None
-        self._doubt = 0.0
+        self._still_scans = 0
+        self._doubt = 0.0  # once whole, the whole map is searched
         self.estimate: Estimate | None = None
 
     @property
@@ -88,14 +105,24 @@ class Localizer:
         self._doubt = 0.0
         self.estimate = None
 
-    def update(self, t: float, odometry: Pose, points: NDArray[np.float64]) -> Estimate:
+    def update(
+        self,
+        t: float,
+        odometry: Pose,
+        points: NDArray[np.float64],
+        ignore: NDArray[np.bool_] | None = None,
+    ) -> Estimate:
         """Take in a scan and return the new estimate.
 
         t: when the scan was measured, s. odometry: odom_from_base then. points: (n, 2) end points
-        of the beams that returned, m, base_link. Raises RuntimeError before a start.
+        of the beams that returned, m, base_link at that time, in the order of their bearing.
+        ignore: (n,) the beams known to end on people or teammates. Raises RuntimeError before a
+        start.
         """
         if not self._started:
             raise RuntimeError("the localizer was told no start: call start_at or start_anywhere")
+        if ignore is not None:
+            points = points[~ignore]
         if self._doubt >= 1.0 and self._search.possible:
             self._search_again()
         # 1. Move the particles by what the wheels counted since the last scan.
@@ -104,10 +131,16 @@ class Localizer:
             self._filter.predict(increment)
         self._last_odometry = odometry
         # 2. Weigh them by the scan.
-        self._filter.weigh(points, self._worth(increment))
-        # 3. Estimate from the best cluster, slid to where the scan fits best.
-        self.estimate = self._estimate(t, odometry, points)
-        # 4. Renew the set for the next scan.
+        worth = self._worth(increment)
+        self._weigh(points, worth)
+        # 3. Take the best cluster, slid to where the scan fits best.
+        sight = self._look(points)
+        # 4. If the scan does not fit there, see whether it fits nearby: wheels slip.
+        if not self._searching:
+            sight = self._look_around(sight, points, worth)
+        # 5. Judge how sure that is.
+        self.estimate = self._judge(t, odometry, points, sight, worth)
+        # 6. Renew the set for the next scan.
         self._filter.resample(self._search_samples if self._searching else self._settings.samples)
         return self.estimate
 
@@ -118,40 +151,101 @@ class Localizer:
         self._doubt = 0.0
 
     def _worth(self, increment: Pose | None) -> float:
-        """Return how many independent beams a scan is worth after a step (None: the first).
+        """Return how much of a whole scan this one is worth after a step (None: the first).
 
         Scans from the same spot repeat each other's errors; taken at full worth they would breed
-        a false confidence.
+        a false confidence. A search, which must not decide between two places by such errors,
+        takes them at less and less.
         """
-        sensor = self._settings.sensor
-        beams = (
-            self._settings.search.independent_beams if self._searching else sensor.independent_beams
-        )
         if increment is None:
-            return beams
+            return 1.0
+        sensor = self._settings.sensor
         travel = math.hypot(increment.x, increment.y) / sensor.full_step_xy
         step = max(travel, abs(increment.theta) / sensor.full_step_theta)
-        return beams * min(1.0, max(sensor.still_worth, step))
+        self._still_scans = 0 if step > sensor.still_worth else self._still_scans + 1
+        still_worth = sensor.still_worth
+        if self._searching:
+            still_worth *= _STILL_DECAY**self._still_scans
+        return min(1.0, max(still_worth, step))
 
-    def _estimate(self, t: float, odometry: Pose, points: NDArray[np.float64]) -> Estimate:
+    def _weigh(self, points: NDArray[np.float64], worth: float) -> None:
+        chosen = self._settings.search if self._searching else self._settings.sensor
+        self._filter.weigh(points, worth * chosen.independent_beams)
+
+    def _look(self, points: NDArray[np.float64]) -> _Sight:
+        """Return the best cluster and the pose in it that the scan fits best."""
         cluster = best_cluster(self.particles, self.weights)
         refined = self._refinement.refine(cluster.mean, cluster.covariance, points)
-        pose = cluster.mean if refined is None else refined
-        likelihood = self._refinement.fit(pose, points, self._settings.health.sigma)
-        health = self._monitor.update(likelihood, cluster.spread, cluster.share)
-        if health is Health.LOCALIZED:
-            self._doubt, self._searching = 0.0, False
-        elif likelihood is not None and likelihood < self._settings.health.localized_above:
-            self._doubt += self._doubt_of[health]
+        pose = cluster.mean if refined is None else refined.pose
+        return _Sight(cluster, refined, pose, self._check.fit(pose, points))
+
+    def _look_around(self, sight: _Sight, points: NDArray[np.float64], worth: float) -> _Sight:
+        """Weigh poses in a window round a misfit; believe in them if the scan fits there."""
+        before, window = self._filter.belief, self._settings.window
+        if sight.fit is None or sight.fit.excusing >= window.below:
+            return sight
+        reach = np.array((window.reach_xy, window.reach_xy, window.reach_theta))
+        offsets = self._rng.uniform(-1.0, 1.0, (window.samples, 3)) * reach
+        self._filter.restart(np.array(sight.cluster.mean) + offsets)
+        self._weigh(points, worth)
+        best = Pose(*self.particles[self.weights.argmax()].tolist())
+        refined = self._refinement.refine(best, np.diag(np.square(_WINDOW_STEP * reach)), points)
+        if refined is not None:
+            fit = self._check.fit(refined.pose, points)
+            needed = max(window.above, sight.fit.whole + window.gain)
+            # A false fit is seen through walls.
+            through = self._check.through(refined.pose, points)
+            possible = through <= self._settings.health.localized_through
+            if fit is not None and fit.whole >= needed and possible:
+                cluster = best_cluster(self.particles, self.weights)
+                return _Sight(cluster, refined, refined.pose, fit, strayed=True)
+        self._filter.belief = before
+        return sight
+
+    def _judge(
+        self, t: float, odometry: Pose, points: NDArray[np.float64], sight: _Sight, worth: float
+    ) -> Estimate:
+        cluster, pose = sight.cluster, sight.pose
+        last = self.estimate
+        jump = Pose(0.0, 0.0, 0.0) if last is None else last.pose_at(odometry).between(pose)
+        before = self._monitor.health
+        # While all is well, following the beams through the map tells nothing new.
+        seen = 0.0 if sight.fit is None else sight.fit.whole
+        well = before is Health.LOCALIZED and seen >= self._settings.window.above
+        health = self._monitor.update(
+            Evidence(
+                fit=sight.fit,
+                spread=cluster.spread,
+                share=cluster.share,
+                strayed=sight.strayed,
+                through=0.0 if well else self._check.through(pose, points),
+                jump_xy=math.hypot(jump.x, jump.y),
+                jump_theta=abs(jump.theta),
+                worth=worth,
+            )
+        )
+        self._renew_doubt(before, health, sight.fit, worth)
+        covariance = cluster.covariance if sight.refined is None else sight.refined.covariance
         return Estimate(
             t=t,
             pose=pose,
             odometry=odometry,
-            covariance=cluster.covariance,
+            covariance=covariance + self._least_covariance,
             health=health,
             particle_count=len(self.weights),
             effective_sample_size=self._filter.effective_sample_size,
-            likelihood=0.0 if likelihood is None else likelihood,
+            likelihood=seen,
             cluster_share=cluster.share,
-            refined=refined is not None,
+            refined=sight.refined is not None,
         )
+
+    def _renew_doubt(self, before: Health, health: Health, fit: Fit | None, worth: float) -> None:
+        """Count up to the next search of the whole map: at once when lost, then now and then."""
+        search = self._settings.search
+        if health is Health.LOCALIZED:
+            self._doubt, self._searching = 0.0, False
+        elif health is Health.LOST and before is not Health.LOST and not self._searching:
+            self._doubt = 1.0
+        elif fit is not None and fit.whole < self._settings.health.localized_above:
+            scans = search.repeat_lost if health is Health.LOST else search.repeat_unsure
+            self._doubt += worth / (scans or math.inf)

@@ -1,8 +1,9 @@
 """Odometry motion model: particles moved by the wheels' count and scattered by its errors.
 
 Thrun, Burgard, Fox, "Probabilistic Robotics", table 5.6 (sample_motion_model_odometry): a step is
-a rotation, a translation and a rotation. Two additions: a floor of noise at every step, and a few
-particles scattered widely, so that slipping wheels do not leave the filter behind.
+a rotation, a translation and a rotation. Two additions, so that slipping wheels do not leave the
+filter behind: a floor of noise at every step, and a few particles that slip. A particle that
+slipped is likely to slip again by as much, so that a lasting slip soon proves itself.
 """
 
 from __future__ import annotations
@@ -34,36 +35,42 @@ def decompose(increment: Pose) -> tuple[float, float, float]:
 
 def move_particles(
     particles: NDArray[np.float64],
+    slips: NDArray[np.float32],
     increment: Pose,
     settings: MotionSettings,
     rng: np.random.Generator,
-) -> NDArray[np.float64]:
-    """Return particles (n, 3) (map_from_base) moved by a sample each of the odometry's step.
+) -> tuple[NDArray[np.float64], NDArray[np.float32]]:
+    """Return particles (n, 3) moved by a sample each of the odometry's step, and their slips.
 
-    ``increment`` is the raw odometry's step in the frame of the robot at the last update.
+    particles: map_from_base. slips (n,): the share of a counted translation that each particle
+    lost at its last step. ``increment``: the raw odometry's step in the frame of the robot at the
+    last update.
     """
     count = len(particles)
     first, translation, second = decompose(increment)
     noise = rng.standard_normal((4, count), dtype=np.float32)
     floor_xy = np.full(count, settings.floor_xy, dtype=np.float32)
     floor_theta = np.full(count, settings.floor_theta, dtype=np.float32)
+    slips = slips * (rng.random(count, dtype=np.float32) < settings.slip_lasting)
     if settings.slip_share > 0.0:
         scouts = slice(None, None, max(1, round(1.0 / settings.slip_share)))
         floor_xy[scouts] += settings.slip_xy
         floor_theta[scouts] += settings.slip_theta
+        slips[scouts] = settings.slip_most * rng.random(len(slips[scouts]), dtype=np.float32)
     travel_sigma = np.hypot(floor_xy, _translation_sigma(first, translation, second, settings))
     turn_sigma = np.hypot(floor_theta, _rotation_sigma(second, translation, settings))
-    heading = particles[:, 2] + (first + _rotation_sigma(first, translation, settings) * noise[0])
-    ahead = translation + travel_sigma * noise[1]
+    # Single precision is ample for a step of a metre or so.
+    heading = particles[:, 2].astype(np.float32)
+    heading += first + _rotation_sigma(first, translation, settings) * noise[0]
+    ahead = np.float32(translation) * (np.float32(1.0) - slips) + travel_sigma * noise[1]
     aside = floor_xy * noise[2]
-    # Single precision is ample for the direction of a step of a metre or so.
-    cosine, sine = np.cos(heading.astype(np.float32)), np.sin(heading.astype(np.float32))
+    cosine, sine = np.cos(heading), np.sin(heading)
     theta = heading + second + turn_sigma * noise[3]
     moved = np.empty_like(particles)
     moved[:, 0] = particles[:, 0] + (ahead * cosine - aside * sine)
     moved[:, 1] = particles[:, 1] + (ahead * sine + aside * cosine)
     moved[:, 2] = theta - math.tau * np.rint(theta / math.tau)
-    return moved
+    return moved, slips
 
 
 def _rotation_sigma(rotation: float, translation: float, settings: MotionSettings) -> float:

@@ -9,6 +9,7 @@ stays where the filter has it.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import cv2
@@ -24,7 +25,30 @@ from maps.pose import Pose, wrap_angle
 _CLOUD_SIGMAS = 4.0  # a refinement farther than this from the cloud's mean is refused
 _FAR_KERNELS = 3.0  # end points farther from the map than this pull no more
 _CONVERGED = 3e-3  # m and rad
-_TOO_FEW_POINTS = 10
+TOO_FEW_POINTS = 10
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Refined:
+    """A pose slid to where the scan fits best."""
+
+    pose: Pose
+    """map_from_base."""
+    covariance: NDArray[np.float64]
+    """(3, 3) of x, y, theta: what scan and particle cloud together leave open."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Misfit:
+    """How a scan misfits at a pose, linearized."""
+
+    cost: float
+    gradient: NDArray[np.float64]
+    """(3,) of the cost by x, y, theta."""
+    curvature: NDArray[np.float64]
+    """(3, 3), Gauss-Newton's."""
+    residual: float
+    """Root mean square distance from the map of the end points that count, m."""
 
 
 class Refinement:
@@ -34,63 +58,70 @@ class Refinement:
         self._settings = settings
         least = (settings.least_xy, settings.least_xy, settings.least_theta)
         self._least_covariance = np.diag(np.square(least))
-        self._surface = DistanceSurface(occupancy, _FAR_KERNELS * settings.kernel)
+        self.surface = DistanceSurface(occupancy, _FAR_KERNELS * settings.kernel)
 
     def refine(
         self, mean: Pose, covariance: NDArray[np.float64], points: NDArray[np.float64]
-    ) -> Pose | None:
+    ) -> Refined | None:
         """Return a better map_from_base near the cloud, or None if there is none to be trusted.
 
         mean, covariance (3, 3): the particle cloud's. points (m, 2): end points in base_link, m.
         """
-        ends = _as_complex(spread_evenly(points, self._settings.points))
-        if len(ends) < _TOO_FEW_POINTS:
+        ends = as_complex(spread_evenly(points, self._settings.points))
+        if len(ends) < TOO_FEW_POINTS:
             return None
-        information = np.linalg.inv(covariance + self._least_covariance)
+        prior = np.linalg.inv(covariance + self._least_covariance)
         away: NDArray[np.float64] = np.zeros(3)
-        best = away
+        best, best_misfit = away, None
         start_cost = best_cost = math.inf
         for step in range(self._settings.steps + 1):
-            cost, gradient, curvature = self._linearize(_moved(mean, away), ends)
-            pull_back = information @ away
-            cost += 0.5 * float(away @ pull_back)
+            misfit = self._misfit(_moved(mean, away), ends)
+            pull_back = prior @ away
+            cost = misfit.cost + 0.5 * float(away @ pull_back)
             if step == 0:
                 start_cost = cost
             if cost < best_cost:
-                best_cost, best = cost, away
-            change = _solve(curvature + information, -(gradient + pull_back))
+                best_cost, best, best_misfit = cost, away, misfit
+            change = _solve(misfit.curvature + prior, -(misfit.gradient + pull_back))
             if np.abs(change).max() < _CONVERGED:
                 break
             away = away + change
-        if best_cost >= start_cost or not self._is_near(best, information):
+        if best_cost >= start_cost or best_misfit is None or not self._is_near(best, prior):
             return None
-        return _moved(mean, best)
+        return Refined(_moved(mean, best), self._covariance(best_misfit, prior, len(ends)))
 
-    def fit(self, pose: Pose, points: NDArray[np.float64], sigma: float) -> float | None:
-        """Return how well end points (m, 2) fit the map at a pose: mean of exp(-d^2/2 sigma^2).
-
-        1: all on mapped surfaces, 0: none near one, None: too few points to tell.
-        """
-        ends = _as_complex(spread_evenly(points, self._settings.points))
-        if len(ends) < _TOO_FEW_POINTS:
-            return None
-        distance = self._surface.sample(pose, _turned(ends, pose))[2]
-        return float(np.exp(distance * distance * np.float32(-0.5 / sigma**2)).mean())
-
-    def _linearize(
-        self, pose: Pose, ends: NDArray[np.complex64]
-    ) -> tuple[float, NDArray[np.float64], NDArray[np.float64]]:
-        """Return cost, gradient (3,) and Gauss-Newton curvature (3, 3) of the scan's misfit."""
-        arms = _turned(ends, pose)
-        slope_x, slope_y, distance = self._surface.sample(pose, arms)
+    def _misfit(self, pose: Pose, ends: NDArray[np.complex64]) -> _Misfit:
+        arms = turned(ends, pose)
+        slope_x, slope_y, distance = self.surface.sample(pose, arms)
         # Turning the robot moves an end point at right angles to its lever arm.
         slope_theta = slope_y * arms.real - slope_x * arms.imag
         rows = np.array((slope_x, slope_y, slope_theta, distance))
         pull = np.exp(distance * distance * np.float32(-0.5 / self._settings.kernel**2))
+        moments = ((rows * pull) @ rows.T).astype(np.float64)
+        total = float(pull.sum())
         scale = self._information_per_point(len(ends))
-        moments = ((rows * pull) @ rows.T).astype(np.float64) * scale
-        cost = scale * self._settings.kernel**2 * float(len(ends) - pull.sum())
-        return cost, moments[:3, 3], moments[:3, :3]
+        return _Misfit(
+            cost=scale * self._settings.kernel**2 * (len(ends) - total),
+            gradient=scale * moments[:3, 3],
+            curvature=scale * moments[:3, :3],
+            residual=math.sqrt(moments[3, 3] / max(total, 1.0)),
+        )
+
+    def _covariance(
+        self, misfit: _Misfit, prior: NDArray[np.floating[Any]], count: int
+    ) -> NDArray[np.float64]:
+        """Return (3, 3) what the scan at its best pose and the cloud leave open together.
+
+        The end points' own residual is the measure of their error (the a-posteriori variance of
+        least squares): where the map is blurred, the pose is less sure. They err together, so
+        that a whole scan is worth a few independent ones.
+        """
+        settings = self._settings
+        residual = max(misfit.residual, settings.least_residual)
+        worth = min(1.0, settings.covariance_points / count) / residual**2
+        per_point = misfit.curvature / self._information_per_point(count)
+        covariance = np.asarray(np.linalg.inv(per_point * worth + prior), dtype=np.float64)
+        return 0.5 * (covariance + covariance.T)  # single precision moments are not quite symmetric
 
     def _information_per_point(self, count: int) -> float:
         return min(1.0, self._settings.independent_points / count) / self._settings.sigma**2
@@ -104,12 +135,12 @@ class Refinement:
         )
 
 
-def _as_complex(points: NDArray[np.float64]) -> NDArray[np.complex64]:
+def as_complex(points: NDArray[np.float64]) -> NDArray[np.complex64]:
     """Return points (m, 2) as x + iy: turning them is then one multiplication."""
     return (points[:, 0] + 1j * points[:, 1]).astype(np.complex64)
 
 
-def _turned(ends: NDArray[np.complex64], pose: Pose) -> NDArray[np.complex64]:
+def turned(ends: NDArray[np.complex64], pose: Pose) -> NDArray[np.complex64]:
     """Return (m,) the lever arms from the robot to its end points along the map's axes."""
     return ends * np.complex64(complex(math.cos(pose.theta), math.sin(pose.theta)))
 

@@ -25,7 +25,9 @@ class MotionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     translation_per_rotation: NotNegative = 0.03  # m/rad
     floor_xy: Positive = 0.01  # m
     floor_theta: Positive = 0.01  # rad
-    slip_share: Share = 0.05  # of the particles, moved as if the wheels had slipped
+    slip_share: Share = 0.1  # of the particles, moved as if the wheels had slipped
+    slip_most: Share = 0.5  # of the translation counted, lost by them at most
+    slip_lasting: Share = 0.7  # of the particles that slipped, slip on at the next step
     slip_xy: NotNegative = 0.1  # m
     slip_theta: NotNegative = 0.1  # rad
 
@@ -46,7 +48,7 @@ class SampleSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     """Number of particles: fixed, or by KLD sampling between a minimum and a maximum."""
 
     fixed: Count | None = None  # None: KLD sampling
-    minimum: Count = 200
+    minimum: Count = 500
     maximum: Count = 5000
     bin_xy: Positive = 0.1  # m
     bin_theta: Positive = 0.087  # rad
@@ -66,6 +68,8 @@ class RefinementSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     steps: Count = 4
     independent_points: Positive = 60.0  # what the points of one scan are worth together
     sigma: Positive = 0.05  # m; of an end point's distance from the mapped surface
+    covariance_points: Positive = 6.0  # what they are worth when the covariance is stated
+    least_residual: Positive = 0.01  # m; the laser's own noise
     kernel: Positive = 0.15  # m; end points farther from the map than this hardly pull
     least_xy: Positive = 0.05  # m; a cloud of a few hundred samples is never surer than this
     least_theta: Positive = 0.025  # rad; likewise
@@ -73,47 +77,84 @@ class RefinementSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     limit_theta: Positive = 0.15  # rad
 
 
+class CheckSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Check of a scan against the map at one pose."""
+
+    points: Count = 180  # at most, spread evenly over the scan
+    sigma: Positive = 0.1  # m; an end point this far from the map fits by 61 %
+    short: Positive = 0.3  # m; an end on free floor, farther than this from the map: a person
+    excused: Share = 0.4  # of the beams, at most: that many people are thought possible
+    rays: Count = 45  # beams followed through the map, at most
+    reach: Positive = 10.0  # m; how far they are followed
+    margin: Positive = 0.3  # m before the end of a beam that may touch a wall
+
+
 class HealthSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Thresholds between localized, unsure and lost.
 
     The thresholds to get better are stricter than those to get worse, and a change must be
-    confirmed by several updates in a row.
+    confirmed by several scans in a row. Scans taken a step apart count in full, those from the
+    same place in part (``SensorSettings.still_worth``).
     """
 
-    sigma: Positive = 0.1  # m; an end point this far from the map fits by 61 %
-    unsure_below: Share = 0.55  # mean fit of the scan
-    localized_above: Share = 0.65
-    lost_below: Share = 0.35
-    found_above: Share = 0.45
+    unsure_below: Share = 0.6  # mean fit of the scan
+    localized_above: Share = 0.7
+    lost_below: Share = 0.45
+    found_above: Share = 0.5
+    unsure_through: Share = 0.4  # of the beams pass through mapped walls
+    localized_through: Share = 0.25
     unsure_spread: Positive = 0.4  # m
     localized_spread: Positive = 0.3  # m
     unsure_share: Share = 0.7  # of the weight in the best cluster
     localized_share: Share = 0.85
-    updates_to_worsen: Count = 3
-    updates_to_improve: Count = 5
+    jump_xy: Positive = 0.5  # m between the estimate and where the odometry would put it
+    jump_theta: Positive = 0.5  # rad; a scan with a larger jump is unsure
+    worsen_after: Positive = 1.3  # scans in a row
+    improve_after: Positive = 4.0  # scans in a row
 
     def __post_init__(self) -> None:
         if not self.lost_below < self.found_above <= self.unsure_below < self.localized_above:
             raise ValueError(
                 "thresholds must satisfy lost_below < found_above <= unsure_below < localized_above"
             )
-        if not self.localized_spread < self.unsure_spread:
-            raise ValueError("localized_spread must be below unsure_spread")
-        if not self.unsure_share < self.localized_share:
-            raise ValueError("unsure_share must be below localized_share")
+        for worse, better in (
+            ("unsure_through", "localized_through"),
+            ("unsure_spread", "localized_spread"),
+            ("localized_share", "unsure_share"),
+        ):
+            if not getattr(self, better) < getattr(self, worse):
+                raise ValueError(f"{better} must be below {worse}")
+
+
+class FloorSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Standard deviations no estimate is better than: the errors of map and laser mount."""
+
+    xy: NotNegative = 0.0144  # m; of a place within a cell of 0.05 m
+    theta: NotNegative = 0.005  # rad
+
+
+class WindowSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Search round the estimate when a scan does not fit where the odometry puts it."""
+
+    below: Share = 0.8  # fit of a scan that starts it
+    above: Share = 0.75  # fit of a pose worth going to
+    gain: Share = 0.1  # by which it must fit better
+    samples: Count = 3000
+    reach_xy: Positive = 1.0  # m
+    reach_theta: Positive = 0.6  # rad
 
 
 class GlobalSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Search over the whole map, at an unknown start or once lost."""
 
-    particles_per_area: Positive = 60.0  # 1/m^2 of free floor
-    maximum: Count = 60000  # particles at the start
+    particles_per_area: Positive = 300.0  # 1/m^2 of free floor
+    maximum: Count = 200000  # particles at the start
     maximum_after: Count = 20000  # particles until the robot is found
     kept: Count = 1000  # particles of the old belief, when a lost robot is searched for
-    independent_beams: Positive = 3.0  # few, so that no place is given up on one scan
+    independent_beams: Positive = 6.0  # few, so that no place is given up on one scan
     clearance: NotNegative = 0.2  # m between a particle and a wall
-    after_lost: Annotated[int, msgspec.Meta(ge=0)] = 20  # updates lost; 0: never by itself
-    after_unsure: Annotated[int, msgspec.Meta(ge=0)] = 100  # updates unsure; 0: never by itself
+    repeat_lost: NotNegative = 15.0  # scans lost until the search starts again; 0: never
+    repeat_unsure: NotNegative = 4.0  # scans unsure and ill-fitting until then; 0: never
 
 
 class LocalizationSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -123,5 +164,8 @@ class LocalizationSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     sensor: SensorSettings = SensorSettings()
     samples: SampleSettings = SampleSettings()
     refinement: RefinementSettings = RefinementSettings()
+    floor: FloorSettings = FloorSettings()
+    check: CheckSettings = CheckSettings()
+    window: WindowSettings = WindowSettings()
     health: HealthSettings = HealthSettings()
     search: GlobalSettings = GlobalSettings()

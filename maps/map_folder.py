@@ -8,8 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
+from maps.approach_field import ApproachField
 from maps.border import Border, BorderError
 from maps.border_file import read_border
 from maps.occupancy_map import MapError, OccupancyMap, assemble_map, read_description, read_map_file
@@ -18,7 +20,7 @@ DEFAULT_BORDER = "border"
 _DESCRIPTION = "map.yaml"
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class MapFolder:
     """What a robot knows of a place before it starts.
 
@@ -29,6 +31,11 @@ class MapFolder:
     map: OccupancyMap
     border: Border | None
     files: dict[str, bytes]
+
+    @cached_property
+    def approach_field(self) -> ApproachField | None:
+        """The ways to the border round walls, found once for all robots; None without a border."""
+        return ApproachField(self.map, self.border) if self.border else None
 
 
 def load_map_folder(folder: Path, border: str = DEFAULT_BORDER) -> MapFolder:

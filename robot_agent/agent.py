@@ -7,6 +7,7 @@ bytes and carries out the effects. The same event list gives the same effects, b
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session
@@ -27,6 +28,7 @@ from robot_agent.motion.gate import GateDecision, GateInputs, GateReason, Safety
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.obstacles import Obstacles
 from robot_agent.odometry_history import OdometryHistory
+from robot_agent.patrol.actions import Action
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.tracker import TeammateTracker
 from robot_agent.reports import Reports
@@ -47,6 +49,8 @@ STOPPING = frozenset(
     }
 )
 """Reasons of the gate that mean the robot is being held, not merely kept to its limits."""
+
+_CRAWL = 0.05  # m/s; slower than this before an obstacle is as good as held by it
 
 _LEVELS = {
     Health.LOCALIZED: LogLevel.INFO,
@@ -71,7 +75,11 @@ class Agent:
         self.odometry = OdometryHistory()
         self.localizer = Localizer(config.localization, folder.map, rng)
         self.tracker = TeammateTracker(config.perception, folder.map)
-        self.patrol = Patrol(config.patrol, folder.border, rng) if folder.border else None
+        self.patrol = (
+            Patrol(config.patrol, folder.border, rng, folder.approach_field)
+            if folder.border
+            else None
+        )
         self.heading_loop = HeadingLoop(config.heading)
         self.gate = SafetyGate(config.gate)
         self.reports = Reports(self, start_wall_ns)
@@ -141,16 +149,27 @@ class Agent:
         if odometry is None:
             return  # nobody knows where the robot was when this was measured
         # 1. What stands in the way, wherever the map says we are.
-        points = self._projector.points(scan)
+        points = self._projector.points(scan, *self.odometry.twist_at(scan.t))
         self._obstacles.see(scan.t, odometry, points)
         # 2. Where the robot was.
-        estimate = self.localizer.update(scan.t, odometry, points)
+        estimate = self.localizer.update(
+            scan.t, odometry, points, self._on_teammates(scan.t, odometry, points)
+        )
         self._trust_pose(estimate.health)
         self._say(t, "localization", estimate.health, _LEVELS[estimate.health])
         # 3. Who else is there.
         if estimate.health is not Health.LOST:
             self.tracker.update(scan.t, estimate.pose, points)
         self._publish(self.reports.on_scan(t, scan))
+
+    def _on_teammates(
+        self, t: float, odometry: Pose, points: NDArray[np.float64]
+    ) -> NDArray[np.bool_] | None:
+        """Return (n,) which points end on tracked people and teammates, if the pose is known."""
+        estimate = self.localizer.estimate
+        if estimate is None or estimate.health is not Health.LOCALIZED:
+            return None
+        return self.tracker.covered(t, estimate.pose_at(odometry), points)
 
     # --- one control step ----------------------------------------------------------------------
 
@@ -163,7 +182,7 @@ class Agent:
         # 1. Decide: closest teammate, action, velocity in the map.
         track = self.tracker.closest(t, pose)
         teammate = None if track is None else (track.x, track.y)
-        decision = self.patrol.step(t, pose, teammate)
+        decision = self.patrol.step(t, pose, teammate, held=self._held_by_obstacle())
         # 2. Act: turn that velocity into wheel speeds.
         wish = self.heading_loop.command(t, decision.velocity, pose.theta, decision.curvature)
         # 3. Gate: nothing moves the robot but what leaves here.
@@ -173,6 +192,8 @@ class Agent:
         self.base.drive(t, gate.v, gate.w)
         # 4. Tell.
         self._note_gate(t, gate)
+        if decision.blocked:
+            self._say(t, "patrol", _blocked_words(decision), LogLevel.WARNING)
         self.decision, self.gate_decision = decision, gate
         self._publish(self.reports.on_decision(t, pose, decision, wish, gate, teammate))
 
@@ -212,6 +233,11 @@ class Agent:
             v=state.v,
             w=state.w,
         )
+
+    def _held_by_obstacle(self) -> bool:
+        """Tell whether the gate's last word was to stand still before an obstacle, or about to."""
+        gate = self.gate_decision
+        return gate is not None and gate.reason is GateReason.OBSTACLE and gate.v < _CRAWL
 
     def _note_gate(self, t: float, gate: GateDecision) -> None:
         """Count and tell when the gate begins to hold the robot."""
@@ -266,3 +292,8 @@ class Agent:
         if self.gate_decision is not None and self.gate_decision.reason in STOPPING:
             return f"gate: {self.gate_decision.reason}"
         return "ok"
+
+
+def _blocked_words(decision: PatrolDecision) -> str:
+    turned = ", turns back" if decision.action is Action.KEEP_GOING else ""
+    return f"unknown object near s = {decision.abscissa:.1f} m holds the robot{turned}"

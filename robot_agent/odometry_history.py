@@ -44,6 +44,13 @@ class OdometryHistory:
         after = bisect_left(self._states, t, key=lambda state: state.t)
         return _between(self._states[max(after - 1, 0)], self._states[after], t)
 
+    def twist_at(self, t: float) -> tuple[float, float]:
+        """Return the speeds v, m/s, and w, rad/s, reported nearest to t; zero without reports."""
+        if not self._states:
+            return 0.0, 0.0
+        nearest = min(self._states, key=lambda state: abs(state.t - t))
+        return nearest.v, nearest.w
+
 
 def _carried_forward(state: BaseState, dt: float) -> Pose:
     """Assume the reported speeds went on for dt seconds."""

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.lms200.scan import Scan
+from drivers.lms200.scan import Scan, beam_time_offsets
 from maps.pose import Pose
 
 
@@ -16,26 +16,44 @@ class ScanProjector:
 
     def __init__(self, base_from_laser: Pose) -> None:
         self._mount = base_from_laser
-        self._geometry: tuple[int, float, float] | None = None
+        self._geometry: tuple[int, float, float, int] | None = None
         self._directions = np.empty((0, 2))
+        self._delays = np.empty(0)
 
-    def points(self, scan: Scan) -> NDArray[np.float64]:
-        """Return the returns of a scan, shape (n, 2), m, base_link, ordered by bearing.
+    def points(self, scan: Scan, v: float = 0.0, w: float = 0.0) -> NDArray[np.float64]:
+        """Return the returns of a scan, shape (n, 2), m, base_link at the middle of the sweep.
 
-        Beams without a usable return are left out.
+        Ordered by bearing; beams without a usable return are left out. v, m/s, and w, rad/s: the
+        base's speeds during the sweep. Each beam is put where it ended though the base moved.
         """
-        geometry = (scan.ranges.size, scan.angle_min, scan.angle_increment)
+        geometry = (scan.ranges.size, scan.angle_min, scan.angle_increment, scan.turns)
         if geometry != self._geometry:
             self._geometry = geometry
-            self._directions = self._beam_directions(*geometry)
+            self._directions = self._beam_directions(*geometry[:3])
+            self._delays = beam_time_offsets(*geometry)
         hit = np.isfinite(scan.ranges)
         points = self._directions[hit] * scan.ranges[hit, None]
         points += (self._mount.x, self._mount.y)
-        return points
+        return deskewed(points, self._delays[hit], v, w) if v or w else points
 
     def _beam_directions(self, n: int, angle_min: float, increment: float) -> NDArray[np.float64]:
         angles = self._mount.theta + angle_min + increment * np.arange(n)
         return np.column_stack((np.cos(angles), np.sin(angles)))
+
+
+def deskewed(
+    points: NDArray[np.float64], delays: NDArray[np.float64], v: float, w: float
+) -> NDArray[np.float64]:
+    """Return points (n, 2), each measured in base_link a delay (n,), s, later, as of no delay.
+
+    v, m/s, and w, rad/s: the base's speeds meanwhile; it moves on an arc.
+    """
+    turned = w * delays
+    c, s = np.cos(turned), np.sin(turned)
+    half = 0.5 * turned
+    x = points[:, 0] * c - points[:, 1] * s + v * delays * np.cos(half)
+    y = points[:, 0] * s + points[:, 1] * c + v * delays * np.sin(half)
+    return np.column_stack((x, y))
 
 
 def move_points(points: NDArray[np.float64], transform: Pose) -> NDArray[np.float64]:

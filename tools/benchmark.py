@@ -15,7 +15,7 @@ import numpy as np
 import psutil
 
 from maps.map_folder import MapFolder, load_map_folder
-from robot_agent.config import AgentConfig, format_config
+from robot_agent.config import AgentConfig, find_map, format_config
 from robot_agent.effects import Effect
 from robot_agent.events import BytesReceived, Event, LinkName
 from robot_agent.patrol.rules import RULES_FILE, load_rules
@@ -28,6 +28,7 @@ from tools.convert import RecordingObserver
 from tools.demo import Demo, DemoOptions, free_endpoint
 from tools.fault import chosen_faults
 from tools.fault_table import run_faults
+from tools.localize_benchmark import large_map_mb, update_costs
 from tools.monitor.operator import Operator
 from tools.reaction import WATCHDOG_LIMIT_S
 from tools.recording import read_recording
@@ -249,6 +250,19 @@ def _decoding(folder_path: Path) -> Iterator[Figure]:
         yield Figure(name, 1e6 * (time.perf_counter() - started) / len(events), "us")
 
 
+def localization(_folder_path: Path) -> Iterator[Figure]:
+    """Time the localizer by particles and beams on the map of a real building."""
+    limits = {(2000, 60): 0.9, (5000, 180): 4.0}
+    for cost in update_costs(find_map("intel_lab", Path.cwd())):
+        size = f"localization, {cost.particles} particles x {cost.beams} beams"
+        yield Figure(
+            f"{size}, filter", cost.filter_ms, "ms", limits.get((cost.particles, cost.beams))
+        )
+        yield Figure(f"{size}, with refinement and check", cost.whole_ms, "ms")
+        yield Figure(f"{size}, products", 1e-6 * cost.products_per_s, "million/s")
+    yield Figure("localization, map of 100 x 100 m at 0.05 m", large_map_mb(), "MB", 60.0)
+
+
 GROUPS: dict[str, Callable[[Path], Iterator[Figure]]] = {
     "agent": agent_process,
     "response": response_on_the_line,
@@ -257,6 +271,7 @@ GROUPS: dict[str, Callable[[Path], Iterator[Figure]]] = {
     "decision": decision_step,
     "patrol": patrol_bench,
     "replay": replay_speed,
+    "localization": localization,
     "drivers": drivers,
 }
 

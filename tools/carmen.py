@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 import zlib
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -50,10 +50,14 @@ class CarmenScan:
 
     def points(self) -> NDArray[np.float64]:
         """Return (m, 2) the points of the beams that returned, m, laser frame."""
+        ranges, angles = self.beams()
+        return np.column_stack((ranges * np.cos(angles), ranges * np.sin(angles)))
+
+    def beams(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return (m,) ranges, m, and (m,) directions in the laser's frame, rad, that returned."""
         angles = self.angle_min + self.angle_increment * np.arange(self.ranges.size)
         valid = np.isfinite(self.ranges)
-        ranges, angles = self.ranges[valid], angles[valid]
-        return np.column_stack((ranges * np.cos(angles), ranges * np.sin(angles)))
+        return self.ranges[valid], np.asarray(angles[valid], dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,12 +70,24 @@ class CarmenLog:
     """Raw odometry at strictly increasing times; the knot at a scan's time is the scan's own."""
     truncated: str | None
     """What was lost when the file ends early; None for a whole file."""
+    lines: list[tuple[float, Pose]] = field(default_factory=list)
+    """All raw odometry in file order, which is the order of motion, with the stamps as logged."""
+    scan_lines: list[int] = field(default_factory=list)
+    """Each scan's own place in ``lines``."""
 
 
 @dataclass(frozen=True, slots=True)
 class _OdometryLine:
     t: float
     pose: Pose
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _RawOdometry:
+    at_scans: list[Pose]
+    knots: list[tuple[float, Pose]]
+    lines: list[tuple[float, Pose]]
+    scan_lines: list[int]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,7 +117,7 @@ def read_carmen(path: Path) -> CarmenLog:
     intervals = _odometry_between_scans(lines)
     scan_lines = [line for line in lines if isinstance(line, _ScanLine)]
     times = _scan_times(scan_lines)
-    at_scans, knots = _raw_odometry(scan_lines, times, intervals)
+    raw = _raw_odometry(scan_lines, times, intervals)
     limit = _no_return_limit(scan_lines)
     scans = [
         CarmenScan(
@@ -112,9 +128,16 @@ def read_carmen(path: Path) -> CarmenLog:
             reference=line.laser,
             odometry=odometry,
         )
-        for line, t, odometry in zip(scan_lines, times, at_scans, strict=True)
+        for line, t, odometry in zip(scan_lines, times, raw.at_scans, strict=True)
     ]
-    return CarmenLog(path=path, scans=scans, odometry=knots, truncated=truncated)
+    return CarmenLog(
+        path=path,
+        scans=scans,
+        odometry=raw.knots,
+        truncated=truncated,
+        lines=raw.lines,
+        scan_lines=raw.scan_lines,
+    )
 
 
 def _read_text(path: Path) -> tuple[str, str | None]:
@@ -279,11 +302,10 @@ def _raw_odometry(
     scans: Sequence[_ScanLine],
     times: Sequence[float],
     intervals: Sequence[Sequence[_OdometryLine]],
-) -> tuple[list[Pose], list[tuple[float, Pose]]]:
-    """Return the raw odometry at each scan and the dense knots between them."""
+) -> _RawOdometry:
+    """Recover the raw odometry at each scan and between them."""
     rebased = _is_rebased(scans, intervals)
-    at_scans: list[Pose] = []
-    knots: list[tuple[float, Pose]] = []
+    raw = _RawOdometry([], [], [], [])
     start, start_t = Pose(0.0, 0.0, 0.0), -math.inf
     for index, interval in enumerate(intervals):
         poses = [line.pose for line in interval]
@@ -291,14 +313,18 @@ def _raw_odometry(
             base = start.compose(poses[0].inverse())
             poses = [base.compose(pose) for pose in poses]
         end_t = times[index] if index < len(scans) else math.inf
-        inner = zip((line.t for line in interval), poses, strict=True)
-        knots += _increasing(inner, start_t, end_t)
+        inner = list(zip((line.t for line in interval), poses, strict=True))
+        raw.knots.extend(_increasing(inner, start_t, end_t))
+        # The first line only repeats a corrected scan's pose, with a stamp that says nothing.
+        raw.lines.extend(inner[1:] if rebased and index > 0 else inner)
         if index < len(scans):
             start = (poses[-1] if poses else start) if rebased else scans[index].robot
             start_t = end_t
-            at_scans.append(start)
-            knots.append((start_t, start))
-    return at_scans, knots
+            raw.at_scans.append(start)
+            raw.knots.append((start_t, start))
+            raw.scan_lines.append(len(raw.lines))
+            raw.lines.append((start_t, start))
+    return raw
 
 
 def _increasing(

@@ -28,6 +28,7 @@ COMMANDS = {
     "faults": "measure how a patrolling robot takes faults",
     "monitor": "watch the team: the operator's side",
     "map": "build, draw, show and check maps",
+    "rules": "draw and check the supervisor's fuzzy sets and rules",
     "convert": "turn a CARMEN log into a recording of real device bytes",
     "localize": "run localization alone on a log or recording",
     "replay": "feed a recording to the agent again",

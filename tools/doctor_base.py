@@ -26,6 +26,7 @@ class BaseExamination:
         self._settings = settings
         self._session = P2osSession(settings)
         self._reached = SessionState.DOWN
+        self._trouble: str | None = None
         self._port = examine_port("base port", settings.url)
         self.trial: DeviceTrial[BaseState] | None = None
         if not self._port.remedy:
@@ -35,6 +36,7 @@ class BaseExamination:
         """Listen for a while once the robot could be driven."""
         if self._session.state is SessionState.READY:
             self._reached = SessionState.READY
+            self._trouble = self._session.trouble
             return bool(states) and states[-1][0] - self._session.state_since >= LISTENING_S
         return False
 
@@ -62,13 +64,16 @@ class BaseExamination:
     def _no_session(self) -> Finding:
         assert self.trial is not None
         line = self.trial.line
+        trouble = ""
         if not line.bytes_heard:
             remedy = "switch the robot on; check that the cable leads to its HOST port"
         elif self._session.framer.counters.good:
+            trouble = (self._session.handshake.trouble or "").partition(";")[0]
             remedy = "press the robot's RESET button; end whatever else talks to it"
         else:
             remedy = "set its HOST port to one of these rates; check the cable: bytes come garbled"
-        return failed("base", f"no session: {describe_line(line)}", remedy)
+        parts = filter(None, (trouble, describe_line(line)))
+        return failed("base", f"no session: {'; '.join(parts)}", remedy)
 
     def _identity(self) -> Finding:
         identity = self._session.identity
@@ -86,10 +91,11 @@ class BaseExamination:
         return ok("base", text)
 
     def _line(self) -> Finding:
+        assert self.trial is not None
         counters = self._session.framer.counters
         text = (
             f"{counters.good} packets good, {counters.bad_checksum} with a bad checksum, "
-            f"{counters.discarded_bytes} bytes between packets"
+            f"{counters.discarded_bytes} bytes between packets; {describe_line(self.trial.line)}"
         )
         if counters.bad_checksum > 0.01 * counters.good:
             return warning("base line", text, "shorten or change the cable, or its adapter")
@@ -116,11 +122,13 @@ class BaseExamination:
                 f"{math.degrees(settings.max_turn_rate):.0f} deg/s configured",
                 "lower base.max_speed and base.max_turn_rate, or raise the controller's own",
             )
+        if self._trouble and "keeps" in self._trouble:
+            return warning("base limits", f"{text}; {self._trouble}", "adapt the base settings")
         return ok("base limits", text)
 
     def _watchdog(self) -> Finding:
         config = self._session.config
-        if config is None or config.field_count <= 0:
+        if config is None or not config.is_whole:
             return skipped("base watchdog", "unknown: no CONFIG answer; 2 s from the factory")
         milliseconds = config.watchdog_ms
         if 0 < milliseconds <= WATCHDOG_LIMIT_MS:

@@ -20,8 +20,9 @@ ADJUSTMENTS = ("exposure", "white balance")
 class CameraExamination:
     """The camera's part of a preflight: begins at once, read ``findings`` later."""
 
-    def __init__(self, settings: CameraSettings) -> None:
+    def __init__(self, settings: CameraSettings, limit: float = PICTURE_LIMIT_S) -> None:
         self._settings = settings
+        self._limit = limit
         self._camera = Camera(settings)
         if settings.url:
             self._camera.start()
@@ -30,7 +31,7 @@ class CameraExamination:
         """Wait for pictures, close the camera and return what there is to say."""
         if not self._settings.url:
             return [skipped("camera", "camera.url is not set: no decision needs one yet")]
-        first = wait_for_picture(self._camera, PICTURE_LIMIT_S)
+        first = wait_for_picture(self._camera, self._limit)
         if first is None:
             reason = self._camera.status.reason or "no picture"
             self._camera.close()

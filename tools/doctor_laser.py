@@ -104,10 +104,11 @@ class LaserExamination:
         return ok("laser scans", text)
 
     def _line(self) -> Finding:
+        assert self.trial is not None
         counters = self._session.framer.counters
         text = (
             f"{counters.good} telegrams good, {counters.bad_checksum} with a bad checksum, "
-            f"{counters.discarded_bytes} bytes between telegrams"
+            f"{counters.discarded_bytes} bytes between telegrams; {describe_line(self.trial.line)}"
         )
         if counters.bad_checksum > 0.01 * counters.good:
             return warning("laser line", text, "shorten or change the cable, or its adapter")

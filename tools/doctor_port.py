@@ -63,7 +63,8 @@ def _describe(path: Path) -> str:
     device = path.resolve()
     port = next((port for port in list_serial_ports() if port.device == str(device)), None)
     name = str(path) if device == path else f"{path} -> {device}"
-    return name if port is None else f"{name}: {_adapter(port)}"
+    kind = "" if port is None else f": {_adapter(port)}"
+    return f"{name}{kind}, {owner_of(path)}"
 
 
 def _adapter(port: SerialPort) -> str:

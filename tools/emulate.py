@@ -7,12 +7,15 @@ import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import Self
 
 import numpy as np
 
 from drivers.emulated_port import EmulatedDevice, PtyPort, TcpPort
+from drivers.line_faults import LineFaults, parse_faults
 from drivers.p2os.model import load_model
 from maps.map_folder import MapFolder
 from maps.pose import Pose
@@ -36,6 +39,9 @@ class EmulateOptions:
     p2os: str = "pty"
     """``pty`` or ``tcp:PORT``; port 0 takes any free one."""
     lms200: str = "pty"
+    p2os_faults: str = ""
+    """What goes wrong on the base's line, as ``parse_faults`` reads it."""
+    lms200_faults: str = ""
     camera: int | None = None
     """TCP port of an MJPEG stream; 0 takes any free one, None serves none."""
     pose: Pose | None = None
@@ -46,7 +52,7 @@ class EmulateOptions:
 class Emulation:
     """The robot behind its ports, from entering the context until leaving it.
 
-    Raises EmulateError or UnknownModelError when it cannot be set up.
+    Raises EmulateError, FaultSpecError or UnknownModelError when it cannot be set up.
     """
 
     def __init__(self, folder: MapFolder, options: EmulateOptions) -> None:
@@ -64,12 +70,17 @@ class Emulation:
         self.rig = RobotRig("Emulated", world, body, time.monotonic(), options.model)
         self.urls: dict[str, str] = {}
         with ExitStack() as stack:
+            names = Path(stack.enter_context(TemporaryDirectory(prefix="patrol-emulate-")))
+            base = LineFaults(self.rig.base, parse_faults(options.p2os_faults), rng.spawn(1)[0])
+            base.on_reset = lambda t: self.rig.base.reset(t, notify=False)  # P2OS does not tell
+            laser = LineFaults(self.rig.laser, parse_faults(options.lms200_faults), rng.spawn(1)[0])
+            laser.on_reset = self.rig.laser.power_on
             ports: list[Pumped] = []
-            for name, place, device in (
-                ("p2os", options.p2os, self.rig.base),
-                ("lms200", options.lms200, self.rig.laser),
+            for name, place, line in (
+                ("p2os", options.p2os, base),
+                ("lms200", options.lms200, laser),
             ):
-                port = open_emulated_port(f"--{name}", place, device)
+                port = open_emulated_port(f"--{name}", place, line, names / name)
                 stack.callback(port.close)
                 self.urls[name] = port.url
                 ports.append(port)
@@ -98,10 +109,22 @@ class Emulation:
             self._real_time.step()
 
 
-def open_emulated_port(option: str, place: str, device: EmulatedDevice) -> PtyPort | TcpPort:
-    """Put a device behind ``pty`` or ``tcp:PORT``; raises EmulateError naming ``option``."""
+def open_emulated_port(option: str, place: str, line: LineFaults, name: Path) -> PtyPort | TcpPort:
+    """Put a device's line behind ``pty`` or ``tcp:PORT``, where its plan may cut it.
+
+    A pty that is to be cut gets a name that outlives it. Raises EmulateError naming ``option``.
+    """
+    port = _open_port(option, place, line, name if line.plan.cuts else None)
+    line.on_cut = lambda _: port.unplug()
+    line.on_restored = lambda _: port.plug_in()
+    return port
+
+
+def _open_port(
+    option: str, place: str, device: EmulatedDevice, name: Path | None
+) -> PtyPort | TcpPort:
     if place == "pty":
-        return PtyPort(device)
+        return PtyPort(device, name)
     kind, _, number = place.partition(":")
     if kind != "tcp" or not number.isdecimal() or int(number) > 65535:
         raise EmulateError(f"{option} {place}: is neither pty nor tcp:PORT; use e.g. tcp:8101")

@@ -13,7 +13,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,6 @@ from maps.clearance import NEEDED_CLEARANCE, border_clearance
 from maps.map_folder import DEFAULT_BORDER, load_map_folder
 from maps.occupancy_map import FREE, OCCUPIED, UNKNOWN, MapError, OccupancyMap
 from maps.pose import Pose
-from tools.carmen import CarmenLog, CarmenScan
 
 Scans = Literal["all", "even", "odd"]
 
@@ -32,6 +31,29 @@ _MARGIN = 1.0  # m of unknown cells round everything seen
 _MOST_CELLS = 100_000_000  # 0.9 GB while building
 _LEAST_TURNING_RADIUS = 0.5  # m: 0.7 rad/s at the 0.35 m/s of a patrol
 _LEAST_KNOWN_SHARE = 0.05  # of a map's cells
+
+
+class PosedScan(Protocol):
+    """A laser scan taken at a known pose."""
+
+    @property
+    def reference(self) -> Pose:
+        """map_from_laser."""
+
+    def beams(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return (n,) ranges, m, and (n,) directions in the laser's frame, rad."""
+
+
+class PosedLog(Protocol):
+    """Scans to build a map of."""
+
+    @property
+    def path(self) -> Path:
+        """Where they are from, for messages."""
+
+    @property
+    def scans(self) -> Sequence[PosedScan]:
+        """The scans, in the order taken."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,7 +83,7 @@ class MapBuild:
 
 
 def build_map(
-    log: CarmenLog,
+    log: PosedLog,
     resolution: float = 0.05,
     *,
     scans: Scans = "all",
@@ -114,17 +136,15 @@ def build_map(
     )
 
 
-def _beams(scan: CarmenScan, max_range: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _beams(scan: PosedScan, max_range: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Ranges (n,) m and directions (n,) rad in the map frame of the beams to use."""
-    angles = (
-        scan.reference.theta + scan.angle_min + scan.angle_increment * np.arange(len(scan.ranges))
-    )
-    used = scan.ranges < max_range
-    return scan.ranges[used], np.asarray(angles[used], dtype=np.float64)
+    ranges, angles = scan.beams()
+    used = ranges < max_range
+    return ranges[used], scan.reference.theta + angles[used]
 
 
 def _extent(
-    scans: Sequence[CarmenScan],
+    scans: Sequence[PosedScan],
     beams: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]],
     resolution: float,
 ) -> tuple[Pose, tuple[int, int]]:

@@ -66,7 +66,7 @@ class ScanDecoder:
         self._laser.take_requests()
         located = [(scan, self._odometry.at(scan.t)) for scan in scans]
         return [
-            (scan.t, odometry, self._projector.points(scan))
+            (scan.t, odometry, self._projector.points(scan, *self._odometry.twist_at(scan.t)))
             for scan, odometry in located
             if odometry is not None
         ]

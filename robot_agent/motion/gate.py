@@ -26,7 +26,8 @@ class GateSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     front: Positive = 0.21  # m from the axle to the foremost point
     rear: Positive = 0.301  # m from the axle to the rearmost point
     half_width: Positive = 0.2125  # m
-    margin: NotNegative = 0.08  # m kept free ahead and beside while driving
+    margin: NotNegative = 0.08  # m kept free beside while driving
+    front_margin: NotNegative = 0.20  # m kept free ahead: room to turn round, corners reach 0.37 m
     turn_margin: NotNegative = 0.02  # m kept free round the body while turning on the spot
     max_base_age: Positive = 0.3  # s since the last base report was measured
     max_scan_age: Positive = 0.4  # s since the last laser scan was measured
@@ -206,7 +207,7 @@ class SafetyGate:
         reach = way + settings.front + settings.rear + settings.half_width
         near = obstacles[np.abs(obstacles).max(axis=1, initial=0.0) < reach]
         if way > 0.0:
-            front = settings.front + settings.margin
+            front = settings.front + settings.front_margin
             side = settings.half_width + self._side_margin(near)
         else:
             front = settings.front + settings.turn_margin

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import StrEnum
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -15,11 +15,15 @@ from robot_agent.patrol.behaviors import (
     patrol_clockwise,
     patrol_counter_clockwise,
     patrol_onward,
+    reach_around_walls,
     reach_frontier,
     teammate_avoidance,
 )
 from robot_agent.patrol.nsb import compose
 from robot_agent.patrol.settings import PatrolSettings
+
+if TYPE_CHECKING:
+    from maps.approach_field import Approach
 
 
 class Action(StrEnum):
@@ -46,6 +50,7 @@ class Situation(NamedTuple):
     direction: int  # +1 clockwise, -1 counter-clockwise
     left_is_end: bool  # the projection is the end of an open border at abscissa 0
     right_is_end: bool
+    approach: Approach | None = None  # the way there, while a wall hides the projection
 
 
 def action_velocity(action: Action, situation: Situation, settings: PatrolSettings) -> Vector:
@@ -61,17 +66,17 @@ def _reach_frontier(situation: Situation, settings: PatrolSettings) -> Sequence[
 
 def _keep_going(situation: Situation, settings: PatrolSettings) -> Sequence[Task]:
     onward = patrol_onward(situation.foot, situation.direction, speed=settings.patrol_speed)
-    return _reaching(situation, settings), _stopped_at_end(onward, situation.direction, situation)
+    return _reaching(situation, settings), _confined(onward, situation.direction, situation)
 
 
 def _patrol_clockwise(situation: Situation, settings: PatrolSettings) -> Sequence[Task]:
     onward = patrol_clockwise(situation.foot, speed=settings.patrol_speed)
-    return _reaching(situation, settings), _stopped_at_end(onward, 1, situation)
+    return _reaching(situation, settings), _confined(onward, 1, situation)
 
 
 def _patrol_counter_clockwise(situation: Situation, settings: PatrolSettings) -> Sequence[Task]:
     onward = patrol_counter_clockwise(situation.foot, speed=settings.patrol_speed)
-    return _reaching(situation, settings), _stopped_at_end(onward, -1, situation)
+    return _reaching(situation, settings), _confined(onward, -1, situation)
 
 
 def _avoid_teammate(situation: Situation, settings: PatrolSettings) -> Sequence[Task]:
@@ -99,6 +104,10 @@ _COMPOSITIONS = {
 
 
 def _reaching(situation: Situation, settings: PatrolSettings) -> Task:
+    if situation.approach is not None:
+        return reach_around_walls(
+            situation.approach, gain=settings.reach_gain, speed_limit=settings.approach_speed
+        )
     return reach_frontier(
         situation.position,
         situation.foot,
@@ -108,7 +117,9 @@ def _reaching(situation: Situation, settings: PatrolSettings) -> Task:
     )
 
 
-def _stopped_at_end(onward: Task, direction: int, situation: Situation) -> Task:
-    """Cut the tangential velocity off that would leave an open border by its end."""
+def _confined(onward: Task, direction: int, situation: Situation) -> Task:
+    """Cut off a tangential velocity that means nothing: beyond an open end, behind a wall."""
     leaves = situation.right_is_end if direction > 0 else situation.left_is_end
-    return Task(np.zeros_like(onward.velocity), onward.jacobian) if leaves else onward
+    if leaves or situation.approach is not None:
+        return Task(np.zeros_like(onward.velocity), onward.jacobian)
+    return onward

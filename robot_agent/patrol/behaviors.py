@@ -7,11 +7,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from maps.border import BorderProjection
+
+if TYPE_CHECKING:  # it brings scipy along
+    from maps.approach_field import Approach
 
 CLOCKWISE = 1  # growing abscissa
 COUNTER_CLOCKWISE = -1
@@ -27,6 +31,16 @@ class Task:
 
     velocity: NDArray[np.float64]
     jacobian: NDArray[np.float64]
+
+
+def reach_around_walls(approach: Approach, *, gain: float, speed_limit: float) -> Task:
+    """Follow the way to a border that a wall hides: eq. 6 along the way instead of the straight.
+
+    Its distance is that along the way and r_rf the way's direction, which the Jacobian claims.
+    """
+    dx, dy = approach.direction
+    speed = min(gain * approach.distance, speed_limit)
+    return Task(np.array((speed * dx, speed * dy)), np.array(((dx, dy),)))
 
 
 def reach_frontier(

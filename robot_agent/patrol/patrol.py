@@ -5,25 +5,32 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from maps.border import Border, BorderProjection
 from maps.pose import Pose
 from robot_agent.patrol.actions import PATROLLING, Action, Situation, action_velocity
+from robot_agent.patrol.automaton import Automaton
 from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
+from robot_agent.patrol.blockage import Blockage
 from robot_agent.patrol.neighbor_state import NeighborState, NeighborView
 from robot_agent.patrol.reversal import RandomReversal
 from robot_agent.patrol.rules import RULES_FILE, load_rules
 from robot_agent.patrol.settings import PatrolSettings
-from robot_agent.patrol.supervisor import Choice, Supervisor
+from robot_agent.patrol.supervisor import ActionChooser, Choice, Supervisor
+
+if TYPE_CHECKING:
+    from maps.approach_field import Approach, ApproachField
 
 
 @dataclass(frozen=True, slots=True)
 class PatrolDecision:
     """Everything about one decision, in the map frame, SI units.
 
-    Distances that do not exist (nobody seen, a border without ends) are infinite.
+    Distances that do not exist (nobody seen, a border without ends, no way to the border) are
+    infinite.
     """
 
     t: float
@@ -33,7 +40,8 @@ class PatrolDecision:
     degrees: dict[Action, float]
     direction: int  # +1 clockwise, -1 counter-clockwise
     velocity: tuple[float, float]  # m/s
-    distance_from_border: float
+    distance_from_border: float  # straight
+    way_to_border: float  # round walls; the same as the straight one in sight of the border
     distance_from_neighbor: float
     gamma: float  # neighbor state, eq. 13
     distance_from_left_end: float
@@ -42,42 +50,63 @@ class PatrolDecision:
     tangent: tuple[float, float]  # unit vector along +s at the border's nearest point
     curvature: float  # 1/m of the way ahead in the direction of patrol, + turns left; 0 off it
     reversed_at_random: bool
+    blocked: bool  # gave up waiting for an object on its way, just now
     holding: bool  # caught between an end and a teammate: stands still
 
 
 class Patrol:
-    """The paper's control structure: behaviors, actions, fuzzy supervisor, direction memory."""
+    """The paper's control structure: behaviors, actions, supervisor, direction memory."""
 
-    def __init__(self, settings: PatrolSettings, border: Border, rng: np.random.Generator) -> None:
-        """Load the rules; raises RulesError."""
+    def __init__(
+        self,
+        settings: PatrolSettings,
+        border: Border,
+        rng: np.random.Generator,
+        approach_field: ApproachField | None = None,
+    ) -> None:
+        """Load the rules; raises RulesError. Without an approach_field there are no walls."""
         self._settings = settings
         self._border = border
-        rules = load_rules(
-            Path(settings.rules_file) if settings.rules_file else RULES_FILE,
-            reading=settings.reading,
-            safety_distance=settings.safety_distance,
-            open_border=not border.closed,
-        )
-        self._supervisor = Supervisor(rules, settings.minimum_dwell)
+        self._approach_field = approach_field
+        self._supervisor = _make_supervisor(settings, border)
         self._neighbor_state = NeighborState(settings, border)
         self._reversal = RandomReversal(
             settings.reversal_period, settings.reversal_probability, rng
         )
+        self._blockage = Blockage(settings)
         self._abscissa: float | None = None
         self._direction: int | None = None  # of the last patrol; none before the first
 
-    def step(self, t: float, pose: Pose, teammate: tuple[float, float] | None) -> PatrolDecision:
-        """Decide at t, s, from map_from_base and the closest teammate (x, y) in the map, if any."""
+    def step(
+        self,
+        t: float,
+        pose: Pose,
+        teammate: tuple[float, float] | None,
+        *,
+        held: bool = False,
+    ) -> PatrolDecision:
+        """Decide at t, s, from map_from_base and the closest teammate (x, y) in the map, if any.
+
+        held: an obstacle kept the robot from driving since the last step.
+        """
         position = (pose.x, pose.y)
         foot = self._border.project(pose.x, pose.y, self._abscissa)
         self._abscissa = foot.abscissa
         neighbor = self._neighbor_state.view(position, foot, teammate)
         ends = self._distances_from_ends(foot)
-        choice = self._supervisor.choose(t, _inputs(foot, neighbor, ends))
+        approach = self._approach(position, foot)
+        # Beside the border but behind a wall a robot is as far from patrolling as its way is long.
+        way = foot.distance if approach is None else approach.distance
+        choice = self._supervisor.choose(t, _inputs(way, neighbor, ends))
         reversed_at_random = self._turned_back(t, choice.winner, ends)
+        blocked = self._blockage.ends_waiting(t, position, neighbor.distance, held=held)
+        if blocked:
+            self._turn_back(choice.winner)
         direction = self._update_direction(choice.winner, foot, pose.theta)
         holding = self._caught(choice)
-        situation = Situation(position, foot, teammate, direction, ends[0] <= 0.0, ends[1] <= 0.0)
+        situation = Situation(
+            position, foot, teammate, direction, ends[0] <= 0.0, ends[1] <= 0.0, approach
+        )
         velocity = (
             (0.0, 0.0) if holding else action_velocity(choice.winner, situation, self._settings)
         )
@@ -90,6 +119,7 @@ class Patrol:
             direction=direction,
             velocity=velocity,
             distance_from_border=foot.distance,
+            way_to_border=way,
             distance_from_neighbor=neighbor.distance,
             gamma=neighbor.gamma,
             distance_from_left_end=ends[0],
@@ -98,8 +128,14 @@ class Patrol:
             tangent=foot.tangent,
             curvature=direction * foot.curvature if choice.winner in PATROLLING else 0.0,
             reversed_at_random=reversed_at_random,
+            blocked=blocked,
             holding=holding,
         )
+
+    def _approach(self, position: tuple[float, float], foot: BorderProjection) -> Approach | None:
+        if self._approach_field is None:
+            return None
+        return self._approach_field.around_walls(*position, (foot.x, foot.y))
 
     def _distances_from_ends(self, foot: BorderProjection) -> tuple[float, float]:
         if self._border.closed:
@@ -112,9 +148,13 @@ class Patrol:
         keeps_going = action is Action.KEEP_GOING and self._direction is not None
         if not self._reversal.due(t, permitted=keeps_going and away_from_ends):
             return False
-        assert self._direction is not None
-        self._direction = -self._direction
+        self._turn_back(action)
         return True
+
+    def _turn_back(self, action: Action) -> None:
+        """Keep going the other way; any other action has its direction from the supervisor."""
+        if action is Action.KEEP_GOING and self._direction is not None:
+            self._direction = -self._direction
 
     def _update_direction(self, action: Action, foot: BorderProjection, theta: float) -> int:
         """Remember the direction of the last Patrol CW or CCW; at first that of the heading."""
@@ -141,12 +181,24 @@ class Patrol:
         return both > max(degrees[action] for action in others)
 
 
+def _make_supervisor(settings: PatrolSettings, border: Border) -> ActionChooser:
+    if settings.supervisor == "automaton":
+        return Automaton(settings.automaton, settings.minimum_dwell)
+    rules = load_rules(
+        Path(settings.rules_file) if settings.rules_file else RULES_FILE,
+        reading=settings.reading,
+        safety_distance=settings.safety_distance,
+        open_border=not border.closed,
+    )
+    return Supervisor(rules, settings.minimum_dwell)
+
+
 def _inputs(
-    foot: BorderProjection, neighbor: NeighborView, ends: tuple[float, float]
+    way_to_border: float, neighbor: NeighborView, ends: tuple[float, float]
 ) -> dict[str, float]:
     """Crisp inputs by the names of the rule file."""
     return {
-        "distance_from_border": foot.distance,
+        "distance_from_border": way_to_border,
         "distance_from_neighbor": neighbor.distance,
         "neighbor_state": neighbor.gamma,
         "distance_from_left_end": ends[0],

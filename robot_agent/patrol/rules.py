@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +30,8 @@ _SETS: dict[str, tuple[str, ...]] = {
     _RIGHT_END: ("low", "high"),
     "level": _LEVELS,
 }
-_RANGES = {_STATE: (-1.0, 1.0), "level": (0.0, 1.0)}  # every other input: 0 to infinity
+_RANGES = {_STATE: (-1.0, 1.0), "level": (0.0, 1.0)}
+_DISTANCES = (0.0, math.inf)  # range of every other input
 _OUTPUTS = {
     "RFL": Action.REACH_FRONTIER,
     "KGL": Action.KEEP_GOING,
@@ -49,6 +50,16 @@ _Levels = dict[Action, str]  # the outputs a cell names, the others are low
 
 class RulesError(ValueError):
     """A rule file that cannot be used; one line naming file, place and remedy."""
+
+
+def check_rules(path: Path, *, safety_distance: float) -> None:
+    """Check a rule file in every reading it has, for closed and open borders.
+
+    Raises RulesError.
+    """
+    file = _RuleFile(path)
+    for reading, open_border in product(file.readings(), (False, True)):
+        file.system(reading, safety_distance, open_border=open_border)
 
 
 def load_rules(
@@ -80,14 +91,21 @@ class _RuleFile:
         variables = self._variables()
         self._check_safety_distance(variables[_NEIGHBOR], safety_distance)
         cells = self._cells(reading)
+        for cell, named in cells.items():
+            self._check_cell(_cell_place(cell), cell, named, variables)
         rules = [_cell_rule(cell, named) for cell, named in cells.items()]
         names = [_BORDER, _NEIGHBOR, _STATE]
         if open_border:
-            rules = [rule for old in rules for rule in _at_ends(old)] + list(self._end_rules())
+            rules = [rule for old in rules for rule in _at_ends(old)]
+            rules += self._end_rules(variables)
             names += [_LEFT_END, _RIGHT_END]
         levels = variables["level"].sets
         outputs = [Variable(action.value, levels) for action in Action]
         return MamdaniSystem([variables[name] for name in names], outputs, rules)
+
+    def readings(self) -> tuple[str, ...]:
+        """Return the readings the file tells apart; one that it does not need, if none."""
+        return tuple(self._table("reading", self._content, {})) or _READINGS[:1]
 
     # ---- fuzzy sets ---------------------------------------------------------------------------
 
@@ -102,14 +120,17 @@ class _RuleFile:
         variable = Variable(
             name, {key: self._fuzzy_set(f"{place} {key}", sets[key]) for key in _SETS[name]}
         )
-        lowest, highest = _RANGES.get(name, (0.0, math.inf))
-        corners = {lowest, highest} | {
-            x for s in variable.sets.values() for x in (s.a, s.b, s.c, s.d)
-        }
-        for x in sorted(c for c in corners if lowest <= c <= highest):
-            if not any(s(x) > 0.0 for s in variable.sets.values()):
+        curves = list(variable.sets.values())
+        for (low, high), one, other in zip(
+            pairwise(variable.sets), curves, curves[1:], strict=False
+        ):
+            if one.b > other.b or one.c > other.c:
+                raise self._error(place, f"{low} lies above {high}, put the sets in order")
+        lowest, highest = _RANGES.get(name, _DISTANCES)
+        for x in _probes(curves, lowest, highest):
+            if not any(s(x) > 0.0 for s in curves):
                 raise self._error(place, f"no set covers {x:g}, make neighboring sets overlap")
-        if name == "level" and any(s.a < lowest or s.d > highest for s in variable.sets.values()):
+        if name == "level" and any(s.a < lowest or s.d > highest for s in curves):
             raise self._error(place, "a set leaves 0 to 1, keep all break points inside")
         return variable
 
@@ -135,6 +156,31 @@ class _RuleFile:
                 f"medium and high cross at {crossing:.2f} m, beyond the safety distance "
                 f"{safety_distance:.2f} m where robots would stop for good; raise safety_distance "
                 "or move the sets",
+            )
+
+    def _check_cell(
+        self, place: str, cell: _Cell, named: _Levels, variables: Mapping[str, Variable]
+    ) -> None:
+        """Refuse a rule that never fires, that chooses nothing, or that avoids who is far."""
+        for variable, key in zip((_BORDER, _STATE, _NEIGHBOR), cell, strict=True):
+            self._check_reachable(place, variables[variable], key)
+        if all(level == "low" for level in named.values()):
+            raise self._error(place, "chooses nothing, name an output that is medium or high")
+        avoids = named.get(Action.AVOID_TEAMMATE, "low") != "low"
+        if avoids and cell[2] == "high":
+            raise self._error(
+                place,
+                "avoids a teammate however far, where it would not move; choose another output",
+            )
+
+    def _check_reachable(self, place: str, variable: Variable, key: str) -> None:
+        lowest, highest = _RANGES.get(variable.name, _DISTANCES)
+        fuzzy_set = variable.sets[key]
+        if fuzzy_set.c < lowest or fuzzy_set.b > highest:
+            raise self._error(
+                place,
+                f"can never hold: [sets.{variable.name}] {key} is full only outside "
+                f"{lowest:g} to {highest:g}, move the set",
             )
 
     # ---- table of rules -----------------------------------------------------------------------
@@ -184,10 +230,12 @@ class _RuleFile:
                     f"{part.strip()!r} is no output and level, write one of "
                     f"{', '.join(_OUTPUTS)} and one of {', '.join(_LEVELS)}",
                 )
+            if _OUTPUTS[words[0]] in levels:
+                raise self._error(place, f"says {words[0]} twice, keep one")
             levels[_OUTPUTS[words[0]]] = words[1]
         return levels
 
-    def _end_rules(self) -> Iterator[Rule]:
+    def _end_rules(self, variables: Mapping[str, Variable]) -> Iterator[Rule]:
         """Rules for the ends of an open border, for each border and neighbor they name."""
         table = self._table("open_border", self._content, {})
         self._check_names("[open_border]", table, {"border", "neighbor", *_END_INPUTS})
@@ -198,7 +246,10 @@ class _RuleFile:
         for border, neighbor, (key, end) in product(
             table["border"], table["neighbor"], _END_INPUTS.items()
         ):
-            named = self._levels(f"[open_border] {key}", table[key])
+            place = f"[open_border] {key}"
+            named = self._levels(place, table[key])
+            self._check_cell(place, (border, _STATES[0], neighbor), named, variables)
+            self._check_reachable(place, variables[end], "low")
             when = ((_BORDER, border), (_NEIGHBOR, neighbor), (end, "low"))
             yield Rule(when, _consequents(named))
 
@@ -228,6 +279,22 @@ class _RuleFile:
 
     def _error(self, place: str, problem: str) -> RulesError:
         return RulesError(f"{self._path}: {place}: {' '.join(problem.split())}")
+
+
+def _cell_place(cell: _Cell) -> str:
+    border, state, neighbor = cell
+    return f"[border_{border}.{state}] neighbor_{neighbor}"
+
+
+def _probes(sets: Sequence[Trapezoid], lowest: float, highest: float) -> list[float]:
+    """Return where to look for gaps between sets: their corners, and once between any two.
+
+    Between two corners every set is linear, so a gap that misses both spans all between them.
+    """
+    corners = {lowest, highest} | {x for s in sets for x in (s.a, s.b, s.c, s.d)}
+    inside = sorted(x for x in corners if lowest <= x <= highest)
+    between = [x + 1.0 if y == math.inf else (x + y) / 2.0 for x, y in pairwise(inside)]
+    return [*inside, *between]
 
 
 def _cell_rule(cell: _Cell, named: _Levels) -> Rule:

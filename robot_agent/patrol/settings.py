@@ -1,4 +1,4 @@
-"""What can be set about patrolling: gains, speeds, distances, the reversal, the rules."""
+"""What can be set about patrolling: gains, speeds, distances, reversal, rules, automaton."""
 
 from __future__ import annotations
 
@@ -9,6 +9,33 @@ import msgspec
 Positive = Annotated[float, msgspec.Meta(gt=0.0)]
 NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]
 Share = Annotated[float, msgspec.Meta(ge=0.0, le=1.0)]
+
+
+class AutomatonSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Thresholds of the transitions; a state once taken holds half a hysteresis beyond them."""
+
+    border_distance: Positive = 1.5  # m; farther from the border: reach it
+    encounter_border_distance: Positive = 0.7  # m; so near the border teammates turn, not avoid
+    avoid_distance: Positive = 1.1  # m; a teammate nearer is avoided
+    encounter_distance: Positive = 1.9  # m; a patrolling teammate nearer makes the robot turn
+    encounter_gamma: Share = 0.375  # magnitude of gamma from which a teammate patrols
+    end_distance: NotNegative = 0.55  # m from an end of an open border: turn
+    hysteresis: NotNegative = 0.1  # m
+    gamma_hysteresis: NotNegative = 0.1
+
+    def __post_init__(self) -> None:
+        """Refuse thresholds whose bands overlap, where a state could not be told."""
+        if self.avoid_distance + self.hysteresis >= self.encounter_distance:
+            raise ValueError(
+                f"avoid_distance {self.avoid_distance} m and hysteresis {self.hysteresis} m must "
+                f"together be below encounter_distance {self.encounter_distance} m"
+            )
+        if self.encounter_border_distance + self.hysteresis >= self.border_distance:
+            raise ValueError(
+                f"encounter_border_distance {self.encounter_border_distance} m and hysteresis "
+                f"{self.hysteresis} m must together be below border_distance "
+                f"{self.border_distance} m"
+            )
 
 
 class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -32,9 +59,13 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     reversal_period: Positive = 27.0  # s between random decisions to turn back [paper]
     reversal_probability: Share = 0.25
     reversal_end_distance: NotNegative = 0.8  # m from an end of an open border without any
+    blockage_time: Positive = 10.0  # s an object may hold the robot before it turns back
+    blockage_neighbor_distance: Positive = 1.0  # m; a teammate so near may be that object
+    supervisor: Literal["fuzzy", "automaton"] = "fuzzy"
     minimum_dwell: NotNegative = 0.5  # s an action lasts, unless Avoid Teammate is called for
     reading: Literal["R1", "R2", "R3"] = "R1"  # of the damaged cell of Table I
     rules_file: str = ""  # another rule file in place of the shipped rules.toml
+    automaton: AutomatonSettings = AutomatonSettings()
 
     def __post_init__(self) -> None:
         """Refuse thresholds out of order."""
@@ -47,4 +78,15 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
             raise ValueError(
                 f"patrol_speed {self.patrol_speed} m/s must not exceed "
                 f"approach_speed {self.approach_speed} m/s"
+            )
+        if self.supervisor == "automaton":
+            self._check_automaton()
+
+    def _check_automaton(self) -> None:
+        """Refuse a safety distance at which robots would stop for good, as the rule file does."""
+        farthest = self.automaton.encounter_distance + self.automaton.hysteresis / 2.0
+        if self.safety_distance < farthest:
+            raise ValueError(
+                f"safety_distance {self.safety_distance} m must be at least {farthest} m, up to "
+                "which the automaton avoids a teammate"
             )

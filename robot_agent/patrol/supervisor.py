@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.fuzzy import MamdaniSystem
+from robot_agent.patrol.present_action import PresentAction
 
 _EQUAL = 1e-9  # degrees nearer than this are tied
 
@@ -25,14 +27,19 @@ class Choice:
     winner: Action
 
 
+class ActionChooser(Protocol):
+    """A supervisor: chooses the action from the crisp inputs of the rule base."""
+
+    def choose(self, t: float, inputs: Mapping[str, float]) -> Choice:
+        """Choose the action at t, s, from the inputs by name."""
+
+
 class Supervisor:
     """Fuzzy inference and arbiter; remembers the present action and since when."""
 
     def __init__(self, system: MamdaniSystem, minimum_dwell: float) -> None:
         self._system = system
-        self._minimum_dwell = minimum_dwell
-        self._present: Action | None = None
-        self._since = 0.0
+        self._present = PresentAction(minimum_dwell)
 
     def choose(self, t: float, inputs: Mapping[str, float]) -> Choice:
         """Choose the action at t, s, from the crisp inputs of the rule base by name."""
@@ -40,18 +47,8 @@ class Supervisor:
         degrees = {action: levels[action] for action in Action}
         ranked = self._ranked(degrees, inputs["neighbor_state"])
         raw_winner, runner_up = ranked[0], ranked[1]
-        if raw_winner is not self._present and self._may_leave(t, raw_winner, inputs):
-            self._present, self._since = raw_winner, t
-        assert self._present is not None
-        return Choice(degrees, raw_winner, runner_up, self._present)
-
-    def _may_leave(self, t: float, winner: Action, inputs: Mapping[str, float]) -> bool:
-        """Tell whether the present action may end: at once if danger begins or has vanished."""
-        if self._present is None or winner is Action.AVOID_TEAMMATE:
-            return True
-        if self._present is Action.AVOID_TEAMMATE and inputs["distance_from_neighbor"] == _FAR:
-            return True
-        return t - self._since >= self._minimum_dwell - _EQUAL
+        winner = self._present.take(t, raw_winner, inputs["distance_from_neighbor"])
+        return Choice(degrees, raw_winner, runner_up, winner)
 
     def _ranked(self, degrees: Mapping[Action, float], gamma: float) -> list[Action]:
         """Order actions by degree; of those tied with the best the present, else the safest."""
@@ -61,12 +58,10 @@ class Supervisor:
         def rank(action: Action) -> tuple[bool, float, bool, int]:
             tied = degrees[action] >= best - _EQUAL
             degree = best if tied else degrees[action]
-            return not tied, -degree, action is not self._present, safest.index(action)
+            return not tied, -degree, action is not self._present.action, safest.index(action)
 
         return sorted(Action, key=rank)
 
-
-_FAR = float("inf")
 
 # Safest first: avoid, reach the border, patrol away from the teammate, keep going.
 _SAFEST_LEFT = (

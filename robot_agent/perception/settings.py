@@ -40,6 +40,11 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     gate: Positive = 11.8  # squared Mahalanobis distance: 99.7 % of two dimensions
     gate_distance: Positive = 1.0  # m; no association beyond, however uncertain the track
     memory: Positive = 3.0  # s a confirmed track is kept unseen
+    cover: Positive = (
+        0.45  # m from the centre of a track just seen: its beams tell nothing of walls
+    )
+    cover_memory: Positive = 0.5  # s that a track counts as just seen
+    most_covered: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] = 0.5  # of a scan's beams
     velocity_decay: Positive = 1.0  # s; time constant of an unseen track's velocity
 
     # What makes a robot-sized track a teammate: it moves.

@@ -56,6 +56,27 @@ class TeammateTracker:
             self._filters.append(TrackFilter(self._settings, self._next_id, t, detection))
             self._next_id += 1
 
+    def covered(
+        self, t: float, pose: Pose, points: NDArray[np.float64]
+    ) -> NDArray[np.bool_] | None:
+        """Return (n,) which points (n, 2), base_link, lie on tracks just seen; None: too many.
+
+        pose: map_from_base at t, s. Most of a scan on tracks would mean that the tracks are walls
+        seen from a wrong pose.
+        """
+        covered = np.zeros(len(points), dtype=np.bool_)
+        c, s = math.cos(pose.theta), math.sin(pose.theta)
+        for each in self._filters:
+            if not each.confirmed or t - each.last_seen > self._settings.cover_memory:
+                continue
+            track = each.track_at(t)
+            dx, dy = track.x - pose.x, track.y - pose.y
+            away = np.hypot(points[:, 0] - (c * dx + s * dy), points[:, 1] - (c * dy - s * dx))
+            covered |= away < self._settings.cover
+        if np.count_nonzero(covered) > self._settings.most_covered * len(points):
+            return None
+        return covered
+
     def closest(self, t: float, pose: Pose) -> Track | None:
         """Return the nearest teammate in the visibility range, predicted to t, or None.
 

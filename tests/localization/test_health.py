@@ -2,79 +2,107 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
-from localization.health import Health, HealthMonitor
+from localization.health import Evidence, Health, HealthMonitor
+from localization.scan_check import Fit
 from localization.settings import HealthSettings
 
-SETTINGS = HealthSettings(updates_to_worsen=3, updates_to_improve=5)
-GOOD = (0.95, 0.05, 1.0)
-CLOUDY = (0.5, 0.05, 1.0)
-NOTHING_FITS = (0.1, 0.05, 1.0)
+SETTINGS = HealthSettings(worsen_after=3, improve_after=5)
+GOOD = Evidence(fit=Fit(0.95, 0.95), spread=0.05, share=1.0)
+CLOUDY = replace(GOOD, fit=Fit(0.55, 0.55))
+NOTHING_FITS = replace(GOOD, fit=Fit(0.1, 0.1))
+BLIND = replace(GOOD, fit=None)
 
 
-def after(
-    health: Health, count: int, likelihood: float | None, spread: float, share: float
-) -> Health:
+def after(health: Health, count: int, evidence: Evidence) -> Health:
     monitor = HealthMonitor(SETTINGS, health)
     for _ in range(count):
-        monitor.update(likelihood, spread, share)
+        monitor.update(evidence)
     return monitor.health
 
 
 @pytest.mark.parametrize(
-    ("before", "measured", "needed", "then"),
+    ("before", "evidence", "needed", "then"),
     [
         (Health.UNSURE, GOOD, 5, Health.LOCALIZED),
         (Health.LOST, GOOD, 5, Health.LOCALIZED),
         (Health.LOST, CLOUDY, 5, Health.UNSURE),
         (Health.LOCALIZED, CLOUDY, 3, Health.UNSURE),
-        (Health.LOCALIZED, (0.95, 0.6, 1.0), 3, Health.UNSURE),
-        (Health.LOCALIZED, (0.95, 0.05, 0.5), 3, Health.UNSURE),
-        (Health.LOCALIZED, (None, 0.05, 1.0), 3, Health.UNSURE),
+        (Health.LOCALIZED, replace(GOOD, spread=0.6), 3, Health.UNSURE),
+        (Health.LOCALIZED, replace(GOOD, share=0.5), 3, Health.UNSURE),
+        (Health.LOCALIZED, replace(GOOD, through=0.5), 3, Health.UNSURE),
+        (Health.LOCALIZED, replace(GOOD, jump_xy=0.6), 3, Health.UNSURE),
+        (Health.LOCALIZED, replace(GOOD, jump_theta=0.6), 3, Health.UNSURE),
+        (Health.LOCALIZED, replace(GOOD, strayed=True), 3, Health.UNSURE),
+        (Health.LOCALIZED, BLIND, 3, Health.UNSURE),
         (Health.LOCALIZED, NOTHING_FITS, 3, Health.LOST),
         (Health.UNSURE, NOTHING_FITS, 3, Health.LOST),
     ],
 )
 def test_transition_after_enough_updates_in_a_row(
-    before: Health, measured: tuple[float | None, float, float], needed: int, then: Health
+    before: Health, evidence: Evidence, needed: int, then: Health
 ) -> None:
-    assert after(before, needed - 1, *measured) is before
-    assert after(before, needed, *measured) is then
+    assert after(before, needed - 1, evidence) is before
+    assert after(before, needed, evidence) is then
 
 
 @pytest.mark.parametrize(
-    ("health", "measured"),
+    ("health", "evidence"),
     [
-        (Health.LOCALIZED, (0.6, 0.35, 0.75)),
-        (Health.UNSURE, (0.6, 0.05, 1.0)),
-        (Health.UNSURE, (0.95, 0.35, 1.0)),
-        (Health.UNSURE, (0.95, 0.05, 0.75)),
-        (Health.UNSURE, (0.4, 0.05, 1.0)),
-        (Health.LOST, (0.4, 0.05, 1.0)),
-        (Health.LOST, (None, 0.05, 1.0)),
+        (Health.LOCALIZED, Evidence(fit=Fit(0.65, 0.65), spread=0.35, share=0.75, through=0.35)),
+        (Health.LOCALIZED, replace(GOOD, jump_xy=0.45, jump_theta=0.45)),
+        (Health.UNSURE, replace(GOOD, fit=Fit(0.65, 0.65))),
+        (Health.UNSURE, replace(GOOD, spread=0.35)),
+        (Health.UNSURE, replace(GOOD, share=0.75)),
+        (Health.UNSURE, replace(GOOD, through=0.3)),
+        (Health.UNSURE, replace(GOOD, strayed=True)),
+        (Health.UNSURE, replace(GOOD, fit=Fit(0.48, 0.48))),
+        (Health.LOST, replace(GOOD, fit=Fit(0.48, 0.48))),
+        (Health.LOST, BLIND),
+        # A crowd does not make it lose a known pose, and does not let it find an unknown one.
+        (Health.LOCALIZED, replace(GOOD, fit=Fit(0.5, 0.8))),
+        (Health.UNSURE, replace(GOOD, fit=Fit(0.5, 0.8))),
     ],
 )
-def test_between_the_thresholds_nothing_changes(
-    health: Health, measured: tuple[float | None, float, float]
-) -> None:
-    assert after(health, 50, *measured) is health
+def test_between_the_thresholds_nothing_changes(health: Health, evidence: Evidence) -> None:
+    assert after(health, 50, evidence) is health
+
+
+def test_scans_from_the_same_place_count_in_part() -> None:
+    repeated = replace(NOTHING_FITS, worth=0.3)
+    assert after(Health.LOCALIZED, 9, repeated) is Health.LOCALIZED
+    assert after(Health.LOCALIZED, 10, repeated) is Health.LOST
+    assert after(Health.LOST, 16, replace(GOOD, worth=0.3)) is Health.LOST
+    assert after(Health.LOST, 17, replace(GOOD, worth=0.3)) is Health.LOCALIZED
 
 
 def test_an_interrupted_run_of_bad_scans_does_not_count() -> None:
     monitor = HealthMonitor(SETTINGS, Health.LOCALIZED)
     for _ in range(20):
-        monitor.update(*NOTHING_FITS)
-        monitor.update(*NOTHING_FITS)
-        assert monitor.update(*GOOD) is Health.LOCALIZED
+        monitor.update(NOTHING_FITS)
+        monitor.update(NOTHING_FITS)
+        assert monitor.update(GOOD) is Health.LOCALIZED
 
 
 def test_verdicts_that_waver_between_two_better_ones_count_for_the_lesser() -> None:
     monitor = HealthMonitor(SETTINGS, Health.LOST)
-    for measured in (GOOD, CLOUDY, GOOD, GOOD, CLOUDY):
+    for evidence in (GOOD, CLOUDY, GOOD, GOOD, CLOUDY):
         assert monitor.health is Health.LOST
-        monitor.update(*measured)
+        monitor.update(evidence)
     assert monitor.health is Health.UNSURE
+
+
+def test_the_better_tail_of_a_run_counts_towards_the_next_step() -> None:
+    """Five scans bring it from lost to unsure; three of them already spoke for localized."""
+    monitor = HealthMonitor(SETTINGS, Health.LOST)
+    for evidence in (CLOUDY, CLOUDY, GOOD, GOOD, GOOD):
+        monitor.update(evidence)
+    assert monitor.health is Health.UNSURE
+    assert monitor.update(GOOD) is Health.UNSURE
+    assert monitor.update(GOOD) is Health.LOCALIZED
 
 
 @pytest.mark.parametrize(
@@ -83,6 +111,7 @@ def test_verdicts_that_waver_between_two_better_ones_count_for_the_lesser() -> N
         {"lost_below": 0.9},
         {"localized_above": 0.4},
         {"localized_spread": 0.9},
+        {"localized_through": 0.9},
         {"unsure_share": 0.9},
     ],
 )

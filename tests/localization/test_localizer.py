@@ -10,11 +10,7 @@ import pytest
 
 from localization.health import Health
 from localization.localizer import Localizer
-from localization.settings import (
-    GlobalSettings,
-    LocalizationSettings,
-    SampleSettings,
-)
+from localization.settings import LocalizationSettings, SampleSettings
 from maps.occupancy_map import MapError, OccupancyMap
 from maps.pose import Pose, wrap_angle
 from tools.carmen import read_carmen
@@ -165,7 +161,7 @@ def test_finds_itself_anywhere_in_the_room(room, circle) -> None:
 
 
 def test_a_kidnapped_robot_notices_and_recovers(room, circle) -> None:
-    localizer = new_localizer(room, search=GlobalSettings(after_lost=5))
+    localizer = new_localizer(room)
     localizer.start_at(circle[0], 0.1, 0.05)
     elsewhere = [Pose(2.5, 2.6, 2.5).compose(circle[0].between(pose)) for pose in circle[:120]]
     rng, odometry = np.random.default_rng(4), Pose(0, 0, 0)
@@ -184,7 +180,7 @@ def test_a_kidnapped_robot_notices_and_recovers(room, circle) -> None:
 
 def test_a_crowd_does_not_make_it_forget_where_it_is(room, circle) -> None:
     """People hide the walls for so long that the search starts; then they step aside."""
-    localizer = new_localizer(room, search=GlobalSettings(after_lost=5))
+    localizer = new_localizer(room)
     localizer.start_at(circle[0], 0.1, 0.05)
     rng, odometer, healths = np.random.default_rng(6), WornOdometer(), []
     for index, pose in enumerate(circle[:100]):
@@ -238,3 +234,35 @@ def test_real_log_from_a_poor_odometer(data_folder: Path) -> None:
         assert np.sqrt(np.mean(heading**2)) < 1.0
         assert position.max() < 0.4
         assert estimate.health is Health.LOCALIZED
+
+
+def test_a_robot_shoved_aside_unseen_is_found_nearby(room, circle) -> None:
+    """Pushed 0.6 m and turned 20 degrees between two scans, its odometer standing still."""
+    localizer = new_localizer(room)
+    localizer.start_at(circle[0], 0.05, 0.02)
+    rng = np.random.default_rng(2)
+    for index in range(20):
+        localizer.update(0.1 * index, Pose(0, 0, 0), room.scan(circle[0], rng))
+    truth = circle[0].compose(Pose(-0.4, 0.45, math.radians(20)))
+    estimate = localizer.update(2.0, Pose(0, 0, 0), room.scan(truth, rng))
+    assert error(estimate.pose, truth)[0] < 0.05
+    assert error(estimate.pose, truth)[1] < 1.0
+    for index in range(21, 40):
+        estimate = localizer.update(0.1 * index, Pose(0, 0, 0), room.scan(truth, rng))
+    assert estimate.health is Health.LOCALIZED
+    assert error(estimate.pose, truth)[0] < 0.03
+
+
+def test_lasting_slip_is_learned(room) -> None:
+    """Wheels that lose 30 % over 4 m of steps of half a metre."""
+    localizer = new_localizer(room)
+    truth = Pose(1.0, 2.5, -0.1)
+    localizer.start_at(truth, 0.05, 0.02)
+    rng, odometry = np.random.default_rng(3), Pose(0, 0, 0)
+    localizer.update(0.0, odometry, room.scan(truth, rng))
+    for index in range(1, 9):
+        truth = truth.compose(Pose(0.5, 0, 0))
+        odometry = odometry.compose(Pose(0.5 / 0.7, 0, 0))
+        estimate = localizer.update(float(index), odometry, room.scan(truth, rng))
+        assert error(estimate.pose, truth)[0] < 0.1
+    assert estimate.health is Health.LOCALIZED

@@ -19,7 +19,9 @@ NO_SLIP = MotionSettings(slip_share=0.0)
 
 def moved(increment: Pose, settings: MotionSettings, start: Pose = HERE) -> np.ndarray:
     particles = np.tile(np.array(start, dtype=np.float64), (COUNT, 1))
-    return move_particles(particles, increment, settings, np.random.default_rng(1))
+    return move_particles(
+        particles, np.zeros(COUNT, np.float32), increment, settings, np.random.default_rng(1)
+    )[0]
 
 
 @pytest.mark.parametrize(
@@ -71,6 +73,32 @@ def test_some_particles_are_moved_as_if_the_wheels_slipped() -> None:
     far = np.hypot(particles[:, 0], particles[:, 1]) > 0.1
     assert 0.03 < far.mean() < 0.05
     assert np.all(np.flatnonzero(far) % 20 == 0)
+
+
+def test_a_particle_that_slipped_is_likely_to_slip_again_by_as_much() -> None:
+    settings = MotionSettings(slip_share=0.0, slip_lasting=0.7, translation_per_translation=0.0)
+    slips = np.full(COUNT, 0.3, np.float32)
+    particles, after = move_particles(
+        np.zeros((COUNT, 3)), slips, Pose(1.0, 0, 0), settings, np.random.default_rng(1)
+    )
+    again = after == np.float32(0.3)
+    assert again.mean() == pytest.approx(0.7, abs=0.02)
+    assert np.all(after[~again] == 0.0)
+    assert particles[again, 0].mean() == pytest.approx(0.7, abs=0.01)
+    assert particles[~again, 0].mean() == pytest.approx(1.0, abs=0.01)
+
+
+def test_slipping_particles_lose_no_more_than_the_most() -> None:
+    settings = MotionSettings(slip_share=0.1, slip_most=0.4, slip_xy=0.0, slip_theta=0.0)
+    _, slips = move_particles(
+        np.zeros((COUNT, 3)),
+        np.zeros(COUNT, np.float32),
+        Pose(1, 0, 0),
+        settings,
+        np.random.default_rng(1),
+    )
+    assert np.count_nonzero(slips) == pytest.approx(0.1 * COUNT, rel=0.01)
+    assert 0.38 < slips.max() <= 0.4
 
 
 def test_headings_stay_wrapped() -> None:

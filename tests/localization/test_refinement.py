@@ -54,8 +54,9 @@ def test_finds_the_true_pose_from_beside_it(room, off: tuple[float, float, float
     start = Pose(TRUTH.x + off[0], TRUTH.y + off[1], TRUTH.theta + off[2])
     refined = Refinement(RefinementSettings(), room.map).refine(start, CLOUD, points)
     assert refined is not None
-    assert math.hypot(refined.x - TRUTH.x, refined.y - TRUTH.y) < 0.02
-    assert abs(refined.theta - TRUTH.theta) < math.radians(0.5)
+    pose = refined.pose
+    assert math.hypot(pose.x - TRUTH.x, pose.y - TRUTH.y) < 0.02
+    assert abs(pose.theta - TRUTH.theta) < math.radians(0.5)
 
 
 def test_people_do_not_pull(room) -> None:
@@ -65,7 +66,8 @@ def test_people_do_not_pull(room) -> None:
     start = Pose(TRUTH.x + 0.06, TRUTH.y - 0.04, TRUTH.theta + 0.02)
     refined = Refinement(RefinementSettings(), room.map).refine(start, CLOUD, points)
     assert refined is not None
-    assert math.hypot(refined.x - TRUTH.x, refined.y - TRUTH.y) < 0.03
+    pose = refined.pose
+    assert math.hypot(pose.x - TRUTH.x, pose.y - TRUTH.y) < 0.03
 
 
 def test_never_jumps_beyond_its_limits(room) -> None:
@@ -82,8 +84,9 @@ def test_never_jumps_beyond_its_limits(room) -> None:
         refined = refinement.refine(start, np.eye(3) * spread**2, room.scan(pose, rng))
         if refined is not None:
             accepted += 1
-            assert math.hypot(refined.x - start.x, refined.y - start.y) <= 0.15
-            turn = math.remainder(refined.theta - start.theta, math.tau)
+            moved = refined.pose
+            assert math.hypot(moved.x - start.x, moved.y - start.y) <= 0.15
+            turn = math.remainder(moved.theta - start.theta, math.tau)
             assert abs(turn) <= 0.08 + 1e-9
     assert 0 < accepted < 300
 
@@ -100,25 +103,33 @@ def test_a_bare_corridor_leaves_the_position_along_it_to_the_cloud() -> None:
     start = Pose(truth.x + 0.1, truth.y + 0.08, 0.03)
     refined = Refinement(RefinementSettings(), corridor).refine(start, CLOUD, walls)
     assert refined is not None
-    assert refined.y == pytest.approx(truth.y, abs=0.01)
-    assert refined.theta == pytest.approx(0.0, abs=0.005)
-    assert refined.x == pytest.approx(start.x, abs=0.01)
+    assert refined.pose.y == pytest.approx(truth.y, abs=0.01)
+    assert refined.pose.theta == pytest.approx(0.0, abs=0.005)
+    assert refined.pose.x == pytest.approx(start.x, abs=0.01)
+    sigma_x, sigma_y, _ = np.sqrt(np.diag(refined.covariance))
+    assert sigma_x >= 0.05  # along the corridor it is no surer than the cloud was
+    assert sigma_y < 0.02
 
 
 def test_too_few_points_tell_nothing(room) -> None:
     refinement = Refinement(RefinementSettings(), room.map)
     points = room.scan(TRUTH)[:9]
     assert refinement.refine(TRUTH, CLOUD, points) is None
-    assert refinement.fit(TRUTH, points, 0.1) is None
 
 
-def test_fit_falls_with_the_distance_from_the_truth(room) -> None:
+def test_stated_covariance_is_symmetric_and_grows_where_the_map_is_blurred(room) -> None:
+    """The end points' own residual measures their error."""
     refinement = Refinement(RefinementSettings(), room.map)
-    points = room.scan(TRUTH)
-    fits = [
-        refinement.fit(Pose(TRUTH.x + off, TRUTH.y + off, TRUTH.theta), points, 0.1)
-        for off in (0.0, 0.1, 0.3, 1.0)
-    ]
-    assert fits[0] > 0.95
-    assert fits == sorted(fits, reverse=True)
-    assert fits[-1] < 0.35
+    sharp, blurred = (
+        refinement.refine(
+            Pose(TRUTH.x + 0.05, TRUTH.y, TRUTH.theta),
+            CLOUD,
+            room.scan(TRUTH, np.random.default_rng(1), sigma=sigma),
+        )
+        for sigma in (0.01, 0.08)
+    )
+    assert sharp is not None
+    assert blurred is not None
+    assert np.array_equal(sharp.covariance, sharp.covariance.T)
+    assert np.linalg.eigvalsh(sharp.covariance).min() > 0.0
+    assert np.trace(blurred.covariance) > 2.0 * np.trace(sharp.covariance)

@@ -76,3 +76,13 @@ def test_reports_out_of_order_are_ignored() -> None:
     history.add(state(1.0, 0.0))
     history.add(state(0.9, 5.0))
     assert history.at(1.0) == pytest.approx((0.0, 0.0, 0.0))
+
+
+def test_speeds_are_those_of_the_nearest_report() -> None:
+    history = OdometryHistory()
+    assert history.twist_at(0.0) == (0.0, 0.0)
+    history.add(state(1.0, 0.0, v=0.1, w=0.2))
+    history.add(state(2.0, 0.0, v=0.3, w=0.4))
+    assert history.twist_at(1.4) == (0.1, 0.2)
+    assert history.twist_at(1.6) == (0.3, 0.4)
+    assert history.twist_at(9.0) == (0.3, 0.4)

@@ -14,14 +14,21 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 import serial
 
+from drivers.camera import Camera, wait_for_picture
+from drivers.camera_source import CameraSettings
+from drivers.line_faults import FaultSpecError
 from drivers.p2os.model import UnknownModelError
 from maps.map_folder import MapFolder, load_map_folder
 from maps.pose import Pose
 from robot_agent.config import find_map
+from tools.bench.emulated_camera import HEIGHT, WIDTH, render_view
+from tools.bench.world import World
 from tools.cli import main
 from tools.emulate import EmulateError, EmulateOptions, Emulation, parse_pose
 
@@ -62,12 +69,32 @@ def emulated(folder: MapFolder, options: EmulateOptions) -> Iterator[dict[str, s
             thread.join()
 
 
+class SerialLine:
+    """A serial port that is used like a socket."""
+
+    def __init__(self, url: str) -> None:
+        self.device = serial.Serial(url, 9600, timeout=LIMIT)
+
+    def sendall(self, data: bytes) -> None:
+        self.device.write(data)
+
+    def recv(self, size: int) -> bytes:
+        return bytes(self.device.read(1))
+
+    def close(self) -> None:
+        self.device.close()
+
+
 class ManualClient:
     """A P2OS client written from the manual's rules alone."""
 
     def __init__(self, url: str) -> None:
-        host, port = url.removeprefix("socket://").split(":")
-        self.socket = socket.create_connection((host, int(port)), timeout=LIMIT)
+        self.socket: Any
+        if url.startswith("socket://"):
+            host, port = url.removeprefix("socket://").split(":")
+            self.socket = socket.create_connection((host, int(port)), timeout=LIMIT)
+        else:
+            self.socket = SerialLine(url)
         self.buffer = b""
 
     def __enter__(self) -> ManualClient:
@@ -118,6 +145,13 @@ class ManualClient:
         self.send(OPEN)
         return reply[1:].split(b"\0")[:3]
 
+    def send_int(self, number: int, value: int) -> None:
+        """Send a command with an integer as sign and magnitude, as clients do."""
+        kind = 0x3B if value >= 0 else 0x1B
+        data = bytes((number, kind)) + struct.pack("<H", abs(value))
+        total = sum(struct.unpack(">2H", data)) & 0xFFFF
+        self.send(b"\xfa\xfb\x06" + data + total.to_bytes(2, "big"))
+
     def sip(self, wanted: Callable[[bytes], bool] = lambda _: True) -> bytes:
         return self.packet(lambda data: data[0] in (0x32, 0x33) and wanted(data))
 
@@ -164,6 +198,213 @@ def test_independent_client_over_tcp(folder: MapFolder) -> None:
         with reconnected(urls["p2os"]) as again:
             again.shake_hands()
             assert x_counts(again.sip()) == 0, "a new session starts at zero"
+
+
+# What a client of the makers' own lineage sends, byte by byte.
+VEL_MINUS_150 = bytes.fromhex("FAFB 06 0B 1B9600 A11B")
+RVEL_MINUS_15 = bytes.fromhex("FAFB 06 15 1B0F00 241B")
+VEL2_TURN_LEFT = bytes.fromhex("FAFB 06 20 1BFD02 1D1D")  # left -60, right +60 mm/s: -765 in all
+DIGOUT_FF_05 = bytes.fromhex("FAFB 06 1E 1BFB00 191B")
+SAY = bytes.fromhex("FAFB 08 0F 2B 02 0120 00 312C")  # with a NUL its length does not count
+BATTERY_INFO = bytes.fromhex("FAFB 06 3E 3B0100 3F3B")
+CLOSE_1 = bytes.fromhex("FAFB 06 02 3B0100 033B")
+HOSTBAUD_38400 = bytes.fromhex("FAFB 06 32 3B0200 343B")
+STOP_MOVING = ((11, 0), (21, 0))  # VEL, RVEL
+LIMITS = ((6, 2200), (5, 300), (5, -300), (10, 150), (23, 100), (23, -100))
+
+
+def speeds(sip: bytes) -> tuple[int, int]:
+    left, right = struct.unpack_from("<hh", sip, 7)
+    return left, right
+
+
+def motors_on(sip: bytes) -> bool:
+    return bool(struct.unpack_from("<H", sip, 16)[0] & 1)
+
+
+def heading(sip: bytes) -> float:
+    """Return degrees in 0..360."""
+    return float(struct.unpack_from("<h", sip, 5)[0] * 360.0 / 4096 % 360.0)
+
+
+def distance(before: bytes, after: bytes) -> float:
+    """Return mm between two reports; positions count modulo 2^15."""
+    steps = (
+        (struct.unpack_from("<H", after, at)[0] - struct.unpack_from("<H", before, at)[0])
+        for at in (1, 3)
+    )
+    return 0.84 * float(np.hypot(*((step + 0x4000) % 0x8000 - 0x4000 for step in steps)))
+
+
+def set_up(client: ManualClient) -> None:
+    """Do what such a client does after OPEN: CONFIG at once, limits at the first report."""
+    client.send(CONFIG)
+    client.packet(lambda data: data[0] == 0x20)
+    client.send(BATTERY_INFO)  # of later firmware: no answer is fine
+    client.sip()
+    for number, value in LIMITS:
+        client.send_int(number, value)
+    for packet in (SYNC0, SONAR_ON, ENABLE):  # SYNC0 is PULSE now
+        client.send(packet)
+    client.sip(motors_on)
+
+
+def come_to_rest(client: ManualClient) -> None:
+    for number, value in STOP_MOVING:
+        client.send_int(number, value)
+    client.sip(lambda sip: speeds(sip) == (0, 0) and sip[0] == 0x32)
+
+
+def test_client_of_the_makers_lineage(folder: MapFolder) -> None:
+    with emulated(folder, EmulateOptions(p2os="tcp:0", pose=OPEN_PLACE)) as urls:
+        with ManualClient(urls["p2os"]) as client:
+            client.shake_hands()
+            set_up(client)
+            client.send(CONFIG)
+            config = client.packet(lambda data: data[0] == 0x20)
+            assert struct.pack("<4H", 150, 2200, 100, 100) in config, "limits show in CONFIG"
+
+            client.send(VEL_MINUS_150)
+            client.sip(lambda sip: speeds(sip) == (-150, -150))
+            come_to_rest(client)
+            client.send(RVEL_MINUS_15)
+            clockwise = client.sip(lambda sip: speeds(sip)[0] > 20)
+            assert speeds(clockwise)[1] == -speeds(clockwise)[0]
+            come_to_rest(client)
+            client.send(VEL2_TURN_LEFT)
+            client.sip(lambda sip: speeds(sip) == (-60, 60))
+            come_to_rest(client)
+
+            client.send_int(12, 30)  # HEAD, absolute
+            client.sip(lambda sip: abs(heading(sip) - 30.0) < 1.5 and speeds(sip) == (0, 0))
+            before = client.sip()
+            client.send_int(8, 200)  # MOVE
+            client.sip(lambda sip: sip[0] == 0x33)
+            after = client.sip(lambda sip: sip[0] == 0x32)
+            assert distance(before, after) == pytest.approx(200.0, abs=15.0)
+
+            for packet in (DIGOUT_FF_05, SAY):
+                client.send(packet)
+            client.sip(lambda sip: sip[20 + 3 * sip[19] + 4] == 0x05)
+            client.send_int(4, 0)
+            client.send(CLOSE_1)
+
+        with reconnected(urls["p2os"]) as again:
+            again.shake_hands()
+            sip = again.sip()
+            assert struct.unpack_from("<HHh", sip, 1) == (0, 0, 0)
+            assert not motors_on(sip), "motors are off in every new session"
+            again.send(VEL_300)
+            again.sip()
+            assert speeds(again.sip()) == (0, 0)
+
+
+def test_serial_client_changes_the_rate_and_comes_back(folder: MapFolder) -> None:
+    with emulated(folder, EmulateOptions(pose=OPEN_PLACE)) as urls:
+        for _ in range(2):  # closing puts the robot back to the rate it starts with
+            with ManualClient(urls["p2os"]) as client:
+                client.send(JUNK)
+                time.sleep(0.07)
+                client.shake_hands()
+                client.send(CONFIG)
+                client.packet(lambda data: data[0] == 0x20)
+                client.send(HOSTBAUD_38400)
+                time.sleep(0.2)  # the robot must have heard it before the port changes
+                client.socket.device.baudrate = 38400
+                client.buffer = b""
+                client.send(SYNC0)
+                client.sip()
+                client.sip()
+                client.send(CLOSE_1)
+                time.sleep(0.2)
+
+
+@pytest.mark.parametrize("place", ["pty", "tcp:0"])
+def test_cut_line_goes_away_and_comes_back(folder: MapFolder, place: str) -> None:
+    options = EmulateOptions(p2os=place, p2os_faults="cut=1:1.5", pose=OPEN_PLACE)
+    with emulated(folder, options) as urls:
+        url = urls["p2os"]
+        with ManualClient(url) as client:
+            client.shake_hands()
+            client.sip()
+            # Hung up on: a socket ends or breaks, a serial port fails.
+            with pytest.raises((AssertionError, OSError)):
+                client.packet(lambda _: False)
+        # A cable is no power switch: the session is still open.
+        assert first_report_again(url)[0] in (0x32, 0x33)
+
+
+def first_report_again(url: str) -> bytes:
+    """Try a port that was taken away until it gives a report."""
+    give_up = time.monotonic() + LIMIT
+    while True:
+        try:
+            with ManualClient(url) as client:
+                return client.sip()
+        except (AssertionError, OSError):  # not there yet, or still being taken away
+            assert time.monotonic() < give_up, "never came back"
+            time.sleep(0.02)
+
+
+def test_reset_on_request(folder: MapFolder) -> None:
+    options = EmulateOptions(p2os="tcp:0", p2os_faults="reset=1", pose=OPEN_PLACE)
+    with emulated(folder, options) as urls, ManualClient(urls["p2os"]) as client:
+        client.shake_hands()
+        set_up(client)
+        client.socket.settimeout(0.5)
+        with pytest.raises(TimeoutError):
+            client.packet(lambda _: False)
+        client.socket.settimeout(LIMIT)
+        give_up = time.monotonic() + LIMIT
+        while True:  # deaf while it starts up
+            assert time.monotonic() < give_up
+            client.send(SYNC0)
+            client.socket.settimeout(0.3)
+            try:
+                assert client.packet() == b"\x00"
+                break
+            except TimeoutError:
+                continue
+
+
+def test_unusable_faults(folder: MapFolder) -> None:
+    with pytest.raises(FaultSpecError, match="melt"):
+        Emulation(folder, EmulateOptions(lms200_faults="melt=1"))
+
+
+def test_view_of_the_camera(folder: MapFolder) -> None:
+    with emulated(folder, EmulateOptions(camera=0, pose=OPEN_PLACE)) as urls:
+        camera = Camera(CameraSettings(url=urls["camera"]))
+        camera.start()
+        first = wait_for_picture(camera, LIMIT)
+        assert first is not None
+        second = wait_for_picture(camera, LIMIT, after=first.number)
+        camera.close()
+        assert second is not None
+        assert second.pixels.shape == (HEIGHT, WIDTH, 3)
+
+
+def test_view_shows_walls_by_their_distance(folder: MapFolder) -> None:
+    world = World(folder.map, np.random.default_rng(1))
+    along, across = (
+        render_view(world, Pose(OPEN_PLACE.x, OPEN_PLACE.y, theta)).astype(int)
+        for theta in (OPEN_PLACE.theta, OPEN_PLACE.theta + np.pi / 2)
+    )
+    middle = WIDTH // 2
+    wall_rows = [
+        int(np.count_nonzero(np.abs(np.diff(view[:, middle].sum(axis=1))) > 0)) >= 1
+        for view in (along, across)
+    ]
+    assert all(wall_rows), "a wall stands out from ceiling and floor"
+    near, far = across[HEIGHT // 2, middle].sum(), along[HEIGHT // 2, middle].sum()
+    assert near > far, "the side wall is nearer, so brighter, than the corridor's end"
+
+
+def test_taken_camera_port(folder: MapFolder) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        number = taken.getsockname()[1]
+        with pytest.raises(EmulateError, match=f"--camera {number}"):
+            Emulation(folder, EmulateOptions(camera=number))
 
 
 def reconnected(url: str) -> ManualClient:

@@ -41,8 +41,8 @@ def test_summary_has_the_documented_keys_and_true_numbers(
     result = localize(log, folder, LocalizeOptions(seed=3))
     summary = result.summary
     assert list(summary) == [
-        "log", "map", "seed", "scans", "lost_share", "position_m", "heading_deg", "update_ms",
-        "particles", "peak_memory_mb",
+        "log", "map", "seed", "scans", "lost_share", "position_m", "heading_deg", "inside_95",
+        "health_share", "update_ms", "updates_per_s", "particles", "peak_memory_mb",
     ]  # fmt: skip
     assert summary["log"] == str(log.path)
     assert (summary["map"], summary["seed"], summary["scans"]) == ("seattle", 3, SCANS)
@@ -61,6 +61,11 @@ def test_summary_has_the_documented_keys_and_true_numbers(
     assert summary["heading_deg"]["rmse"] < 0.6
     assert summary["lost_share"] == 0.0
     assert summary["particles"]["median"] < 1000
+    spent = sum(row.update_ms for row in result.rows)
+    assert summary["updates_per_s"] == pytest.approx(1e3 * SCANS / spent)
+    assert set(summary["inside_95"]) == {"xy", "pose"}
+    assert sum(summary["health_share"].values()) == pytest.approx(1.0)
+    assert summary["health_share"]["localized"] > 0.9
 
 
 def test_files_say_what_the_result_says(log: CarmenLog, folder: MapFolder, tmp_path: Path) -> None:
@@ -76,9 +81,9 @@ def test_files_say_what_the_result_says(log: CarmenLog, folder: MapFolder, tmp_p
 
 
 def test_progress_counts_every_scan(log: CarmenLog, folder: MapFolder) -> None:
-    calls: list[tuple[int, int]] = []
-    localize(log, folder, LocalizeOptions(first_scan=50), lambda *done: calls.append(done))
-    assert calls == [(n, SCANS - 50) for n in range(1, SCANS - 50 + 1)]
+    calls: list[float] = []
+    localize(log, folder, LocalizeOptions(first_scan=50), calls.append)
+    assert calls == list(range(1, SCANS - 50 + 1))
 
 
 def test_same_seed_same_rows(log: CarmenLog, folder: MapFolder) -> None:

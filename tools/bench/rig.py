@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.lms200.emulator import Lms200Emulator
+from drivers.lms200.scan import beam_time_offsets
 from drivers.p2os.emulator import P2osEmulator
 from drivers.p2os.model import load_model
 from maps.pose import Pose, wrap_angle
@@ -22,14 +23,22 @@ class RobotRig:
     """Moves a body as its base's wheels turn; the laser and the sonars see from where it is."""
 
     def __init__(
-        self, name: str, world: World, body: RobotBody, t: float, model: str = "p2dx"
+        self,
+        name: str,
+        world: World,
+        body: RobotBody,
+        t: float,
+        model: str = "p2dx",
+        *,
+        later_firmware: bool = False,
     ) -> None:
-        """Put the robot into the world at time t, both devices just powered."""
+        """Put the robot into the world at time t, both devices just powered; with
+        ``later_firmware`` its base reports what AROS does, the stop button among it."""
         self.name = name
         self.world = world
         self.body = body
         self._model = load_model(model)
-        self.base = P2osEmulator(self._model, name=name)
+        self.base = P2osEmulator(self._model, name=name, later_firmware=later_firmware)
         self.laser = Lms200Emulator(scan_source=self._scan)
         self.stuck = False
         """Whether something holds the wheels."""
@@ -60,9 +69,16 @@ class RobotRig:
         self._previous_pose = self.body.pose
 
     def _scan(self, t: float, n: int, increment: float) -> NDArray[np.float64]:
-        """Measure one scan at time t, which lies within the present step."""
+        """Measure one mirror turn about time t, which lies within the present step.
+
+        The base turns on while the mirror sweeps, so that each beam looks a little elsewhere.
+        """
         pose = self._pose_at(t)
-        return self.world.scan(self.body, pose, n, increment, self._model.laser_mount)
+        step = self._t - self._previous_t
+        turn = math.remainder(self.body.pose.theta - self._previous_pose.theta, math.tau)
+        rate = turn / step if step > 0 else 0.0
+        swept = rate * beam_time_offsets(n, -0.5 * (n - 1) * increment, increment, 1)
+        return self.world.scan(self.body, pose, n, increment, self._model.laser_mount, swept)
 
     def _pose_at(self, t: float) -> Pose:
         """Interpolate the true pose within the last step."""

@@ -109,16 +109,18 @@ class World:
         n: int,
         increment: float,
         mount: tuple[float, float, float],
+        swept: NDArray[np.float64] | float = 0.0,
     ) -> NDArray[np.float64]:
         """Return (n,) laser ranges, m; inf where no return.
 
         pose: true map_from_base at the time of the scan, which may lie between two moves. Beams
         are symmetric about the laser's axis, the first one right-most, increment rad apart.
-        mount: the laser's (x, y, theta) in base_link, m and rad.
+        mount: the laser's (x, y, theta) in base_link, m and rad. swept (n,): rad turned by the
+        body from then until each beam was measured.
         """
         laser = pose.compose(Pose(*mount))
         beams = np.arange(n, dtype=np.float64)
-        angles = laser.theta + (beams - (n - 1) / 2) * increment
+        angles = laser.theta + (beams - (n - 1) / 2) * increment + swept
         ranges = self._cast(body, laser.x, laser.y, angles, self.laser_max_range)
         ranges += self.rng.normal(0.0, self.noise.laser_range, n)
         ranges[self.rng.random(n) < self.noise.laser_dropouts] = np.inf

@@ -16,11 +16,21 @@ from tools.emulate import EmulateOptions, Emulation, parse_pose
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.epilog = "example: patrol emulate --p2os tcp:8101 --lms200 pty --pose 4.0,3.7,90"
+    parser.epilog = (
+        "example: patrol emulate --p2os tcp:8101 --lms200 pty --pose 4.0,3.7,90\n\n"
+        "SPEC, chances from 0 to 1, times in s since the start, all of it optional:\n"
+        "  drop=0.01,corrupt=0.001            per byte\n"
+        "  duplicate=0.01,split=0.1           per piece of traffic\n"
+        "  delay=0.05:0.2                     that share comes 0.2 s late\n"
+        "  silence=5:8,cut=12:15,reset=20     from:to, from:to (the port goes away), at"
+    )
     parser.add_argument("--model", default="p2dx", metavar="NAME", help=", ".join(model_names()))
     for name, device in (("p2os", "base"), ("lms200", "laser")):
         parser.add_argument(
             f"--{name}", default="pty", metavar="PLACE", help=f"{device}: pty or tcp:PORT"
+        )
+        parser.add_argument(
+            f"--{name}-faults", default="", metavar="SPEC", help=f"what the {device}'s line does"
         )
     parser.add_argument("--camera", type=int, metavar="PORT", help="serve its view as MJPEG there")
     parser.add_argument("--map", default="paper_lab", metavar="DIR", help="map folder or name")
@@ -35,6 +45,8 @@ def run(options: argparse.Namespace) -> int:
         model=options.model,
         p2os=options.p2os,
         lms200=options.lms200,
+        p2os_faults=options.p2os_faults,
+        lms200_faults=options.lms200_faults,
         camera=options.camera,
         pose=None if options.pose is None else parse_pose(options.pose),
         seed=options.seed,

@@ -6,23 +6,53 @@ import argparse
 import json
 import sys
 from pathlib import Path
+from typing import cast
 
 import cv2
+import numpy as np
 
 from maps.map_folder import MapFolder, load_map_folder
 from robot_agent.config import find_map, parse_config
-from tools.carmen import read_carmen
-from tools.localize import LocalizeOptions, LocalizeResult, localize, localize_steps
+from tools.carmen import LogError, read_carmen
+from tools.localize import LocalizeOptions, LocalizeStep, localize_steps, log_steps, map_of_log
+from tools.localize_report import STUDIES, format_table, run_count, run_study
+from tools.localize_study import RESOLUTION, read_study_log
+from tools.localize_trials import carried_away, outcome
+from tools.mapping import Scans
 from tools.progress import Progress
 from tools.recorded_scans import recorded_scans
 from tools.recording import read_recording
 
+_EPILOG = """examples:
+  patrol localize --map intel_lab intel.log.gz --json out.json
+  patrol localize --map-from even intel.log.gz --csv out.csv
+  patrol localize --map-from all intel.log.gz --kidnap 600 --seed 3
+  patrol localize --study accuracy intel.log.gz aces.log.gz seattle.log.gz:27"""
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.epilog = "example: patrol localize --map intel_lab intel.log.gz --json out.json"
-    parser.add_argument("log", type=Path, help="CARMEN log (plain or gzip) or recording (.mcap)")
-    parser.add_argument("--map", required=True, metavar="DIR", help="map folder or name")
+    parser.epilog = _EPILOG
+    parser.add_argument(
+        "logs",
+        nargs="+",
+        metavar="LOG[:N]",
+        help="CARMEN log (plain or gzip) or recording (.mcap), from scan N on",
+    )
+    source = parser.add_mutually_exclusive_group(required=True)
+    source.add_argument("--map", metavar="DIR", help="map folder or name")
+    source.add_argument(
+        "--map-from",
+        choices=("all", "even"),
+        help="map of the log's own scans at its reference poses; even: of every second one, and "
+        "only the scans between are localized",
+    )
+    source.add_argument(
+        "--study",
+        action="append",
+        choices=STUDIES,
+        help="many runs over CARMEN logs and a table of them; may be given several times",
+    )
     size = parser.add_mutually_exclusive_group()
     size.add_argument("--particles", type=_positive, metavar="N", help="a fixed number")
     size.add_argument("--kld", action="store_true", help="KLD-adaptive number (the default)")
@@ -30,49 +60,126 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--global", dest="anywhere", action="store_true", help="start with no idea of the pose"
     )
+    parser.add_argument(
+        "--kidnap", type=float, metavar="T", help="carry the robot elsewhere T s after the start"
+    )
     parser.add_argument("--start-noise", action="store_true", help="start off the true pose")
-    parser.add_argument("--first-scan", type=int, default=0, metavar="N", help="leave out earlier")
+    parser.add_argument("--first-scan", type=int, default=0, metavar="N", help="as LOG:N")
     parser.add_argument("--seed", type=int, default=0, metavar="N")
+    parser.add_argument("--seeds", type=_positive, default=20, metavar="N", help="of a study")
+    parser.add_argument("--trials", type=_positive, default=100, metavar="N", help="of a study")
     parser.add_argument("--csv", type=Path, metavar="OUT", help="write one line per scan")
     parser.add_argument("--json", type=Path, metavar="OUT", help="write the summary")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Localize, print the summary as JSON; status 1 when the robot was lost."""
+    """Localize and print the summary as JSON, or run studies and print their tables."""
     cv2.setNumThreads(1)
-    folder = load_map_folder(find_map(options.map, Path.cwd()))
-    result = _localize(
-        options.log,
-        folder,
-        LocalizeOptions(
-            particles=options.particles,
-            beams=options.beams,
-            seed=options.seed,
-            start_noise=options.start_noise,
-            anywhere=options.anywhere,
-            first_scan=options.first_scan,
-        ),
+    logs = [_split(word, options.first_scan) for word in options.logs]
+    if options.study:
+        return _study(logs, options)
+    if len(logs) > 1:
+        raise LogError(f"{len(logs)} logs: give one, or --study for tables over several")
+    return _localize(*logs[0], options)
+
+
+# --- one run ---------------------------------------------------------------------------------
+
+
+def _localize(path: Path, first_scan: int, options: argparse.Namespace) -> int:
+    steps, folder = _read(path, options)
+    steps = steps[first_scan:]
+    if not steps:
+        raise LogError(f"{path}: no scan from scan {first_scan} on: start with an earlier one")
+    if options.map_from == "even":
+        steps = steps[1 - first_scan % 2 :: 2]
+    event = 0 if options.anywhere else None
+    if options.kidnap is not None:
+        event = _scans_before(steps, options.kidnap)
+        rng = np.random.default_rng(options.seed)
+        steps = carried_away(steps[:event], steps, rng)
+    choices = LocalizeOptions(
+        particles=options.particles,
+        beams=options.beams,
+        seed=options.seed,
+        start_noise=options.start_noise,
+        anywhere=options.anywhere,
     )
+    with Progress("localize", len(steps), "scans") as progress:
+        result = localize_steps(str(path), steps, folder, choices, progress)
+    summary = result.summary
+    if event is not None and all(step.reference is not None for step in steps):
+        summary["after_event"] = outcome(result, steps, event).summary
     if options.csv:
         result.write_csv(options.csv)
-    if options.json:
-        result.write_json(options.json)
-    print(json.dumps(result.summary, indent=2))
+    _tell(summary, options.json)
     return 0
 
 
-def _localize(path: Path, folder: MapFolder, options: LocalizeOptions) -> LocalizeResult:
+def _read(path: Path, options: argparse.Namespace) -> tuple[list[LocalizeStep], MapFolder]:
+    """Return a log's or recording's scans, and the map to localize on."""
     if path.suffix == ".mcap":
+        if options.map_from:
+            raise LogError(f"{path}: --map-from needs a CARMEN log: give --map DIR")
         recording = read_recording(path)
         config = parse_config(recording.header.configuration, f"{path} (configuration)")
         steps = list(recorded_scans(recording, config))
         _warn(recording.truncated)
-        with Progress("localize", len(steps), "scans") as progress:
-            return localize_steps(str(path), steps, folder, options, progress)
+        return steps, _folder(options)
     log = read_carmen(path)
     _warn(log.truncated)
-    with Progress("localize", len(log.scans), "scans") as progress:
-        return localize(log, folder, options, progress)
+    if not options.map_from:
+        return log_steps(log), _folder(options)
+    with Progress("map", len(log.scans), "scans") as progress:
+        scans = cast("Scans", options.map_from)
+        return log_steps(log), map_of_log(log, RESOLUTION, scans, progress)
+
+
+def _folder(options: argparse.Namespace) -> MapFolder:
+    return load_map_folder(find_map(options.map, Path.cwd()))
+
+
+def _scans_before(steps: list[LocalizeStep], seconds: float) -> int:
+    """Return how many scans are taken within the first seconds; at least one."""
+    return max(1, sum(step.t - steps[0].t < seconds for step in steps))
+
+
+# --- studies ---------------------------------------------------------------------------------
+
+
+def _study(paths: list[tuple[Path, int]], options: argparse.Namespace) -> int:
+    logs = []
+    with Progress("maps", len(paths), "logs") as progress:
+        for done, (path, first_scan) in enumerate(paths, start=1):
+            logs.append(read_study_log(path, first_scan))
+            progress(done)
+    tables = {}
+    for name in dict.fromkeys(options.study):
+        runs = run_count(name, len(logs), options.seeds, options.trials)
+        with Progress(name, runs, "runs") as progress:
+            tables[name] = run_study(name, logs, options.seeds, options.trials, progress)
+        print(f"{name}\n{format_table(tables[name])}\n", flush=True)
+    if options.json:
+        options.json.write_text(json.dumps(tables, indent=2) + "\n", encoding="utf-8")
+    return 0
+
+
+# --- words in and out ------------------------------------------------------------------------
+
+
+def _split(word: str, first_scan: int) -> tuple[Path, int]:
+    """Split ``LOG:N``; a file of that very name comes first."""
+    name, _, number = word.rpartition(":")
+    if name and number.isdecimal() and not Path(word).exists():
+        return Path(name), int(number)
+    return Path(word), first_scan
+
+
+def _tell(summary: dict[str, object], path: Path | None) -> None:
+    text = json.dumps(summary, indent=2)
+    if path is not None:
+        path.write_text(text + "\n", encoding="utf-8")
+    print(text)
 
 
 def _warn(truncated: str | None) -> None:

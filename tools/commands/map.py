@@ -6,26 +6,53 @@ import argparse
 import sys
 from pathlib import Path
 
+import cv2
+
 from maps.map_folder import DEFAULT_BORDER
 from maps.occupancy_map import save_map
 from robot_agent.config import find_map
-from tools.carmen import read_carmen
+from tools.carmen import LogError
 from tools.floor_plan import draw_floor_plan
 from tools.map_picture import draw_map
 from tools.mapping import build_map, check_map
 from tools.progress import Progress
+from tools.scan_log import ScanLog, read_scan_log
+from tools.slam.mapper import map_odometry
+from tools.slam.relations import read_relations, relation_error
+from tools.slam.trajectory import Trajectory
+
+PICTURE = "map.png"
+"""The picture that ``map build`` puts beside the map."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
 
-    build = actions.add_parser("build", help="build a map from a log with reference poses")
-    build.epilog = "example: patrol map build intel.log.gz -o my_map"
-    build.add_argument("log", type=Path, help="CARMEN log, plain or gzip")
+    build = actions.add_parser("build", help="build a map from a log or recording")
+    build.epilog = "example: patrol map build drive.mcap -o my_map --from odometry"
+    build.add_argument("log", type=Path, help="CARMEN log (plain or gzip) or recording (.mcap)")
     build.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
     build.add_argument("--resolution", type=float, default=0.05, metavar="M", help="cell side")
     build.add_argument("--scans", choices=("all", "even", "odd"), default="all")
+    build.add_argument(
+        "--from",
+        dest="source",
+        choices=("reference", "odometry"),
+        default="reference",
+        help="poses: those in the log, or found from raw odometry and the scans",
+    )
+    build.add_argument("--first-scan", type=int, default=0, metavar="N", help="leave out earlier")
+    build.add_argument(
+        "--relations", type=Path, metavar="FILE", help="true relations to judge the poses by"
+    )
+    build.add_argument(
+        "--relations-epoch",
+        type=float,
+        default=0.0,
+        metavar="S",
+        help="the relations' time at the log's time zero",
+    )
     build.set_defaults(act=_build)
 
     draw = actions.add_parser("draw", help="draw a map from a floor plan file")
@@ -58,14 +85,36 @@ def _add_folder(parser: argparse.ArgumentParser) -> None:
 
 
 def _build(options: argparse.Namespace) -> int:
-    log = read_carmen(options.log)
+    cv2.setNumThreads(1)
+    relations = (
+        read_relations(options.relations, options.relations_epoch) if options.relations else []
+    )
+    log = read_scan_log(options.log)
     if log.truncated:
         print(f"patrol map: {log.truncated}", file=sys.stderr)
+    log, trajectory = _posed(log.from_scan(options.first_scan), options.source)
+    if relations:
+        print(relation_error(relations, trajectory.at).table())
     with Progress("map", len(log.scans), "scans") as progress:
         built = build_map(log, options.resolution, scans=options.scans, progress=progress)
     save_map(built.map, options.output)
+    draw_map(options.output, options.output / PICTURE)
     print(f"{options.output}: {built.summary()}")
     return 0
+
+
+def _posed(log: ScanLog, source: str) -> tuple[ScanLog, Trajectory]:
+    """Return the log with the poses to build from, and the poses at all times."""
+    if source == "odometry":
+        found = map_odometry(log)
+        print(found.summary())
+        return found.log, found.trajectory
+    if not log.referenced:
+        raise LogError(
+            f"{log.path}: scans without reference poses: build the map with --from odometry"
+        )
+    poses = {line: scan.reference for line, scan in zip(log.scan_lines, log.scans, strict=True)}
+    return log, Trajectory(log.odometry, poses)
 
 
 def _draw(options: argparse.Namespace) -> int:

@@ -42,6 +42,9 @@ LINE = Border([Segment((0.0, 0.0), (12.0, 0.0))], closed=False)
 AWAY = (Action.PATROL_COUNTER_CLOCKWISE, Action.PATROL_CLOCKWISE)  # from the other, in a meeting
 
 
+SUPERVISORS = ("fuzzy", "automaton")
+
+
 @dataclass
 class Sample:
     decision: PatrolDecision
@@ -51,8 +54,7 @@ class Sample:
 class Robot:
     """A unicycle with 0.3 m/s2 and 2 rad/s2; can be stopped for good."""
 
-    def __init__(self, border: Border, pose: Pose, seed: int, probability: float) -> None:
-        settings = PatrolSettings(reversal_probability=probability)
+    def __init__(self, border: Border, pose: Pose, seed: int, settings: PatrolSettings) -> None:
         self.patrol = Patrol(settings, border, np.random.default_rng(seed))
         self.loop = HeadingLoop(HeadingSettings())
         self.pose = pose
@@ -82,9 +84,10 @@ class Robot:
             )
 
 
-def drive(border, poses, duration, *, seed=0, probability=0.0, stopped=()):
+def drive(border, poses, duration, *, seed=0, probability=0.0, stopped=(), supervisor="fuzzy"):
     """Let robots patrol; returns them with their samples."""
-    robots = [Robot(border, p, 100 * seed + i, probability) for i, p in enumerate(poses)]
+    settings = PatrolSettings(reversal_probability=probability, supervisor=supervisor)
+    robots = [Robot(border, p, 100 * seed + i, settings) for i, p in enumerate(poses)]
     for i in stopped:
         robots[i].stopped = True
     for k in range(int(duration / DT)):
@@ -143,19 +146,21 @@ def test_reversals_do_not_leave_the_border():
     assert d.max() < 0.03
 
 
-def test_reaches_the_border_from_far():
-    robots = drive(RECTANGLE, [Pose(8.5, 5.0, 0.3)], 60.0)
+@pytest.mark.parametrize("supervisor", SUPERVISORS)
+def test_reaches_the_border_from_far(supervisor):
+    robots = drive(RECTANGLE, [Pose(8.5, 5.0, 0.3)], 60.0, supervisor=supervisor)
     d = np.array([s.decision.distance_from_border for s in robots[0].samples])
     assert robots[0].samples[0].decision.action is Action.REACH_FRONTIER
     assert d[200:].max() < 1.5
     assert d[-1] < 0.01
 
 
+@pytest.mark.parametrize("supervisor", SUPERVISORS)
 @pytest.mark.parametrize("meeting", [0.0, 13.0, 25.5, 47.0])  # 0: across the seam
-def test_two_robots_meeting_head_on(meeting):
+def test_two_robots_meeting_head_on(meeting, supervisor):
     """They approach from 4 m; one turns clockwise, the other counter-clockwise."""
     poses = [on(RECTANGLE, meeting - 2.0, 1), on(RECTANGLE, meeting + 2.0, -1)]
-    robots = drive(RECTANGLE, poses, 20.0)
+    robots = drive(RECTANGLE, poses, 20.0, supervisor=supervisor)
     changes = []
     for robot, away in zip(robots, AWAY, strict=True):
         actions = [s.decision.action for s in robot.samples]
@@ -191,13 +196,14 @@ def test_avoid_teammate_separates_two_that_start_too_near():
     assert {r.samples[-1].decision.action for r in robots} == {Action.KEEP_GOING}
 
 
+@pytest.mark.parametrize("supervisor", SUPERVISORS)
 @pytest.mark.parametrize("seed", [1, 2])
-def test_three_robots_patrol_without_contact(seed):
+def test_three_robots_patrol_without_contact(seed, supervisor):
     rng = np.random.default_rng(seed)
     poses = [
         Pose(float(rng.uniform(1, 16)), float(y), float(rng.uniform(-3, 3))) for y in (2, 5, 8)
     ]
-    robots = drive(RECTANGLE, poses, 600.0, seed=seed, probability=0.25)
+    robots = drive(RECTANGLE, poses, 600.0, seed=seed, probability=0.25, supervisor=supervisor)
     assert closest_approach(robots) > 1.1
     d = distances(robots)
     assert np.percentile(d, 99) < 0.03
@@ -215,14 +221,15 @@ def longest_avoid(robot):
     return longest * DT
 
 
+@pytest.mark.parametrize("supervisor", SUPERVISORS)
 @pytest.mark.parametrize("gap", [1.2, 1.5, 1.8])
-def test_no_deadlock_where_robots_avoid_off_the_border(gap):
+def test_no_deadlock_where_robots_avoid_off_the_border(gap, supervisor):
     """On one line square to the border N_ta v_rf is zero; d_s beyond the avoiding zone frees them.
 
     Both stand farther than 1.5 m from the border, the outer one between the other and the border.
     """
     poses = [Pose(8.5, 10.0 - 3.2, 1.0), Pose(8.5, 10.0 - 3.2 - gap, 1.0)]
-    robots = drive(RECTANGLE, poses, 90.0)
+    robots = drive(RECTANGLE, poses, 90.0, supervisor=supervisor)
     for robot in robots:
         assert longest_avoid(robot) < 30.0
         assert robot.samples[-1].decision.action is Action.KEEP_GOING
@@ -237,8 +244,9 @@ def test_stopped_robot_is_a_wall():
     assert len({x.decision.direction for x in robots[1].samples}) == 2
 
 
-def test_open_border_is_driven_from_end_to_end():
-    robots = drive(LINE, [on(LINE, 5.0)], 120.0)
+@pytest.mark.parametrize("supervisor", SUPERVISORS)
+def test_open_border_is_driven_from_end_to_end(supervisor):
+    robots = drive(LINE, [on(LINE, 5.0)], 120.0, supervisor=supervisor)
     s = np.array([x.decision.abscissa for x in robots[0].samples])
     assert s.min() < 0.6
     assert s.max() > LINE.length - 0.6
@@ -248,8 +256,9 @@ def test_open_border_is_driven_from_end_to_end():
     assert distances(robots).max() < 0.02
 
 
-def test_caught_between_end_and_teammate_holds_until_it_leaves():
-    robots = drive(LINE, [on(LINE, 0.5, -1), on(LINE, 4.0, -1)], 60.0)
+@pytest.mark.parametrize("supervisor", SUPERVISORS)
+def test_caught_between_end_and_teammate_holds_until_it_leaves(supervisor):
+    robots = drive(LINE, [on(LINE, 0.5, -1), on(LINE, 4.0, -1)], 60.0, supervisor=supervisor)
     assert closest_approach(robots) > 1.1
     assert robots[0].samples[-1].decision.abscissa > 1.0  # came out again
     assert not robots[0].samples[-1].decision.holding

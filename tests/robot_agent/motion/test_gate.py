@@ -82,6 +82,7 @@ def turned(w: float, poses_free: int) -> float:
     return stoppable(stopping(w, 2.0) * poses_free / 12, 2.0)
 
 
+FRONT = 0.41  # m ahead of the axle that are kept free
 S = stopping(0.35)
 R = stopping(0.3)
 
@@ -92,8 +93,8 @@ def met(pose: float, side: int, aside: float = 0.0) -> tuple[float, float]:
     aside: m from the front's middle, towards the centre of the arc.
     """
     angle = S / 0.5 * pose / 12
-    x = 0.5 * math.sin(angle) + 0.29 * math.cos(angle) - aside * math.sin(angle)
-    y = 0.5 * (1 - math.cos(angle)) + 0.29 * math.sin(angle) + aside * math.cos(angle)
+    x = 0.5 * math.sin(angle) + FRONT * math.cos(angle) - aside * math.sin(angle)
+    y = 0.5 * (1 - math.cos(angle)) + FRONT * math.sin(angle) + aside * math.cos(angle)
     return x, side * y
 
 
@@ -104,7 +105,7 @@ def creeping(v: float) -> float:
 
 def post_after(v: float) -> tuple[float, float]:
     """A post that leaves one twelfth of that stopping way."""
-    return 0.29 + 1.5 * stopping(v), 0.0
+    return FRONT + 1.5 * stopping(v), 0.0
 
 
 POST = (-0.13, -0.36)  # what the rear corner meets in a left turn
@@ -206,15 +207,15 @@ CASES = [
     Case((0.0, 1.2), (0.0, 1.0), "acceleration", last_wish=(0.0, 0.1)),
     Case((0.0, -1.2), (0.0, -1.0), "acceleration", last_wish=ZERO),
     Case((0.0, 1.2), (0.0, 1.1), last_wish=(0.0, 1.1)),
-    # an obstacle ahead: front 0.21 + margin 0.08, and the stopping way
-    Case(DRIVE, DRIVE, "none", {"obstacles": [(0.2901 + S, 0.0)]}),
-    Case(DRIVE, (ahead(0.35, 11), 0.0), "obstacle", {"obstacles": [(0.2899 + S, 0.0)]}),
-    Case(DRIVE, (ahead(0.35, 5), 0.0), "obstacle", {"obstacles": [(0.2899 + S / 2, 0.0)]}),
-    Case(DRIVE, (ahead(0.35, 6), 0.0), "obstacle", {"obstacles": [(0.2901 + S / 2, 0.0)]}),
-    Case(DRIVE, (ahead(0.35, 1), 0.0), "obstacle", {"obstacles": [(0.2901 + S / 12, 0.0)]}),
-    Case(DRIVE, ZERO, "obstacle", {"obstacles": [(0.2899 + S / 12, 0.0)]}),
+    # an obstacle ahead: front 0.21 + front margin 0.20, and the stopping way
+    Case(DRIVE, DRIVE, "none", {"obstacles": [(0.4101 + S, 0.0)]}),
+    Case(DRIVE, (ahead(0.35, 11), 0.0), "obstacle", {"obstacles": [(0.4099 + S, 0.0)]}),
+    Case(DRIVE, (ahead(0.35, 5), 0.0), "obstacle", {"obstacles": [(0.4099 + S / 2, 0.0)]}),
+    Case(DRIVE, (ahead(0.35, 6), 0.0), "obstacle", {"obstacles": [(0.4101 + S / 2, 0.0)]}),
+    Case(DRIVE, (ahead(0.35, 1), 0.0), "obstacle", {"obstacles": [(0.4101 + S / 12, 0.0)]}),
+    Case(DRIVE, ZERO, "obstacle", {"obstacles": [(0.4099 + S / 12, 0.0)]}),
     Case(DRIVE, ZERO, "obstacle", {"obstacles": [(0.25, 0.1)]}),
-    Case(DRIVE, (ahead(0.35, 5), 0.0), "obstacle", {"obstacles": [(9, 9), (0.2899 + S / 2, 0.1)]}),
+    Case(DRIVE, (ahead(0.35, 5), 0.0), "obstacle", {"obstacles": [(9, 9), (0.4099 + S / 2, 0.1)]}),
     # beside the way: half width 0.2125 + margin 0.08
     Case(DRIVE, DRIVE, "none", {"obstacles": [(0.4, 0.2926), (0.4, -0.2926)]}),
     Case(DRIVE, ZERO, "obstacle", {"obstacles": [(0.3, 0.2924)]}),
@@ -244,13 +245,13 @@ CASES = [
     Case((0.2, 0.8), (0.0, 0.8), "obstacle", {"obstacles": [(0.27, 0.0)]}),
     Case((0.2, -0.8), (0.0, -0.8), "obstacle", {"obstacles": [(0.27, 0.0)]}),
     # the base still rolls or turns faster than wished
-    Case((0.1, 0.0), (0.1, 0.0), "none", {"v": 0.3, "obstacles": [(0.2901 + R, 0.0)]}),
-    Case((0.1, 0.0), (0.1, 0.0), "none", {"v": 0.3, "obstacles": [(0.2899 + R, 0.0)]}),
+    Case((0.1, 0.0), (0.1, 0.0), "none", {"v": 0.3, "obstacles": [(0.4101 + R, 0.0)]}),
+    Case((0.1, 0.0), (0.1, 0.0), "none", {"v": 0.3, "obstacles": [(0.4099 + R, 0.0)]}),
     Case(
         (0.3, 0.0),
         (stoppable(R * 11 / 12), 0.0),
         "obstacle",
-        {"v": 0.3, "obstacles": [(0.2899 + R, 0)]},
+        {"v": 0.3, "obstacles": [(0.4099 + R, 0)]},
     ),
     Case((0.3, 0.3), ZERO, "obstacle", {"v": 0.3, "obstacles": [(0.3, 0.0)]}),
     Case((0.1, 0.3), ZERO, "obstacle", {"v": 0.3, "obstacles": [(0.3, 0.0)]}),

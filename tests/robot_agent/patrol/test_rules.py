@@ -5,7 +5,7 @@ import re
 import pytest
 
 from robot_agent.patrol.actions import Action
-from robot_agent.patrol.rules import RULES_FILE, RulesError, load_rules
+from robot_agent.patrol.rules import RULES_FILE, RulesError, check_rules, load_rules
 
 ATL, RFL, KGL, PCWL, PCCWL = (
     Action.AVOID_TEAMMATE,
@@ -160,6 +160,36 @@ def test_far_from_the_ends_an_open_border_is_as_a_closed_one():
         (r"\[sets.level\]", "[border_high]\nnot_patrolling = 1\n[sets.level]", "TOML"),
         (r"reading.R2.border_medium.*\n.*\n", "reading]\nR2 = 3\n", "no table, write it as"),
         (r"\[sets.level\]", "[sets.level", "give a readable TOML file"),
+        # a gap that touches no corner: both sets end upright
+        (
+            r"low = \[0.0, 0.0, 0.3, 0.8\]\nhigh = \[0.3",
+            "low = [0.0, 0.0, 0.3, 0.3]\nhigh = [0.8",
+            "no set covers 0.55",
+        ),
+        (r"medium = \[0.4, 1.0, 2.0\]", "medium = [0.4, 3.0, 4.0]", "medium lies above high"),
+        (
+            r"patrolling_on_my_right = \[0.0, 0.75, 1.0, 1.0\]",
+            "patrolling_on_my_right = [0.0, 1.75, 2.0, 2.0]",
+            r"\[border_low.patrolling_on_my_right\] neighbor_low: can never hold: "
+            r"\[sets.neighbor_state\] patrolling_on_my_right is full only outside -1 to 1",
+        ),
+        (
+            r"low = \[0.0, 0.0, 0.3, 0.8\]",
+            "low = [-2.0, -2.0, -0.3, 0.8]",
+            r"\[open_border\] left_end_low: can never hold: \[sets.distance_from_left_end\] low",
+        ),
+        (
+            r'neighbor_low = "ATL high"',
+            'neighbor_low = "ATL low, KGL low"',
+            r"\[border_high.patrolling_on_my_left\] neighbor_low: chooses nothing",
+        ),
+        (r'neighbor_low = "ATL high"', 'neighbor_low = "ATL high, ATL low"', "says ATL twice"),
+        (
+            r'neighbor_high = "RFL high"',
+            'neighbor_high = "ATL high"',
+            r"\[border_high.patrolling_on_my_left\] neighbor_high: avoids a teammate however far",
+        ),
+        (r'left_end_low = "PCWL high"', 'left_end_low = "PCWL low"', "left_end_low: chooses"),
     ],
 )
 def test_refuses_with_file_place_and_remedy(tmp_path, old, new, message):
@@ -222,3 +252,15 @@ def test_safety_distance_inside_the_avoiding_zone_is_refused():
     load_rules(RULES_FILE, reading="R1", safety_distance=1.9, open_border=False)
     with pytest.raises(RulesError, match=r"cross at 1\.90 m.*raise safety_distance"):
         load_rules(RULES_FILE, reading="R1", safety_distance=1.89, open_border=False)
+
+
+def test_check_looks_at_every_reading(tmp_path):
+    """A fault of R3 alone does not hinder R1, but the check finds it."""
+    check_rules(RULES_FILE, safety_distance=2.4)
+    text = RULES_FILE.read_text()
+    start = text.index("[reading.R3.border_medium.patrolling_on_my_right]")
+    path = tmp_path / "mine.toml"
+    path.write_text(text[:start] + text[start:].replace("KGL high", "KGL low", 1))
+    load_rules(path, reading="R1", safety_distance=2.4, open_border=False)
+    with pytest.raises(RulesError, match=r"border_medium.*right\] neighbor_high: chooses nothing"):
+        check_rules(path, safety_distance=2.4)

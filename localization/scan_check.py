@@ -1,0 +1,82 @@
+"""How well one scan agrees with the map at one pose: the evidence that health is judged by.
+
+Three questions: do the beams end on mapped surfaces; which end short of one, on a person or a
+teammate; and how many pass through mapped walls, which the likelihood field does not ask.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from localization.distance_surface import DistanceSurface
+from localization.likelihood_field import spread_evenly
+from localization.refinement import TOO_FEW_POINTS, as_complex, turned
+from localization.settings import CheckSettings
+from maps.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
+from maps.pose import Pose
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """How well end points fit the map: mean of exp(-d^2 / 2 sigma^2), 1 if all are on surfaces."""
+
+    whole: float
+    """Of all end points."""
+    excusing: float
+    """Without those on free floor, up to the share that people may block."""
+
+
+class ScanCheck:
+    """Checks scans against one map."""
+
+    def __init__(
+        self, settings: CheckSettings, occupancy: OccupancyMap, surface: DistanceSurface
+    ) -> None:
+        self._settings = settings
+        self._surface = surface
+        self._cells = occupancy.cells
+        self._scale = 1.0 / occupancy.resolution
+        self._origin = complex(occupancy.origin.x, occupancy.origin.y)
+        # Half a cell apart, so that no wall of one cell is stepped over.
+        self._steps = np.arange(0.5, 2.0 * settings.reach * self._scale) * 0.5
+        self._half = np.float32(-0.5 / settings.sigma**2)
+
+    def fit(self, pose: Pose, points: NDArray[np.float64]) -> Fit | None:
+        """Return how well end points (m, 2) fit the map at a pose; None: too few to tell."""
+        ends = as_complex(spread_evenly(points, self._settings.points))
+        if len(ends) < TOO_FEW_POINTS:
+            return None
+        arms = turned(ends, pose)
+        distance = self._surface.sample(pose, arms)[2]
+        total = float(np.exp(distance * distance * self._half).sum())
+        short = distance > self._settings.short
+        on_floor = int(np.count_nonzero(self._states(pose, arms[short]) == FREE))
+        excused = min(on_floor, int(self._settings.excused * len(ends)))
+        return Fit(total / len(ends), total / (len(ends) - excused))
+
+    def through(self, pose: Pose, points: NDArray[np.float64]) -> float:
+        """Return the share of the beams to end points (m, 2) that pass through mapped walls."""
+        ends = as_complex(spread_evenly(points, self._settings.rays))
+        if len(ends) < TOO_FEW_POINTS:
+            return 0.0
+        arms = turned(ends, pose) * np.float32(self._scale)
+        length = np.abs(arms)
+        directions = arms / np.maximum(length, 1e-6)
+        places = directions[:, np.newaxis] * self._steps.astype(np.float32)
+        before_end = self._steps < (length - self._settings.margin * self._scale)[:, np.newaxis]
+        walls = self._states(pose, places * np.float32(1.0 / self._scale)) == OCCUPIED
+        return float((walls & before_end).any(axis=1).mean())
+
+    def _states(self, pose: Pose, arms: NDArray[np.complex64]) -> NDArray[np.uint8]:
+        """Return the states of the cells at places given as in ``DistanceSurface.sample``."""
+        pixels = (arms + np.complex64(complex(pose.x, pose.y) - self._origin)) * np.float32(
+            self._scale
+        )
+        rows, cols = np.floor(pixels.imag).astype(np.intp), np.floor(pixels.real).astype(np.intp)
+        height, width = self._cells.shape
+        inside = (rows >= 0) & (rows < height) & (cols >= 0) & (cols < width)
+        states = self._cells[np.clip(rows, 0, height - 1), np.clip(cols, 0, width - 1)]
+        return np.where(inside, states, np.uint8(UNKNOWN))

@@ -1,0 +1,74 @@
+"""One scan against the map at one pose: fit, people excused, beams through walls."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from localization.distance_surface import DistanceSurface
+from localization.scan_check import ScanCheck
+from localization.settings import CheckSettings
+from maps.pose import Pose
+
+TRUTH = Pose(3.0, 2.0, 0.4)
+
+
+@pytest.fixture
+def check(room) -> ScanCheck:
+    return ScanCheck(CheckSettings(), room.map, DistanceSurface(room.map, 0.45))
+
+
+def test_fit_falls_with_the_distance_from_the_truth(room, check: ScanCheck) -> None:
+    points = room.scan(TRUTH)
+    fits = [
+        check.fit(Pose(TRUTH.x + off, TRUTH.y + off, TRUTH.theta), points).whole
+        for off in (0.0, 0.1, 0.3, 1.0)
+    ]
+    assert fits[0] > 0.95
+    assert fits == sorted(fits, reverse=True)
+    assert fits[-1] < 0.35
+
+
+def test_too_few_points_tell_nothing(room, check: ScanCheck) -> None:
+    points = room.scan(TRUTH)[:9]
+    assert check.fit(TRUTH, points) is None
+    assert check.through(TRUTH, points) == 0.0
+
+
+def test_people_are_excused_up_to_a_share_of_the_beams(room, check: ScanCheck) -> None:
+    points = room.scan(TRUTH)
+    some, many = points.copy(), points.copy()
+    some[40:95] *= 0.5  # 30 %
+    many[20:140] *= 0.5  # 66 %
+    fit = check.fit(TRUTH, some)
+    assert fit.whole == pytest.approx(0.7, abs=0.05)
+    assert fit.excusing > 0.95
+    assert check.fit(TRUTH, many).excusing < 0.65
+
+
+def test_beams_beyond_the_mapped_floor_are_not_excused(room, check: ScanCheck) -> None:
+    """Who ends outside the map, in the unknown, is no person on the floor."""
+    points = room.scan(TRUTH)
+    points[40:95] *= 20.0
+    fit = check.fit(TRUTH, points)
+    assert fit.whole == pytest.approx(fit.excusing)
+
+
+def test_no_beam_passes_through_walls_at_the_truth(room, check: ScanCheck) -> None:
+    assert check.through(TRUTH, room.scan(TRUTH)) == 0.0
+    assert check.through(TRUTH, 0.5 * room.scan(TRUTH)) == 0.0
+
+
+def test_beams_that_pass_a_wall_are_counted(room, check: ScanCheck) -> None:
+    """Beams of 3 m to either side, of a robot that stands 1 m before a wall and looks along it."""
+    pose = Pose(3.5, 1.0, 0.0)
+    angles = np.concatenate((np.full(30, -np.pi / 2), np.full(30, np.pi / 2)))
+    points = np.column_stack((3.0 * np.cos(angles), 3.0 * np.sin(angles)))
+    assert check.through(pose, points) == pytest.approx(0.5, abs=0.02)
+
+
+def test_a_beam_that_ends_just_behind_its_wall_does_not_pass_it(room, check: ScanCheck) -> None:
+    points = room.scan(TRUTH)
+    length = np.linalg.norm(points, axis=1, keepdims=True)
+    assert check.through(TRUTH, points * (1.0 + 0.1 / length)) == 0.0
+    assert check.through(TRUTH, points * (1.0 + 1.0 / length)) > 0.9

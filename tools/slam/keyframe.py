@@ -1,0 +1,99 @@
+"""Keyframes: the scans worth matching, with the direction of the surface at each point."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maps.pose import Pose
+
+_STEP = 0.25  # m; a scan nearer than this to the last keyframe
+_TURN = math.radians(10.0)  # rad; and turned less than this shows nothing new
+_REACH = 20.0  # m; beyond, beams are too far apart to tell a surface
+_NEIGHBOURS = 8  # beams to each side looked at for the direction of the surface
+_NEAR = 0.3  # m; those farther away are another surface
+_LEAST_POINTS = 3  # that tell a surface
+_FLATNESS = 0.05  # largest ratio of the variances across and along a surface
+
+
+class Measurement(Protocol):
+    """A laser scan with the raw odometry of the laser at its time."""
+
+    @property
+    def t(self) -> float:
+        """Time, s."""
+
+    @property
+    def odometry(self) -> Pose:
+        """odom_from_laser."""
+
+    def points(self) -> NDArray[np.float64]:
+        """Return (n, 2) end points, m, laser frame, in the order of the beams."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Keyframe:
+    """A scan to match others with."""
+
+    t: float
+    odometry: Pose
+    """odom_from_laser."""
+    points: NDArray[np.float64]
+    """(n, 2) m, laser frame."""
+    normals: NDArray[np.float64]
+    """(n, 2) unit vectors across the surface at each point; nan where the scan shows none."""
+
+
+def choose_keyframes(scans: Sequence[Measurement]) -> list[int]:
+    """Return the indices of the scans taken a step or a turn apart; the first and last always."""
+    chosen = [0]
+    for index, scan in enumerate(scans):
+        last = scans[chosen[-1]].odometry
+        moved = math.dist(scan.odometry[:2], last[:2]) >= _STEP
+        turned = abs(math.remainder(scan.odometry.theta - last.theta, math.tau)) >= _TURN
+        if index and (moved or turned or index == len(scans) - 1):
+            chosen.append(index)
+    return chosen
+
+
+def make_keyframe(scan: Measurement) -> Keyframe:
+    """Prepare a scan for matching."""
+    points = scan.points()
+    points = points[np.hypot(points[:, 0], points[:, 1]) < _REACH]
+    return Keyframe(scan.t, scan.odometry, points, surface_normals(points))
+
+
+def surface_normals(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (n, 2) unit normals of the line through each point's neighbours among the beams.
+
+    points: (n, 2) m, in the order of the beams. nan where the neighbours lie on no line.
+    """
+    count = np.zeros(len(points))
+    first = np.zeros((len(points), 2))
+    second = np.zeros((len(points), 3))
+    for offset in range(-_NEIGHBOURS, _NEIGHBOURS + 1):
+        here = slice(max(0, -offset), len(points) - max(0, offset))
+        there = slice(max(0, offset), len(points) - max(0, -offset))
+        if here.start >= len(points) or there.start >= len(points):
+            continue
+        away = points[there] - points[here]
+        near = np.hypot(away[:, 0], away[:, 1]) < _NEAR
+        away = away * near[:, None]
+        count[here] += near
+        first[here] += away
+        second[here] += np.column_stack((away[:, 0] ** 2, away[:, 0] * away[:, 1], away[:, 1] ** 2))
+    mean = first / np.maximum(count, 1.0)[:, None]
+    xx, xy, yy = (second / np.maximum(count, 1.0)[:, None]).T
+    xx, xy, yy = xx - mean[:, 0] ** 2, xy - mean[:, 0] * mean[:, 1], yy - mean[:, 1] ** 2
+    # Principal axis of a 2 x 2 covariance; the normal is a quarter turn from it.
+    along = 0.5 * np.arctan2(2.0 * xy, xx - yy)
+    spread = np.hypot(0.5 * (xx - yy), xy)
+    largest, least = 0.5 * (xx + yy) + spread, 0.5 * (xx + yy) - spread
+    normals = np.column_stack((-np.sin(along), np.cos(along)))
+    normals[(count < _LEAST_POINTS) | (least > _FLATNESS * largest)] = np.nan
+    return normals
