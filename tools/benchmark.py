@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -20,11 +21,15 @@ from robot_agent.events import BytesReceived, Event, LinkName
 from robot_agent.patrol.rules import RULES_FILE, load_rules
 from robot_agent.patrol.settings import PatrolSettings
 from robot_agent.recording_writer import RecordingWriter, RunHeader
+from tools.bench.agent_stage import AgentStage
 from tools.bench.driver_load import driver_load
 from tools.bench.fleet import Fleet, run_bench
 from tools.convert import RecordingObserver
 from tools.demo import Demo, DemoOptions, free_endpoint
+from tools.fault import chosen_faults
+from tools.fault_table import run_faults
 from tools.monitor.operator import Operator
+from tools.reaction import WATCHDOG_LIMIT_S
 from tools.recording import read_recording
 from tools.replay import Replay
 
@@ -78,6 +83,31 @@ def agent_process(folder_path: Path) -> Iterator[Figure]:
     used = after.user + after.system - before.user - before.system
     yield Figure("agent process, share of one core", 100 * used / elapsed, "%", 15.0)
     yield Figure("agent process, memory", resident / 2**20, "MB", 150.0)
+
+
+def response_on_the_line(_folder_path: Path) -> Iterator[Figure]:
+    """Time, at the base's end of a pty, from the last byte of a report to the order it caused."""
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        AgentStage(Path(folder), SEED) as stage,
+    ):
+        stage.start_agent()
+        settled = time.monotonic() + SETTLED_S
+        while stage.step().t < settled:
+            stage.tap.response_times.clear()
+        while stage.step().t < settled + MEASURED_S:
+            pass
+        times = 1e3 * np.array(stage.tap.response_times)
+    yield Figure("last report byte to first command byte, median", float(np.median(times)), "ms")
+    p99 = float(np.percentile(times, 99))
+    yield Figure("last report byte to first command byte, p99", p99, "ms", 10.0)
+
+
+def stop_without_agent(_folder_path: Path) -> Iterator[Figure]:
+    """Time until the robot begins to stop once its agent is killed, frozen or cut off."""
+    for reaction in run_faults(chosen_faults(("agent-killed", "agent-frozen", "base-cut"))):
+        ordered = math.inf if reaction.ordered is None else reaction.ordered
+        yield Figure(f"stops after: {reaction.what}", ordered, "s", WATCHDOG_LIMIT_S)
 
 
 def supervisor(_folder_path: Path) -> Iterator[Figure]:
@@ -221,6 +251,8 @@ def _decoding(folder_path: Path) -> Iterator[Figure]:
 
 GROUPS: dict[str, Callable[[Path], Iterator[Figure]]] = {
     "agent": agent_process,
+    "response": response_on_the_line,
+    "stop": stop_without_agent,
     "supervisor": supervisor,
     "decision": decision_step,
     "patrol": patrol_bench,

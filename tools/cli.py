@@ -21,6 +21,7 @@ COMMANDS = {
     "agent": "run one robot: the onboard process",
     "demo": "emulated robots on pseudo-terminals, one agent process each",
     "bench": "emulated robots in lockstep, faster than real time",
+    "study": "many benches over seeds and settings, compared",
     "doctor": "check one robot before it patrols",
     "ports": "list serial adapters and a udev line for each",
     "emulate": "one emulated robot for any client",

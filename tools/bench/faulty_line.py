@@ -57,6 +57,7 @@ class OrderTap:
 
     ``first_order`` is the first motion order since ``forget``, by name, at ``first_at`` (s). A
     client that opens a session starts that watch anew: what it sent without one moved nothing.
+    ``response_times`` are the times, s, from the device's last byte to the first new order.
     """
 
     def __init__(self, device: EmulatedDevice) -> None:
@@ -66,6 +67,8 @@ class OrderTap:
         self._turn_rate = 0
         self.first_order = ""
         self.first_at = math.inf
+        self.response_times: list[float] = []
+        self._last_output: float | None = None
 
     @property
     def baud(self) -> int:
@@ -89,7 +92,10 @@ class OrderTap:
 
     def take_output(self, t: float) -> list[TimedBytes]:
         """Pass on what has left the device."""
-        return self._device.take_output(t)
+        output = self._device.take_output(t)
+        if output:
+            self._last_output = t
+        return output
 
     def _read(self, packet: bytes, t: float) -> None:
         command = decode_command(packet)
@@ -97,9 +103,11 @@ class OrderTap:
         if number == CommandNumber.OPEN:
             self.forget()
         elif number == CommandNumber.VEL:
+            self._time_response(t, is_new=value != self._speed)
             self._speed = value
             self._note(f"VEL {value}", t)
         elif number == CommandNumber.RVEL:
+            self._time_response(t, is_new=value != self._turn_rate)
             self._turn_rate = value
             self._note(f"RVEL {value}", t)
         elif number == CommandNumber.ENABLE:
@@ -112,6 +120,12 @@ class OrderTap:
         if not value:
             self._speed = self._turn_rate = 0
         self._note(f"ENABLE {value}", t)
+
+    def _time_response(self, t: float, *, is_new: bool) -> None:
+        """Note how long a new order took; one sent again to keep the watchdog quiet is none."""
+        if is_new and self._last_output is not None:
+            self.response_times.append(t - self._last_output)
+            self._last_output = None
 
     def _note(self, order: str, t: float) -> None:
         if not self.first_order:

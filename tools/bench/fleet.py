@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,6 +15,7 @@ from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, RobotSettings, StartSettings
+from tools.bench.bench_fault import BenchFault, BenchFaultError, FaultInjector
 from tools.bench.lockstep import LockstepAgent, Observer
 from tools.bench.metrics import RobotRun, bench_figures
 from tools.bench.perception_log import PerceptionLog
@@ -31,6 +33,13 @@ class FleetRobot:
 
     rig: RobotRig
     lockstep: LockstepAgent
+    injector: FaultInjector | None = None
+
+    @property
+    def decides(self) -> bool:
+        """Whether the agent is there and has decided something."""
+        dead = self.injector is not None and self.injector.agent_dead
+        return not dead and self.agent.decision is not None
 
     @property
     def agent(self) -> Agent:
@@ -49,10 +58,12 @@ class Fleet:
         config: AgentConfig | None = None,
         starts: list[Pose] | None = None,
         observer: Callable[[str, AgentConfig], Observer] | None = None,
+        faults: Sequence[BenchFault] = (),
     ) -> None:
         """Place the robots (at seeded random starts unless given) and power them.
 
-        ``observer`` makes the recorder of the robot of that name.
+        ``observer`` makes the recorder of the robot of that name. Raises BenchFaultError for a
+        fault of a robot that is not there.
         """
         rng = np.random.default_rng(seed)
         self.folder = folder
@@ -63,15 +74,20 @@ class Fleet:
             assert folder.border is not None, "random starts lie near a border"
             starts = free_start_poses(folder.map, folder.border, robots, rng)
         rigs = make_rigs(self.world, starts, self.t)
-        self.robots = []
+        self.faults = tuple(faults)
+        _check_robots(self.faults, [rig.name for rig in rigs])
+        self.robots: list[FleetRobot] = []
         for number, rig in enumerate(rigs):
             settings = _configure(config or AgentConfig(), rig, seed * 1000 + number)
+            own = [fault for fault in self.faults if fault.robot == rig.name]
+            injector = FaultInjector(own, rig, settings.robot.seed) if own else None
+            devices = injector or rig
             lockstep = LockstepAgent(
                 Agent(settings, folder),
-                {"base": rig.base, "laser": rig.laser},
+                {"base": devices.base, "laser": devices.laser},
                 observer(rig.name, settings) if observer else None,
             )
-            self.robots.append(FleetRobot(rig, lockstep))
+            self.robots.append(FleetRobot(rig, lockstep, injector))
         for robot in self.robots:
             robot.lockstep.start(self.t)
 
@@ -79,14 +95,35 @@ class Fleet:
         """Let STEP_S pass."""
         self.t = round(self.t + STEP_S, 6)
         for robot in self.robots:
+            if robot.injector:
+                robot.injector.advance(self.t)
             robot.rig.advance(self.t)
         for robot in self.robots:
-            robot.lockstep.deliver(self.t)
+            if robot.injector and robot.injector.agent_dead:
+                robot.injector.lose_output(self.t)
+            else:
+                robot.lockstep.deliver(self.t)
 
     def shut_down(self) -> None:
         """End every agent in good order."""
         for robot in self.robots:
             robot.lockstep.shut_down(self.t)
+
+    def wrecks(self) -> list[tuple[float, float]]:
+        """Return where robots stand, (x, y) m, that a fault has stopped for good by now."""
+        stopped = {
+            fault.robot for fault in self.faults if fault.makes_wreck and fault.holds(self.t)
+        }
+        bodies = [robot.rig.body for robot in self.robots if robot.rig.name in stopped]
+        return [(body.pose.x, body.pose.y) for body in bodies]
+
+
+def _check_robots(faults: Sequence[BenchFault], names: list[str]) -> None:
+    for fault in faults:
+        if fault.robot not in names:
+            raise BenchFaultError(
+                f"fault of {fault.robot}: there is no such robot, the team is {', '.join(names)}"
+            )
 
 
 def _configure(config: AgentConfig, rig: RobotRig, seed: int) -> AgentConfig:
@@ -115,7 +152,7 @@ class FleetLog:
         """Take down where every robot truly is and what it has decided."""
         self._times.append(self._fleet.t)
         for robot in self._fleet.robots:
-            decision = robot.agent.decision
+            decision = robot.agent.decision if robot.decides else None
             action, direction = (str(decision.action), decision.direction) if decision else ("", 0)
             pose = robot.rig.body.pose
             if decision is not None:
@@ -161,7 +198,16 @@ def run_bench(
         "seed": fleet.seed,
         "duration_s": duration,
         "wall_s": time.perf_counter() - started,
-        **bench_figures(fleet.folder.border, log.runs(), fleet.world.contacts),
+        "faults": [
+            {
+                "robot": f.robot,
+                "kind": str(f.kind),
+                "start": f.start,
+                "end": f.end if f.end < math.inf else None,
+            }
+            for f in fleet.faults
+        ],
+        **bench_figures(fleet.folder.border, log.runs(), fleet.world.contacts, fleet.wrecks()),
         "perception": log.perception(),
         "gate_stops": sum(robot.agent.gate_stops for robot in fleet.robots),
     }

@@ -1,8 +1,4 @@
-"""Figures of a run, from the simulator's true positions and the agents' decisions.
-
-Definitions of idleness follow patrolling_sim: a point of the border is visited when a robot is
-within ``VISIT_RADIUS`` of it; the gaps between visits are its idleness.
-"""
+"""Figures of a run, from the simulator's true positions and the agents' decisions."""
 
 from __future__ import annotations
 
@@ -16,11 +12,13 @@ from numpy.typing import NDArray
 
 from maps.border import Border
 from robot_agent.patrol.actions import PATROLLING, Action
+from tools.bench.idleness import border_visits, idleness_figures
 
 ARRIVED_M = 0.10
 MEETING_M = 2.5
-VISIT_RADIUS = 0.25
-BORDER_STEP = 0.25
+INTERFERENCE_M = 2.0
+INTERFERENCE_PAUSE_S = 10.0
+"""Two robots that interfere are counted again only after this (patrolling_sim)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +130,19 @@ def closest_approach(runs: Sequence[RobotRun]) -> float | None:
     return min(distances, default=None)
 
 
+def interferences(runs: Sequence[RobotRun]) -> int:
+    """How often two robots were nearer than 2 m, each pair at most once in 10 s."""
+    count = 0
+    for a, b in combinations(runs, 2):
+        counted_at = -np.inf
+        near = np.hypot(*(a.position - b.position).T) < INTERFERENCE_M
+        for t in a.t[near].tolist():
+            if t - counted_at >= INTERFERENCE_PAUSE_S:
+                count += 1
+                counted_at = t
+    return count
+
+
 def meetings(runs: Sequence[RobotRun]) -> list[Meeting]:
     """All meetings of a run, in order of time."""
     found = [meeting for a, b in combinations(runs, 2) for meeting in _meetings_of(a, b)]
@@ -171,40 +182,31 @@ def _reaction(run: RobotRun, start: int, end: int) -> str:
     return done[-1]
 
 
-def idleness(border: Border, runs: Sequence[RobotRun]) -> dict[str, float | None]:
-    """Average over border points of the mean gap between visits, and the largest gap, s.
-
-    Gaps count from the time the last robot arrived at the border to the end of the run.
-    """
+def _patrol_figures(
+    border: Border, runs: Sequence[RobotRun], wrecks: Sequence[tuple[float, float]]
+) -> dict[str, Any]:
+    """Idleness and what goes with it, counted from the time the last robot has arrived."""
     arrivals = [arrival_index(distance_from_border(border, run)) for run in runs]
     reached = [index for index in arrivals if index is not None]
     if not reached:
-        return {"average": None, "worst": None}
+        return idleness_figures(None)
     start = max(reached)
-    t = runs[0].t
-    visits = _visits(border, runs, start)
-    gap_means, worst = [], 0.0
-    for column in visits.T:
-        times = np.concatenate(([t[start]], t[start:][column], [t[-1]]))
-        gaps = np.diff(times)
-        gaps = gaps[gaps > float(np.median(np.diff(t))) * 1.5]
-        worst = max(worst, float(gaps.max(initial=0.0)))
-        gap_means.append(float(gaps.mean()) if gaps.size else 0.0)
-    return {"average": float(np.mean(gap_means)), "worst": worst}
+    positions = [run.position[start:] for run in runs]
+    visits = border_visits(border, positions, runs[0].t[start:], wrecks)
+    return idleness_figures(visits)
 
 
-def _visits(border: Border, runs: Sequence[RobotRun], start: int) -> NDArray[np.bool_]:
-    """Return which border points (columns, every BORDER_STEP) are visited when (rows)."""
-    points = border.polyline(BORDER_STEP)
-    visited = np.zeros((runs[0].t.size - start, len(points)), dtype=bool)
-    for run in runs:
-        offset = run.position[start:, None, :] - points[None, :, :]
-        visited |= (offset**2).sum(axis=2) <= VISIT_RADIUS**2
-    return visited
+def bench_figures(
+    border: Border,
+    runs: Sequence[RobotRun],
+    contacts: int,
+    wrecks: Sequence[tuple[float, float]] = (),
+) -> dict[str, Any]:
+    """Return the figures of a run that need only true positions and actions.
 
-
-def bench_figures(border: Border, runs: Sequence[RobotRun], contacts: int) -> dict[str, Any]:
-    """Return the figures of a run that need only true positions and actions."""
+    wrecks: places (x, y), m, of robots that stand for good; the border beside them is left out of
+    the idleness.
+    """
     return {
         "contacts": contacts,
         "closest_m": closest_approach(runs),
@@ -222,7 +224,8 @@ def bench_figures(border: Border, runs: Sequence[RobotRun], contacts: int) -> di
             }
             for meeting in meetings(runs)
         ],
-        "idleness_s": idleness(border, runs),
+        "interferences": interferences(runs),
+        **_patrol_figures(border, runs, wrecks),
         "action_share": action_share(runs),
         "longest_avoid_s": longest_avoid(runs),
     }

@@ -2,38 +2,35 @@
 
 from __future__ import annotations
 
-import cv2
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 
 _BIAS = 1e-6  # cells; a ray this near to a side ahead of it is in the next cell already
-_OUTSIDE = 0.25  # stands for "left the map" among the free squares' half sizes
+_NEVER = 1e12  # cells
+_WALL, _OUTSIDE = 0, -1  # stand for no block at all among the blocks' widths
+
+_Steps = NDArray[np.int16]
 
 
 class RayCaster:
     """Casts rays against the occupied cells of a map; unknown cells and the outside are empty.
 
-    Around each free cell a square of known size is empty (chessboard distance to the nearest
-    occupied cell), so a ray may be carried to the side of that square at once. Near walls the
-    square is the cell itself: what is found is the exact side of the occupied cell.
+    From each free cell a rectangular block of cells is known to be empty, one for each of the
+    four ways a ray may run (left or right, down or up), so a ray is carried to the side of that
+    block at once. What is found is the exact side of the occupied cell.
     """
 
     def __init__(self, occupancy: OccupancyMap) -> None:
-        occupied = occupancy.cells == OCCUPIED
-        if occupied.any():
-            chessboard = cv2.distanceTransform(
-                np.where(occupied, 0, 255).astype(np.uint8), cv2.DIST_C, 3
-            )
-        else:
-            chessboard = np.full(occupied.shape, float(max(occupied.shape)), dtype=np.float32)
-        # Half sizes of the empty squares in cells: 0.5 beside a wall, -0.5 inside it; one more
-        # row and column all round for what left the map.
-        half = np.pad(chessboard.astype(np.float64) - 0.5, 1, constant_values=_OUTSIDE)
-        self._width = half.shape[1]
-        self._half = half.ravel()
-        self._limits = (half.shape[0] - 1.0, half.shape[1] - 1.0)
+        walls = occupancy.cells == OCCUPIED
+        self._widths, self._heights = _block_tables(walls.tobytes(), walls.shape)
+        # One more row and column all round, for what left the map.
+        rows, self._columns = walls.shape[0] + 2, walls.shape[1] + 2
+        self._cells = rows * self._columns
+        self._limits = (rows - 1.0, self._columns - 1.0)
         self._resolution = occupancy.resolution
         self._origin = (
             occupancy.origin.x - occupancy.resolution,
@@ -55,10 +52,14 @@ class RayCaster:
         px = np.broadcast_to((np.asarray(x) - self._origin[0]) / self._resolution, (n,))
         py = np.broadcast_to((np.asarray(y) - self._origin[1]) / self._resolution, (n,))
         dx, dy = np.cos(angles), np.sin(angles)
+        left, down = dx < 0.0, dy < 0.0
+        blocks = (left + 2 * down) * self._cells
         with np.errstate(divide="ignore"):
             inverse_x, inverse_y = 1.0 / np.abs(dx), 1.0 / np.abs(dy)
-        sign_x, sign_y = np.sign(dx), np.sign(dy)
-        bias_x, bias_y = _BIAS * sign_x, _BIAS * sign_y
+            # A ray along an axis never leaves by the other side; infinity times 0 would be none.
+            inverse_x, inverse_y = np.minimum(inverse_x, _NEVER), np.minimum(inverse_y, _NEVER)
+        sign_x, sign_y = np.where(left, -1.0, 1.0), np.where(down, -1.0, 1.0)
+        bias_x, bias_y = _BIAS * np.sign(dx), _BIAS * np.sign(dy)
         travelled = np.zeros(n)
         reach = max_range / self._resolution
         top, right = self._limits
@@ -66,21 +67,82 @@ class RayCaster:
             qx, qy = px + dx * travelled, py + dy * travelled
             col = np.floor(np.minimum(np.maximum(qx + bias_x, 0.0), right))
             row = np.floor(np.minimum(np.maximum(qy + bias_y, 0.0), top))
-            half = self._half[(row * self._width + col).astype(np.intp)]
-            hit = half < 0.0
+            block = blocks + (row * self._columns + col).astype(np.intp)
+            width = self._widths[block]
+            hit = width == _WALL
             if hit.any():
                 ranges[rays[hit]] = travelled[hit] * self._resolution
-            # To the side of the square that the ray leaves through.
-            exit_x = (half - sign_x * (qx - col - 0.5)) * inverse_x
-            exit_y = (half - sign_y * (qy - row - 0.5)) * inverse_y
+            # To the side of the block that the ray leaves through: the cell's own middle is half
+            # a cell from its near sides.
+            exit_x = (width - 0.5 - sign_x * (qx - col - 0.5)) * inverse_x
+            exit_y = (self._heights[block] - 0.5 - sign_y * (qy - row - 0.5)) * inverse_y
             travelled = travelled + np.minimum(exit_x, exit_y)
-            going = (half > _OUTSIDE) & (travelled <= reach)
+            going = (width > _WALL) & (travelled <= reach)
             if not going.all():
                 rays, px, py, dx, dy = rays[going], px[going], py[going], dx[going], dy[going]
                 inverse_x, inverse_y = inverse_x[going], inverse_y[going]
                 sign_x, sign_y, travelled = sign_x[going], sign_y[going], travelled[going]
-                bias_x, bias_y = bias_x[going], bias_y[going]
+                bias_x, bias_y, blocks = bias_x[going], bias_y[going], blocks[going]
         return ranges
+
+
+@lru_cache(maxsize=4)
+def _block_tables(walls: bytes, shape: tuple[int, int]) -> tuple[_Steps, _Steps]:
+    """Return widths and heights (4 * cells,) of the blocks: right and up, left and up, then down.
+
+    walls: (rows, cols) bool of the map, as bytes. Kept, for a study makes many worlds of one map.
+    """
+    solid = np.pad(np.frombuffer(walls, dtype=bool).reshape(shape), 1, constant_values=True)
+    inner = np.zeros_like(solid)
+    inner[1:-1, 1:-1] = True
+    widths, heights = [], []
+    for step_y in (1, -1):
+        for step_x in (1, -1):
+            width, height = _empty_blocks(solid, step_x, step_y)
+            widths.append(np.where(inner, width, _OUTSIDE).ravel())
+            heights.append(height.ravel())
+    return np.concatenate(widths).astype(np.int16), np.concatenate(heights)
+
+
+def _empty_blocks(solid: NDArray[np.bool_], step_x: int, step_y: int) -> tuple[_Steps, _Steps]:
+    """Return (rows, cols) widths and heights, cells, of an empty block that starts in each cell.
+
+    The block runs in the directions step_x and step_y (+1 or -1): the largest square, then drawn
+    out along whichever side goes farther. 0 by 0 in a solid cell. The rim must be solid.
+    """
+    turned = solid[::step_y, ::step_x]
+    rows, cols = turned.shape
+    # count[r, c]: solid cells below row r and left of column c.
+    count = np.zeros((rows + 1, cols + 1), dtype=np.int32)
+    np.cumsum(np.cumsum(turned, axis=0, dtype=np.int32), axis=1, out=count[1:, 1:])
+    flat = count.ravel()
+    row, col = np.arange(rows, dtype=np.int32)[:, None], np.arange(cols, dtype=np.int32)
+    below = row * (cols + 1)
+    near_corner = flat[below + col]
+
+    def is_empty(width: NDArray[np.int32], height: NDArray[np.int32]) -> NDArray[np.bool_]:
+        # A block cut off at the edge holds a part of the solid rim, and is not empty either.
+        above = np.minimum(row + height, rows) * (cols + 1)
+        beside = np.minimum(col + width, cols)
+        return np.asarray(
+            flat[above + beside] - flat[above + col] - flat[below + beside] + near_corner == 0
+        )
+
+    jumps = [1 << power for power in reversed(range(max(rows, cols).bit_length()))]
+    side: NDArray[np.int32] = np.zeros(turned.shape, dtype=np.int32)
+    for jump in jumps:
+        side += jump * is_empty(side + jump, side + jump)
+    wide, high = side.copy(), side.copy()
+    for jump in jumps:
+        wide += jump * is_empty(wide + jump, side)
+        high += jump * is_empty(side, high + jump)
+    free, flatter = side > 0, wide >= high
+    width = np.where(free, np.where(flatter, wide, side), 0)
+    height = np.where(free, np.where(flatter, side, high), 0)
+    return (
+        np.ascontiguousarray(width[::step_y, ::step_x], dtype=np.int16),
+        np.ascontiguousarray(height[::step_y, ::step_x], dtype=np.int16),
+    )
 
 
 def cast_bodies(

@@ -39,6 +39,8 @@ class RobotRig:
         self._model = load_model(model)
         self.base = P2osEmulator(self._model, name=name, later_firmware=later_firmware)
         self.laser = Lms200Emulator(scan_source=self._scan)
+        self.stuck = False
+        """Whether something holds the wheels."""
         self._next_sonar = t
         self._t = self._previous_t = t
         self._previous_pose = body.pose
@@ -48,10 +50,10 @@ class RobotRig:
         distance, rotation = self.base.advance(t)
         self._previous_t, self._t = self._t, t
         self._previous_pose = self.body.pose
-        motion = self.world.move(self.body, distance, rotation)
+        motion = self.world.move(self.body, *((0.0, 0.0) if self.stuck else (distance, rotation)))
         self.base.turn_odometer(motion.odometer_distance, motion.odometer_rotation)
         self.base.set_contact(
-            stalled=motion.blocked,
+            stalled=motion.blocked or (self.stuck and (distance, rotation) != (0.0, 0.0)),
             front_bumpers=motion.front_bumpers,
             rear_bumpers=motion.rear_bumpers,
         )
@@ -59,6 +61,11 @@ class RobotRig:
             self.base.set_sonar(self.world.sonar(self.body, self._model.sonar))
             self._next_sonar += SONAR_PERIOD_S
         self.laser.advance(t)
+
+    def carry_left(self, distance: float) -> None:
+        """Put the robot down a distance, m, to its left; its wheels do not turn."""
+        self.body.pose = self.body.pose.compose(Pose(0.0, distance, 0.0))
+        self._previous_pose = self.body.pose
 
     def _scan(self, t: float, n: int, increment: float) -> NDArray[np.float64]:
         """Measure one scan at time t, which lies within the present step."""

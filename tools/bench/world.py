@@ -212,18 +212,20 @@ class World:
         if walls.size:
             points.append(walls)
         self._note(Contact(body.index, None), touching=walls.size > 0, near=near)
-        rectangle = body.rectangle()
-        for other in self.bodies:
-            if other is body:
-                continue
+        close = self._neighbours(body, body.pose, _PART)
+        rectangle = body.rectangle() if close else ()
+        for other in close:
             touching = overlap(rectangle, other.rectangle(margin=TOUCH))
             if touching:
                 points.append(meeting_points(body, other, 2 * TOUCH))
             self._note(
-                Contact(min(body.index, other.index), max(body.index, other.index)),
+                _contact(body, other),
                 touching=touching,
                 near=overlap(rectangle, other.rectangle(margin=_PART)),
             )
+        for other in self.bodies if self._in_touch else ():
+            if other not in close:
+                self._in_touch.discard(_contact(body, other))
         return np.concatenate(points) if points else np.empty((0, 2))
 
     def _note(self, contact: Contact, *, touching: bool, near: bool) -> None:
@@ -272,6 +274,10 @@ class World:
             and math.hypot(other.pose.x - pose.x, other.pose.y - pose.y)
             <= body.outline.reach + other.outline.reach + 2 * margin
         ]
+
+
+def _contact(body: RobotBody, other: RobotBody) -> Contact:
+    return Contact(min(body.index, other.index), max(body.index, other.index))
 
 
 def _distance_to_walls_and_rim(occupancy: OccupancyMap) -> NDArray[np.float64]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from maps.border import BorderError
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
+from tools.bench.bench_fault import FaultKind, parse_fault
 from tools.bench.fleet import Fleet, run_bench
 from tools.progress import Progress
 
@@ -21,6 +22,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--border", default="border", metavar="NAME", help="border file of the map")
     parser.add_argument("--duration", type=float, default=300.0, metavar="S", help="simulated time")
     parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="SPEC",
+        help="robot2:dead@120 or robot1:blind@60-90 (s); kinds: " + ", ".join(FaultKind),
+    )
     parser.add_argument("--json", type=Path, metavar="OUT", help="write the figures to this file")
 
 
@@ -30,8 +38,10 @@ def run(options: argparse.Namespace) -> int:
     folder = load_map_folder(path, options.border)
     if folder.border is None:
         raise BorderError(f"{path}: has no border.toml to patrol; add one")
+    faults = [parse_fault(text) for text in options.fault]
+    fleet = Fleet(folder, options.robots, options.seed, faults=faults)
     with Progress("bench", options.duration, "s") as progress:
-        figures = run_bench(Fleet(folder, options.robots, options.seed), options.duration, progress)
+        figures = run_bench(fleet, options.duration, progress)
     text = json.dumps(figures, indent=2)
     if options.json:
         options.json.write_text(text + "\n")

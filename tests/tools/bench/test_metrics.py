@@ -12,7 +12,7 @@ from tools.bench.metrics import (
     action_share,
     bench_figures,
     closest_approach,
-    idleness,
+    interferences,
     longest_avoid,
     meetings,
     patrolling_distances,
@@ -76,18 +76,12 @@ def test_other_actions_are_no_patrol(border: Border) -> None:
     assert action_share([run])["avoid_teammate"] == 1.0
 
 
-def test_one_lap_visits_every_point_once(border: Border) -> None:
-    lap = run_along(border, np.arange(0.0, border.length, 0.1))
-    figures = idleness(border, [lap])
-    assert figures["worst"] == pytest.approx(border.length, rel=0.05)
-
-
-def test_a_standing_robot_leaves_the_rest_idle(border: Border) -> None:
-    standing = run_along(border, np.full(100, 3.0))
-    figures = idleness(border, [standing])
-    assert figures["worst"] == pytest.approx(9.9)
-    assert figures["average"] is not None
-    assert 9.0 < figures["average"] <= 9.9
+def test_interference_is_counted_once_in_ten_seconds(border: Border) -> None:
+    still = run_along(border, np.full(250, 10.0))
+    near = run_along(border, np.full(250, 11.9), name="robot2")
+    far = run_along(border, np.full(250, 14.0), name="robot3")
+    assert interferences([still, near]) == 3  # at 0, 10 and 20 s of 25 s
+    assert interferences([still, far]) == 0
 
 
 def test_a_meeting_that_turns_both_back(border: Border) -> None:

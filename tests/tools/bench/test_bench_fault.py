@@ -1,0 +1,119 @@
+"""Faults of a bench run, through the real agents and every byte."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from maps.map_folder import MapFolder, load_map_folder
+from maps.pose import Pose
+from robot_agent.config import find_map
+from robot_agent.motion.gate import GateReason
+from tools.bench.bench_fault import BenchFault, BenchFaultError, FaultKind, parse_fault
+from tools.bench.fleet import Fleet, run_bench
+from tools.bench.idleness import border_visits
+
+SETTLED = 12.0
+
+
+@pytest.fixture(scope="module")
+def folder() -> MapFolder:
+    return load_map_folder(find_map("paper_lab", Path.cwd()))
+
+
+def one_robot(folder: MapFolder, kind: FaultKind, lasts: float = math.inf) -> Fleet:
+    fault = BenchFault("robot1", kind, SETTLED + 0.005, SETTLED + lasts)
+    fleet = Fleet(folder, 1, 3, starts=[Pose(5.0, 13.4, 0.0)], faults=[fault])
+    run_until(fleet, SETTLED)
+    assert fleet.robots[0].rig.base.velocity[0] > 0.2, "the robot must be on its way by then"
+    return fleet
+
+
+def run_until(fleet: Fleet, t: float) -> None:
+    while fleet.t < t - 1e-9:
+        fleet.step()
+
+
+@pytest.mark.parametrize(
+    ("kind", "within"),
+    [
+        (FaultKind.DEAD, 2.0 + 1.5),  # the base's watchdog, then its ramp
+        (FaultKind.BLIND, 0.5 + 1.5),
+        (FaultKind.DEAF, 0.6 + 1.5),
+        (FaultKind.STUCK, 0.0),
+    ],
+)
+def test_robot_stands_while_the_fault_lasts_and_goes_on_after(
+    folder: MapFolder, kind: FaultKind, within: float
+) -> None:
+    fleet = one_robot(folder, kind, lasts=6.0)
+    rig = fleet.robots[0].rig
+    run_until(fleet, SETTLED + within + 0.1)
+    before = rig.body.pose
+    run_until(fleet, SETTLED + 6.0)
+    assert math.dist(before[:2], rig.body.pose[:2]) < 0.01
+    run_until(fleet, SETTLED + 6.0 + 10.0)
+    assert rig.base.velocity[0] > 0.1
+    assert fleet.world.contacts == 0
+
+
+def test_stuck_wheels_are_a_stall_to_the_gate(folder: MapFolder) -> None:
+    fleet = one_robot(folder, FaultKind.STUCK)
+    reasons = set()
+    while fleet.t < SETTLED + 1.0:
+        fleet.step()
+        gate = fleet.robots[0].agent.gate_decision
+        reasons.add(gate.reason if gate else None)
+    assert GateReason.STALLED in reasons
+    assert fleet.wrecks() == [fleet.robots[0].rig.body.pose[:2]]
+
+
+def test_carried_robot_comes_back_to_the_border(folder: MapFolder) -> None:
+    fleet = one_robot(folder, FaultKind.CARRIED, lasts=1.0)
+    assert folder.border is not None
+    body = fleet.robots[0].rig.body
+    run_until(fleet, SETTLED + 0.02)
+    assert folder.border.project(body.pose.x, body.pose.y).distance > 0.3
+    run_until(fleet, SETTLED + 30.0)
+    assert folder.border.project(body.pose.x, body.pose.y).distance < 0.1
+    assert fleet.world.contacts == 0
+
+
+def test_dead_robot_counts_no_longer(folder: MapFolder) -> None:
+    faults = [parse_fault("robot1:dead@20")]
+    figures = run_bench(Fleet(folder, 1, 3, faults=faults), 60.0)
+    assert figures["faults"] == [{"robot": "robot1", "kind": "dead", "start": 20.0, "end": None}]
+    assert figures["contacts"] == 0
+
+
+def test_the_border_beside_a_wreck_is_left_out(folder: MapFolder) -> None:
+    border = folder.border
+    assert border is not None
+    t = np.arange(10) * 0.1
+    place = border.at(5.0)
+    standing = np.tile((place.x, place.y), (10, 1))
+    every = border_visits(border, [standing], t)
+    marked = border_visits(border, [standing], t, [(place.x, place.y)])
+    assert max(every.visits) == 1
+    assert max(marked.visits) == 0
+    assert 12 <= len(every.visits) - len(marked.visits) <= 20  # 4 m in steps of 0.25 m
+
+
+@pytest.mark.parametrize(
+    "text", ["", "robot1", "robot1:dead", "robot1:sleepy@3", "robot1:dead@x", "robot1:dead@5-5"]
+)
+def test_what_is_no_fault_is_refused(text: str) -> None:
+    with pytest.raises(BenchFaultError, match="write ROBOT:KIND@START"):
+        parse_fault(text)
+
+
+def test_faults_are_read() -> None:
+    assert parse_fault("robot2:blind@60-90.5") == BenchFault("robot2", FaultKind.BLIND, 60.0, 90.5)
+    assert parse_fault("robot2:dead@60").makes_wreck
+    assert not parse_fault("robot2:dead@60-70").makes_wreck
+
+
+def test_fault_of_nobody_is_refused(folder: MapFolder) -> None:
+    with pytest.raises(BenchFaultError, match="fault of robot7: there is no such robot"):
+        Fleet(folder, 1, 1, faults=[parse_fault("robot7:dead@1")])

@@ -1,0 +1,105 @@
+"""Faults of a bench run: what goes wrong, with which robot, from when until when."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from tools.bench.faulty_line import FaultyLine
+from tools.bench.rig import RobotRig
+
+CARRIED_M = 0.5
+
+_SPEC = re.compile(r"(?P<robot>\w+):(?P<kind>\w+)@(?P<start>\d+\.?\d*)(?:-(?P<end>\d+\.?\d*))?")
+
+
+class BenchFaultError(ValueError):
+    """A fault that cannot be set up; the message shows how one is written."""
+
+
+class FaultKind(StrEnum):
+    """What goes wrong."""
+
+    DEAD = "dead"  # the agent does nothing, as when killed or frozen
+    BLIND = "blind"  # nothing of what the laser sends arrives
+    DEAF = "deaf"  # nothing of what the base sends arrives
+    STUCK = "stuck"  # the wheels do not turn
+    CARRIED = "carried"  # once, somebody puts the robot half a metre to its left
+
+
+@dataclass(frozen=True, slots=True)
+class BenchFault:
+    """One fault of one robot, from start to end (s, virtual; inf: for good)."""
+
+    robot: str
+    kind: FaultKind
+    start: float
+    end: float = math.inf
+
+    def holds(self, t: float) -> bool:
+        """Tell whether the fault is on at t."""
+        return self.start <= t < self.end
+
+    @property
+    def makes_wreck(self) -> bool:
+        """Whether the robot stands still for good."""
+        return math.isinf(self.end) and self.kind is not FaultKind.CARRIED
+
+
+def parse_fault(text: str) -> BenchFault:
+    """Read ``robot2:dead@120`` or ``robot1:blind@60-90`` (s).
+
+    Raises BenchFaultError.
+    """
+    match = _SPEC.fullmatch(text)
+    remedy = (
+        "write ROBOT:KIND@START or ROBOT:KIND@START-END, in s, with KIND one of "
+        f"{', '.join(FaultKind)}"
+    )
+    if match is None or match["kind"] not in set(FaultKind):
+        raise BenchFaultError(f"fault {text!r} is none: {remedy}")
+    start = float(match["start"])
+    end = math.inf if match["end"] is None else float(match["end"])
+    if end <= start:
+        raise BenchFaultError(f"fault {text!r} ends before it starts: {remedy}")
+    return BenchFault(match["robot"], FaultKind(match["kind"]), start, end)
+
+
+class FaultInjector:
+    """Does to one robot what its faults say, as time passes."""
+
+    def __init__(self, faults: Sequence[BenchFault], rig: RobotRig, seed: int) -> None:
+        """Put lines that can fail between a robot's devices and its agent."""
+        rng = np.random.default_rng(seed)
+        self.base = FaultyLine(rig.base, rng)
+        self.laser = FaultyLine(rig.laser, rng)
+        self._rig = rig
+        self._faults = list(faults)
+        self._carries = [fault for fault in faults if fault.kind is FaultKind.CARRIED]
+        self._agent_dead = False
+
+    def advance(self, t: float) -> None:
+        """Begin and end faults at t, s."""
+        on = {fault.kind for fault in self._faults if fault.holds(t)}
+        self._agent_dead = FaultKind.DEAD in on
+        self.base.mute = self._agent_dead or FaultKind.DEAF in on
+        self.laser.mute = self._agent_dead or FaultKind.BLIND in on
+        self._rig.stuck = FaultKind.STUCK in on
+        for fault in [fault for fault in self._carries if fault.holds(t)]:
+            self._rig.carry_left(CARRIED_M)
+            self._carries.remove(fault)
+
+    @property
+    def agent_dead(self) -> bool:
+        """Whether nobody is there to hear the devices."""
+        return self._agent_dead
+
+    def lose_output(self, t: float) -> None:
+        """Let go what the devices have sent by t to nobody."""
+        self.base.take_output(t)
+        self.laser.take_output(t)

@@ -1,0 +1,49 @@
+"""``patrol study``: many benches over seeds and settings, resumable; table and plots."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+
+from tools.progress import Progress
+from tools.study import read_study, run_study
+from tools.study_plot import plot_study
+from tools.study_table import table, write_csv
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = "example: patrol study reversal.toml -o reversal/ --jobs 2"
+    parser.add_argument("file", type=Path, metavar="FILE.toml", help="what to vary")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    parser.add_argument(
+        "--jobs", type=int, default=os.cpu_count() or 1, metavar="N", help="processes at a time"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the study, write runs.csv and study.svg, print the table; status 1 on a contact."""
+    study = read_study(options.file)
+    print(
+        f"patrol study: {len(study.cases)} cases x {study.settings.seeds} seeds; "
+        f"stop it any time, the same command goes on",
+        file=sys.stderr,
+    )
+    with Progress("study", len(study.runs), "runs") as progress:
+        results = run_study(study, options.output, max(1, options.jobs), progress)
+    rows = table(results)
+    write_csv(results, options.output / "runs.csv")
+    plot_study(rows, options.output / "study.svg")
+    printed = Table(title=f"mean and 95 % interval over {study.settings.seeds} seeds")
+    printed.add_column("figure", no_wrap=True)
+    for case in rows:
+        printed.add_column(str(case))
+    for name in next(iter(rows.values())):
+        printed.add_row(name, *(str(row[name] or "") for row in rows.values()))
+    Console(highlight=False).print(printed)
+    return 1 if any(result.figures["contacts"] for result in results) else 0
