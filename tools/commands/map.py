@@ -18,7 +18,7 @@ from tools.mapping import build_map, check_map
 from tools.progress import Progress
 from tools.scan_log import ScanLog, read_scan_log
 from tools.slam.mapper import map_odometry
-from tools.slam.relations import read_relations, relation_error
+from tools.slam.relations import line_up, read_relations, relation_error
 from tools.slam.trajectory import Trajectory
 
 PICTURE = "map.png"
@@ -94,7 +94,8 @@ def _build(options: argparse.Namespace) -> int:
         print(f"patrol map: {log.truncated}", file=sys.stderr)
     log, trajectory = _posed(log.from_scan(options.first_scan), options.source)
     if relations:
-        print(relation_error(relations, trajectory.at).table())
+        lined_up = line_up(relations, trajectory.times)
+        print(relation_error(lined_up, trajectory.at).table())
     with Progress("map", len(log.scans), "scans") as progress:
         built = build_map(log, options.resolution, scans=options.scans, progress=progress)
     save_map(built.map, options.output)

@@ -21,6 +21,9 @@ PUBLISHED_M = {"scan matching": 0.220, "particle filter": 0.070, "graph mapping"
 """Mean translational errors in the paper's table for the Intel Research Lab, m."""
 
 
+_CLOCK_ERROR = 0.01  # s; of the relations' epoch, that the stamps set right
+
+
 class RelationsError(ValueError):
     """A file is no list of relations; the message names file, line and remedy."""
 
@@ -97,6 +100,28 @@ def _relation(words: list[str], offset: float) -> Relation:
         raise ValueError("a number is not finite")
     start, end, x, y, _, _, _, yaw = numbers
     return Relation(start - offset, end - offset, Pose(x, y, wrap_angle(yaw)))
+
+
+def line_up(relations: Sequence[Relation], stamps: Sequence[float]) -> list[Relation]:
+    """Return the relations with their clock set by the log's stamps.
+
+    Relations are between scans, whose stamps the log has: an epoch known to a few milliseconds is
+    set right by the median way to the nearest stamp. Unchanged if most times have none so near.
+    stamps: log times, s, sorted.
+    """
+    times = np.array([t for relation in relations for t in (relation.start, relation.end)])
+    known = np.asarray(stamps)
+    right = np.clip(np.searchsorted(known, times), 1, len(known) - 1)
+    before, after = known[right - 1] - times, known[right] - times
+    off = np.where(np.abs(before) < np.abs(after), before, after)
+    near = off[np.abs(off) < _CLOCK_ERROR]
+    if len(near) < 0.5 * len(times):
+        return list(relations)
+    shift = float(np.median(near))
+    return [
+        Relation(relation.start + shift, relation.end + shift, relation.pose)
+        for relation in relations
+    ]
 
 
 def relation_error(

@@ -34,17 +34,18 @@ class Trajectory:
             carried = _carry(raw, fixed[start], fixed[end])
             self.poses.update(enumerate(carried, start=start))
         stamped = sorted((odometry[index][0], index) for index in self.poses)
-        self._times = [t for t, _ in stamped]
+        self.times = [t for t, _ in stamped]
+        """The odometry's stamps, s, sorted."""
         self._stamped = [self.poses[index] for _, index in stamped]
 
     def at(self, t: float) -> Pose | None:
         """Return map_from_laser at a time; None outside the fixed poses."""
-        if not self._times[0] <= t <= self._times[-1]:
+        if not self.times[0] <= t <= self.times[-1]:
             return None
-        right = bisect.bisect_left(self._times, t)
-        if self._times[right] == t:
+        right = bisect.bisect_left(self.times, t)
+        if self.times[right] == t:
             return self._stamped[right]
-        before, after = self._times[right - 1], self._times[right]
+        before, after = self.times[right - 1], self.times[right]
         return _between(
             self._stamped[right - 1], self._stamped[right], (t - before) / (after - before)
         )

@@ -9,7 +9,13 @@ from pathlib import Path
 import pytest
 
 from maps.pose import Pose
-from tools.slam.relations import Relation, RelationsError, read_relations, relation_error
+from tools.slam.relations import (
+    Relation,
+    RelationsError,
+    line_up,
+    read_relations,
+    relation_error,
+)
 
 LINES = "# t1 t2 x y z roll pitch yaw\n100.5 102.0 1.0 -0.5 0 0 0 1.5\n\n103 101 2 0 0 0 0 -7\n"
 
@@ -66,6 +72,17 @@ def test_the_error_does_not_depend_on_the_maps_frame() -> None:
     assert exact.mean_m == exact.rmse_m == pytest.approx(0.05)
     assert "0.220 m" in exact.table()
     assert "mean 0.0500 m" in exact.table()
+
+
+def test_the_clock_is_set_by_the_stamps() -> None:
+    stamps = [0.3 * n for n in range(100)]
+    still = Pose(0.0, 0.0, 0.0)
+    exact = [Relation(stamps[n], stamps[n + 3], still) for n in range(50)]
+    late = [Relation(r.start + 0.004, r.end + 0.004, still) for r in exact]
+    for moved, true in zip(line_up(late, stamps), exact, strict=True):
+        assert (moved.start, moved.end) == pytest.approx((true.start, true.end), abs=1e-9)
+    far = [Relation(r.start + 0.1, r.end + 0.1, still) for r in exact]
+    assert line_up(far, stamps) == far
 
 
 def test_relations_of_another_time_are_refused() -> None:
