@@ -18,6 +18,7 @@ _ROOM = 0.40  # m from the walls: the base's corners reach 0.37 m round the axle
 _NARROW_ROOM = 0.30  # m from the walls: enough to drive straight, not to turn on the spot
 _NARROW_COST = 3.0  # a metre of narrow way counts as so many, so it is taken for want of another
 _SIGHT_ROOM = 0.30  # m from the walls that a line of sight keeps, as far as its start does
+_BESIDE = 0.30  # m; nearer to the border no wall fits between, for it keeps 0.45 m from all
 _LOOK_AHEAD = 0.8  # m along the way to the point steered for
 _SNAP = 0.6  # m to the nearest cell with a way, for a robot that stands outside all of them
 _MOVES = np.array(  # (rows, cols) between neighboring cells; 16 directions keep lengths within 3 %
@@ -63,7 +64,7 @@ class ApproachField:
 
         All in m in the map frame. None means that the straight line is the way.
         """
-        if self._sees(x, y, *foot):
+        if math.dist((x, y), foot) < _BESIDE or self._sees(x, y, *foot):
             return None
         cell = self._cell_with_way(x, y)
         if cell == _NOWHERE:

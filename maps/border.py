@@ -84,6 +84,15 @@ class Border:
         """Smallest turning radius, m; infinite on a straight border."""
         return min((p.radius for p in self.primitives if isinstance(p, Arc)), default=math.inf)
 
+    def require_radius(self, radius: float) -> None:
+        """Refuse arcs tighter than a turning radius, m; BorderError names the place."""
+        for index, (primitive, s) in enumerate(zip(self.primitives, self._starts, strict=True)):
+            if isinstance(primitive, Arc) and primitive.radius < radius:
+                raise BorderError(
+                    f"{describe(index, primitive)} at s = {s:.2f} m has the radius "
+                    f"{primitive.radius:.2f} m, a robot can follow {radius:g} m and more: widen it"
+                )
+
     def project(self, x: float, y: float, near: float | None = None) -> BorderProjection:
         """Return the border's point nearest to (x, y), m in the map frame.
 

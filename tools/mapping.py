@@ -23,13 +23,14 @@ from maps.clearance import NEEDED_CLEARANCE, border_clearance
 from maps.map_folder import DEFAULT_BORDER, load_map_folder
 from maps.occupancy_map import FREE, OCCUPIED, UNKNOWN, MapError, OccupancyMap
 from maps.pose import Pose
+from robot_agent.patrol.settings import PatrolSettings
 
 Scans = Literal["all", "even", "odd"]
 
 _CHOICE = {"all": slice(None), "even": slice(0, None, 2), "odd": slice(1, None, 2)}
 _MARGIN = 1.0  # m of unknown cells round everything seen
 _MOST_CELLS = 100_000_000  # 0.9 GB while building
-_LEAST_TURNING_RADIUS = 0.5  # m: 0.7 rad/s at the 0.35 m/s of a patrol
+_LEAST_TURNING_RADIUS = PatrolSettings().turning_radius  # m
 _LEAST_KNOWN_SHARE = 0.05  # of a map's cells
 
 

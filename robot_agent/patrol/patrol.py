@@ -64,7 +64,11 @@ class Patrol:
         rng: np.random.Generator,
         approach_field: ApproachField | None = None,
     ) -> None:
-        """Load the rules; raises RulesError. Without an approach_field there are no walls."""
+        """Load the rules; without an approach_field there are no walls.
+
+        Raises RulesError, and BorderError for a border that turns tighter than robots can follow.
+        """
+        border.require_radius(settings.turning_radius)
         self._settings = settings
         self._border = border
         self._approach_field = approach_field

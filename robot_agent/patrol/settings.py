@@ -59,6 +59,8 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     reversal_period: Positive = 27.0  # s between random decisions to turn back [paper]
     reversal_probability: Share = 0.25
     reversal_end_distance: NotNegative = 0.8  # m from an end of an open border without any
+    turning_radius: Positive = 0.5  # m; tighter borders are refused. At patrol_speed 0.35 m/s the
+    # robot is 0.045 m off an arc of 0.5 m (0.094 m of 0.35 m), which leaves 0.05 m to the pose
     blockage_time: Positive = 10.0  # s an object may hold the robot before it turns back
     blockage_neighbor_distance: Positive = 1.0  # m; a teammate so near may be that object
     supervisor: Literal["fuzzy", "automaton"] = "fuzzy"

@@ -209,3 +209,18 @@ def test_what_is_no_border_is_refused_by_name(
         Border(primitives, closed=closed)
     for word in words:
         assert word in str(caught.value)
+
+
+def test_too_tight_an_arc_is_refused_with_its_place() -> None:
+    CLOSED.require_radius(0.8)
+    tight = Border(
+        [
+            Segment((0.0, 0.0), (3.0, 0.0)),
+            Arc((3.0, 0.3), 0.3, -math.pi / 2, math.pi / 2),
+            Segment((3.3, 0.3), (3.3, 4.0)),
+        ],
+        closed=False,
+    )
+    tight.require_radius(0.3)
+    with pytest.raises(BorderError, match=r"primitive 2 \(arc from 3\.000, 0\.000 .* s = 3\.00 m "):
+        tight.require_radius(0.31)

@@ -90,6 +90,11 @@ def drive(border, poses, duration, *, seed=0, probability=0.0, stopped=(), super
     robots = [Robot(border, p, 100 * seed + i, settings) for i, p in enumerate(poses)]
     for i in stopped:
         robots[i].stopped = True
+    return run(robots, duration)
+
+
+def run(robots, duration):
+    """Let made robots patrol together; returns them."""
     for k in range(int(duration / DT)):
         places = [robot.pose[:2] for robot in robots]
         commands = [r.decide(DT * k, nearest(places, i)) for i, r in enumerate(robots)]
@@ -135,6 +140,22 @@ def test_one_lap_stays_on_the_border(direction):
     travelled = np.unwrap([s.decision.abscissa for s in robots[0].samples], period=RECTANGLE.length)
     assert abs(travelled[-1] - travelled[0]) > RECTANGLE.length
     assert {s.decision.direction for s in robots[0].samples} == {direction}
+
+
+@pytest.mark.parametrize("turn", [1, -1])
+def test_tightest_border_accepted_is_followed(turn):
+    """Of the 0.1 m of the paper the tightest corner takes less than half, a tighter one all."""
+    deviations = []
+    for radius in (0.5, 0.3):
+        corner = Arc((4.0, turn * radius), radius, -turn * math.pi / 2, turn * math.pi)
+        back = Segment(corner.end, (0.0, corner.end[1]))
+        border = Border([Segment((0.0, 0.0), (4.0, 0.0)), corner, back], closed=False)
+        settings = PatrolSettings(reversal_probability=0.0, turning_radius=radius)
+        robots = run([Robot(border, on(border, 1.0), 0, settings)], 20.0)
+        assert robots[0].samples[-1].decision.abscissa > 4.0 + math.pi * radius + 1.0
+        deviations.append(distances(robots).max())
+    assert deviations[0] < 0.05
+    assert deviations[1] > 0.1
 
 
 def test_reversals_do_not_leave_the_border():
@@ -183,6 +204,44 @@ def test_seam_does_not_matter():
         runs.append(np.array([[x.pose[:2] for x in r.samples] for r in robots]))
     assert runs[1] == pytest.approx(runs[0], abs=1e-6)
     assert runs[2] == pytest.approx(runs[0], abs=1e-6)
+
+
+@pytest.mark.parametrize("first", [1, 3, 4, 6])
+def test_seam_does_not_matter_to_a_team(first):
+    """Three robots, random reversals, meetings everywhere: the same run wherever s = 0 lies."""
+    team = [on(RECTANGLE, 1.0), on(RECTANGLE, 20.0, -1), on(RECTANGLE, 37.0)]
+    one, other = (
+        drive(border, team, 120.0, seed=3, probability=0.5)
+        for border in (RECTANGLE, rounded_rectangle(first))
+    )
+    for robot, twin in zip(one, other, strict=True):
+        actions = [s.decision.action for s in robot.samples]
+        assert actions == [s.decision.action for s in twin.samples]
+        assert track(twin) == pytest.approx(track(robot), abs=1e-6)
+    met = {s.decision.action for robot in one for s in robot.samples}
+    assert set(AWAY) <= met
+
+
+def track(robot):
+    """Places and headings (samples, 4): x, y, cosine, sine, which do not wrap."""
+    x, y, theta = np.array([s.pose for s in robot.samples]).T
+    return np.column_stack((x, y, np.cos(theta), np.sin(theta)))
+
+
+def test_seam_within_a_segment_does_not_matter():
+    """s = 0 in the middle of a straight, one robot standing on it as two meet there."""
+    pieces = rounded_rectangle().primitives
+    top = pieces[2]
+    middle = (8.5, 10.0)
+    split = [Segment(middle, top.end), *pieces[3:], *pieces[:2], Segment(top.start, middle)]
+    border = Border(split, closed=True)
+    assert border.at(0.0)[:2] == pytest.approx(middle)
+    runs = []
+    for line in (RECTANGLE, border):
+        s = line.project(*middle).abscissa
+        robots = drive(line, [on(line, s - 2.3, 1), on(line, s + 2.3, -1)], 20.0)
+        runs.append(np.array([track(r) for r in robots]))
+    assert runs[1] == pytest.approx(runs[0], abs=1e-6)
 
 
 def test_avoid_teammate_separates_two_that_start_too_near():
@@ -254,6 +313,31 @@ def test_open_border_is_driven_from_end_to_end(supervisor):
     assert s.max() < LINE.length
     assert np.count_nonzero(np.diff([x.decision.direction for x in robots[0].samples])) >= 3
     assert distances(robots).max() < 0.02
+
+
+BENT = Border(
+    [
+        Segment((0.0, 0.0), (8.0, 0.0)),
+        Arc((8.0, 1.25), 1.25, -math.pi / 2, math.pi / 2),
+        Segment((9.25, 1.25), (9.25, 6.0)),
+        Arc((10.5, 6.0), 1.25, math.pi, -math.pi / 2),
+        Segment((10.5, 7.25), (18.0, 7.25)),
+    ],
+    closed=False,
+)
+
+
+@pytest.mark.parametrize("supervisor", SUPERVISORS)
+def test_no_metre_of_an_open_border_is_left_undriven(supervisor):
+    """Three robots and random reversals; what is left at the ends is half a robot more or less."""
+    team = [on(BENT, 3.0), on(BENT, 11.0, -1), on(BENT, 19.0)]
+    robots = drive(BENT, team, 600.0, seed=2, probability=0.25, supervisor=supervisor)
+    s = np.sort([x.decision.abscissa for r in robots for x in r.samples])
+    assert s[0] < 0.6
+    assert s[-1] > BENT.length - 0.6
+    assert np.diff(s).max() < 0.05  # between the ends no gap
+    assert closest_approach(robots) > 1.1
+    assert all(longest_avoid(robot) < 30.0 for robot in robots)
 
 
 @pytest.mark.parametrize("supervisor", SUPERVISORS)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from maps.border import Border
+from maps.border import Border, BorderError
 from maps.border_primitives import Arc, Segment
 from maps.pose import Pose
 from robot_agent.patrol.actions import Action, Situation, action_velocity
@@ -200,3 +200,13 @@ def test_settings_refuse_thresholds_out_of_order():
         PatrolSettings(patrol_speed=0.6)
     with pytest.raises(RulesError, match="safety_distance"):
         patrol(safety_distance=1.2)
+
+
+def test_refuses_a_border_too_tight_to_follow():
+    corner = Arc((4.0, 0.4), 0.4, -math.pi / 2, math.pi / 2)
+    tight = Border(
+        [Segment((0.0, 0.0), (4.0, 0.0)), corner, Segment((4.4, 0.4), (4.4, 4.0))], closed=False
+    )
+    with pytest.raises(BorderError, match=r"primitive 2 .* radius 0\.40 m, .* follow 0\.5 m"):
+        patrol(tight)
+    patrol(tight, turning_radius=0.4)
