@@ -49,8 +49,8 @@ def beam_delays(n: int, angle_min: float, increment: float) -> NDArray[np.float6
     beams = np.arange(n)
     turns = max(1, round(math.radians(1.0) / increment))
     within = (angle_min + increment * beams) / math.tau
-    delays: NDArray[np.float64] = (within + beams % turns - (turns - 1) / 2) * TURN
-    return delays
+    turn = beams % turns - (turns - 1) / 2
+    return np.asarray((within + turn) * TURN, dtype=np.float64)
 
 
 def scan_of(measurement: Measurement, arrival: float, wire_time: float) -> Scan:
