@@ -83,7 +83,7 @@ class CheckSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     points: Count = 180  # at most, spread evenly over the scan
     sigma: Positive = 0.1  # m; an end point this far from the map fits by 61 %
     short: Positive = 0.3  # m; an end on free floor, farther than this from the map: a person
-    excused: Share = 0.4  # of the beams, at most: that many people are thought possible
+    excused: Share = 0.3  # of the beams, at most: that many people are thought possible
     rays: Count = 45  # beams followed through the map, at most
     reach: Positive = 10.0  # m; how far they are followed
     margin: Positive = 0.3  # m before the end of a beam that may touch a wall
