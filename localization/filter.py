@@ -14,6 +14,7 @@ from localization.resampling import draw_low_variance, effective_sample_size
 from localization.settings import MotionSettings, SampleSettings
 from maps.pose import Pose
 
+_TEMPERED = 0.8  # of a scan's worth is left, each time it would decide too much
 _MUCH_LARGER = 2.0  # times the needed number of particles: then the set is thinned
 
 
@@ -86,17 +87,31 @@ class ParticleFilter:
             self.particles, self._slips, increment, self._motion, self._rng
         )
 
-    def weigh(self, points: NDArray[np.float64], independent_beams: float) -> None:
+    def weigh(
+        self,
+        points: NDArray[np.float64],
+        independent_beams: float,
+        least_effective: float = 0.0,
+    ) -> None:
         """Multiply the weights by the likelihood of a scan's end points (m, 2) in base_link.
 
-        independent_beams: how many independent beams the scan is worth.
+        independent_beams: how many independent beams the scan is worth. least_effective: share of
+        the particles that must stay effective; the scan is made worth less until they do, so that
+        one particle that happens to lie well does not outweigh a place where none does.
         """
         with np.errstate(divide="ignore"):
-            log_weights = np.log(self.weights)
-        log_weights += self._field.log_weights(self.particles, points, independent_beams)
-        weights = np.exp(log_weights - log_weights.max())
-        self.weights = weights / weights.sum()
-        self.effective_sample_size = effective_sample_size(self.weights)
+            prior = np.log(self.weights)
+        evidence = self._field.log_weights(self.particles, points, independent_beams)
+        before = effective_sample_size(self.weights)
+        least = min(least_effective * len(self.weights), _TEMPERED * before)
+        while True:
+            log_weights = prior + evidence
+            weights = np.exp(log_weights - log_weights.max())
+            self.weights = weights / weights.sum()
+            self.effective_sample_size = effective_sample_size(self.weights)
+            if self.effective_sample_size >= least:
+                return
+            evidence *= _TEMPERED
 
     def resample(self, samples: SampleSettings) -> None:
         """Draw the particles anew if few of them carry the weight or many are superfluous.

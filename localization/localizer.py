@@ -169,8 +169,11 @@ class Localizer:
         return min(1.0, max(still_worth, step))
 
     def _weigh(self, points: NDArray[np.float64], worth: float) -> None:
-        chosen = self._settings.search if self._searching else self._settings.sensor
-        self._filter.weigh(points, worth * chosen.independent_beams)
+        if self._searching:
+            search = self._settings.search
+            self._filter.weigh(points, worth * search.independent_beams, search.least_effective)
+        else:
+            self._filter.weigh(points, worth * self._settings.sensor.independent_beams)
 
     def _look(self, points: NDArray[np.float64]) -> _Sight:
         """Return the best cluster and the pose in it that the scan fits best."""

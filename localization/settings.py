@@ -83,7 +83,7 @@ class CheckSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     points: Count = 180  # at most, spread evenly over the scan
     sigma: Positive = 0.1  # m; an end point this far from the map fits by 61 %
     short: Positive = 0.3  # m; an end on free floor, farther than this from the map: a person
-    excused: Share = 0.4  # of the beams, at most: that many people are thought possible
+    excused: Share = 0.3  # of the beams, at most: that many people are thought possible
     rays: Count = 45  # beams followed through the map, at most
     reach: Positive = 10.0  # m; how far they are followed
     margin: Positive = 0.3  # m before the end of a beam that may touch a wall
@@ -152,6 +152,7 @@ class GlobalSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     maximum_after: Count = 20000  # particles until the robot is found
     kept: Count = 1000  # particles of the old belief, when a lost robot is searched for
     independent_beams: Positive = 6.0  # few, so that no place is given up on one scan
+    least_effective: Share = 0.05  # of the particles, left by one scan at least
     clearance: NotNegative = 0.2  # m between a particle and a wall
     repeat_lost: NotNegative = 15.0  # scans lost until the search starts again; 0: never
     repeat_unsure: NotNegative = 4.0  # scans unsure and ill-fitting until then; 0: never
