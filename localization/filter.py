@@ -121,7 +121,7 @@ class ParticleFilter:
         count = len(self.weights)
         if self.effective_sample_size < samples.resample_below * count:
             drawn = self._draw(count)
-            needed = needed_samples(self.particles[drawn], samples)
+            needed = needed_samples(self.particles.take(_distinct(drawn), axis=0), samples)
             if needed != count:
                 drawn = self._draw(needed)
         else:
@@ -129,8 +129,13 @@ class ParticleFilter:
             if count <= _MUCH_LARGER * needed:
                 return
             drawn = self._draw(needed)
-        self.particles, self._slips = self.particles[drawn], self._slips[drawn]
+        self.particles, self._slips = self.particles.take(drawn, axis=0), self._slips[drawn]
         self.weights = np.full(needed, 1.0 / needed)
 
     def _draw(self, count: int) -> NDArray[np.intp]:
         return draw_low_variance(self.weights, count, self._rng)
+
+
+def _distinct(ascending: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return each of ascending indices (n,) once."""
+    return ascending[np.diff(ascending, prepend=-1) > 0]

@@ -29,11 +29,12 @@ def sample_size(bins: int, error: float, quantile: float) -> int:
 def bin_keys(particles: NDArray[np.float64], bin_xy: float, bin_theta: float) -> NDArray[np.int64]:
     """Return (n,) one packed key per particle (n, 3): equal keys share a bin of (x, y, theta)."""
     half = 1 << (_AXIS_BITS - 1)
-    columns = np.floor(particles[:, :2] / bin_xy).astype(np.int64) + half
+    column = np.floor(particles[:, 0] * (1.0 / bin_xy)).astype(np.int64) + half
+    row = np.floor(particles[:, 1] * (1.0 / bin_xy)).astype(np.int64) + half
     # Whole bins fill the turn, so that headings either side of pi meet.
     around = max(1, round(math.tau / bin_theta))
     sector = np.floor(particles[:, 2] * (around / math.tau)).astype(np.int64) % around
-    packed: NDArray[np.int64] = (columns[:, 0] << _AXIS_BITS | columns[:, 1]) << _AXIS_BITS | sector
+    packed: NDArray[np.int64] = (column << _AXIS_BITS | row) << _AXIS_BITS | sector
     return packed
 
 

@@ -49,21 +49,25 @@ def move_particles(
     count = len(particles)
     first, translation, second = decompose(increment)
     noise = rng.standard_normal((4, count), dtype=np.float32)
-    floor_xy = np.full(count, settings.floor_xy, dtype=np.float32)
-    floor_theta = np.full(count, settings.floor_theta, dtype=np.float32)
+    travel = _translation_sigma(first, translation, second, settings)
+    turn = _rotation_sigma(second, translation, settings)
+    aside_sigma = np.full(count, settings.floor_xy, dtype=np.float32)
+    travel_sigma = np.full(count, math.hypot(settings.floor_xy, travel), dtype=np.float32)
+    turn_sigma = np.full(count, math.hypot(settings.floor_theta, turn), dtype=np.float32)
     slips = slips * (rng.random(count, dtype=np.float32) < settings.slip_lasting)
     if settings.slip_share > 0.0:
         scouts = slice(None, None, max(1, round(1.0 / settings.slip_share)))
-        floor_xy[scouts] += settings.slip_xy
-        floor_theta[scouts] += settings.slip_theta
+        slip_xy = settings.floor_xy + settings.slip_xy
+        slip_theta = settings.floor_theta + settings.slip_theta
+        aside_sigma[scouts] = slip_xy
+        travel_sigma[scouts] = math.hypot(slip_xy, travel)
+        turn_sigma[scouts] = math.hypot(slip_theta, turn)
         slips[scouts] = settings.slip_most * rng.random(len(slips[scouts]), dtype=np.float32)
-    travel_sigma = np.hypot(floor_xy, _translation_sigma(first, translation, second, settings))
-    turn_sigma = np.hypot(floor_theta, _rotation_sigma(second, translation, settings))
     # Single precision is ample for a step of a metre or so.
     heading = particles[:, 2].astype(np.float32)
     heading += first + _rotation_sigma(first, translation, settings) * noise[0]
     ahead = np.float32(translation) * (np.float32(1.0) - slips) + travel_sigma * noise[1]
-    aside = floor_xy * noise[2]
+    aside = aside_sigma * noise[2]
     cosine, sine = np.cos(heading), np.sin(heading)
     theta = heading + second + turn_sigma * noise[3]
     moved = np.empty_like(particles)

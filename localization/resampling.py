@@ -18,7 +18,9 @@ def draw_low_variance(
 
     Each index comes up ``count * weight`` times, rounded up or down.
     """
-    combs = (np.arange(count) + rng.random()) / count
-    cumulative = np.cumsum(weights)
-    # Rounding may leave the last sum below the last comb.
-    return np.minimum(np.searchsorted(cumulative, combs, side="right"), len(weights) - 1)
+    # How many of the combs (i + random) / count lie below each cumulative weight.
+    below = np.ceil(np.cumsum(weights) * count - rng.random()).astype(np.intp)
+    np.minimum(below, count, out=below)
+    below[-1] = count  # which rounding may keep it from
+    # A comb's index is the number of sums it has passed.
+    return np.cumsum(np.bincount(below, minlength=count + 1)[:count])

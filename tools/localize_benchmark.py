@@ -25,6 +25,7 @@ from tools.bench.raycast import RayCaster
 PARTICLES = (500, 2000, 5000)
 BEAMS = (60, 180)
 UPDATES = 120
+PASSES = 3
 STEP = 0.3  # m between two scans
 SEED = 1
 LARGE_MAP = 100.0
@@ -66,8 +67,8 @@ def update_costs(folder_path: Path) -> Iterator[UpdateCost]:
             yield UpdateCost(
                 particles,
                 beams,
-                1e3 * _median(_filter_update(settings, folder.map, scans), scans),
-                1e3 * _median(_whole_update(settings, folder.map, scans), scans),
+                1e3 * _best_median(_filter_update, settings, folder.map, scans),
+                1e3 * _best_median(_whole_update, settings, folder.map, scans),
             )
 
 
@@ -113,8 +114,20 @@ def _whole_update(
     return lambda number: localizer.update(float(number), *scans[number])
 
 
+def _best_median(
+    start: Callable[[LocalizationSettings, OccupancyMap, Scans], Callable[[int], object]],
+    settings: LocalizationSettings,
+    occupancy: OccupancyMap,
+    scans: Scans,
+) -> float:
+    """Return the median time of an update over all scans, s of its thread (all of it is one).
+
+    The best of some passes: what else the machine does can only slow a pass down.
+    """
+    return min(_median(start(settings, occupancy, scans), scans) for _ in range(PASSES))
+
+
 def _median(update: Callable[[int], object], scans: Scans) -> float:
-    """Return the median time of an update over all scans, s of its thread (all of it is one)."""
     times = []
     for number in range(len(scans)):
         started = time.thread_time()
