@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import ctypes
 import datetime
 import sys
 from contextlib import ExitStack
@@ -50,6 +51,7 @@ def run(options: argparse.Namespace) -> int:
         telemetry = Telemetry(config.telemetry, robot=config.robot.name, team=config.robot.team)
         stack.callback(telemetry.close)
         agent = Agent(config, folder, clock.start_wall_ns)
+        give_memory_back()
         runtime = Runtime(agent, clock, recorder, telemetry, Journal(sys.stderr))
         end_on_signals(runtime)
         print(f"patrol agent: {config.robot.name} started", file=sys.stderr, flush=True)
@@ -59,6 +61,13 @@ def run(options: argparse.Namespace) -> int:
         print(f"patrol agent: {trouble}", file=sys.stderr)
     print(f"patrol agent: {config.robot.name} ended", file=sys.stderr)
     return 0
+
+
+def give_memory_back() -> None:
+    """Return to the system what building the agent took for a moment (glibc keeps it else)."""
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
+    if trim is not None:
+        trim(0)
 
 
 def recording_path(config: AgentConfig) -> Path | None:
