@@ -50,7 +50,6 @@ class ApproachField:
         """Find all shortest ways (Dijkstra from every point of the border at once)."""
         self._occupancy = occupancy
         self._clearance = _room_around(occupancy)
-        self._free_reach = _free_reach(occupancy)
         rows, cols = occupancy.cells_at(border.polyline(occupancy.resolution / 2))
         inside = occupancy.inside(rows, cols)
         goals = np.zeros(occupancy.cells.shape, dtype=np.bool_)
@@ -118,19 +117,9 @@ class ApproachField:
     def _sees(self, x: float, y: float, to_x: float, to_y: float) -> bool:
         """Tell whether a straight line keeps its room from the walls, as far as its start does."""
         resolution = self._occupancy.resolution
-        if self._reach_at(x, y) - math.hypot(to_x - x, to_y - y) > _SIGHT_ROOM:
-            return True  # the usual case: all is free within reach of any point of the line
         room = self._room_along(x, y, to_x, to_y)
         needed = min(_SIGHT_ROOM, max(float(room[0]) - resolution, resolution / 2))
         return bool(room.min() >= needed)
-
-    def _reach_at(self, x: float, y: float) -> float:
-        """Distance from a place within which all is free; 0 outside the map."""
-        resolution, origin = self._occupancy.resolution, self._occupancy.origin
-        row = math.floor((y - origin.y) / resolution)
-        col = math.floor((x - origin.x) / resolution)
-        rows, cols = self._free_reach.shape
-        return float(self._free_reach[row, col]) if 0 <= row < rows and 0 <= col < cols else 0.0
 
     def _room_along(self, x: float, y: float, to_x: float, to_y: float) -> NDArray[np.float32]:
         """Room from the walls along a straight line, from its start on; 0 outside the map."""
@@ -157,14 +146,6 @@ def _room_around(occupancy: OccupancyMap) -> NDArray[np.float32]:
     rim = np.minimum(np.minimum(row, rows - 1 - row), np.minimum(col, cols - 1 - col)) + 0.5
     room = np.minimum(room, rim * occupancy.resolution)
     return np.where(occupancy.cells == FREE, np.maximum(room, 0.0), 0.0).astype(np.float32)
-
-
-def _free_reach(occupancy: OccupancyMap) -> NDArray[np.float32]:
-    """Distance (rows, cols), m, from anywhere in each cell within which every cell is free."""
-    free = np.pad((occupancy.cells == FREE).astype(np.uint8), 1)
-    reach = cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)[1:-1, 1:-1]
-    # Half a cell's diagonal for the place in its own cell, and for the cell that is not free.
-    return np.asarray((reach - math.sqrt(2.0)) * occupancy.resolution, dtype=np.float32)
 
 
 def _shortest_ways(

@@ -81,23 +81,19 @@ class FaultInjector:
         self._rig = rig
         self._faults = list(faults)
         self._carries = [fault for fault in faults if fault.kind is FaultKind.CARRIED]
-        self._agent_dead = False
+        self.agent_dead = False
+        """Whether nobody is there to hear the devices."""
 
     def advance(self, t: float) -> None:
         """Begin and end faults at t, s."""
         on = {fault.kind for fault in self._faults if fault.holds(t)}
-        self._agent_dead = FaultKind.DEAD in on
-        self.base.mute = self._agent_dead or FaultKind.DEAF in on
-        self.laser.mute = self._agent_dead or FaultKind.BLIND in on
+        self.agent_dead = FaultKind.DEAD in on
+        self.base.mute = self.agent_dead or FaultKind.DEAF in on
+        self.laser.mute = self.agent_dead or FaultKind.BLIND in on
         self._rig.stuck = FaultKind.STUCK in on
         for fault in [fault for fault in self._carries if fault.holds(t)]:
             self._rig.carry_left(CARRIED_M)
             self._carries.remove(fault)
-
-    @property
-    def agent_dead(self) -> bool:
-        """Whether nobody is there to hear the devices."""
-        return self._agent_dead
 
     def lose_output(self, t: float) -> None:
         """Let go what the devices have sent by t to nobody."""
