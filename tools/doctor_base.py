@@ -10,7 +10,7 @@ from drivers.p2os.model import UnknownModelError, load_model
 from drivers.p2os.session import P2osSession, SessionState
 from drivers.p2os.settings import BaseSettings
 from tools.device_trial import DeviceTrial
-from tools.doctor_port import describe_line, examine_opening, examine_port
+from tools.doctor_port import describe_line, examine_line, examine_opening, examine_port
 from tools.finding import Finding, failed, ok, skipped, warning
 
 BATTERY_LOW = 11.75  # V
@@ -93,13 +93,7 @@ class BaseExamination:
     def _line(self) -> Finding:
         assert self.trial is not None
         counters = self._session.framer.counters
-        text = (
-            f"{counters.good} packets good, {counters.bad_checksum} with a bad checksum, "
-            f"{counters.discarded_bytes} bytes between packets; {describe_line(self.trial.line)}"
-        )
-        if counters.bad_checksum > 0.01 * counters.good:
-            return warning("base line", text, "shorten or change the cable, or its adapter")
-        return ok("base line", text)
+        return examine_line("base line", "packets", counters, self.trial.line)
 
     def _limits(self) -> Finding:
         config, settings = self._session.config, self._settings

@@ -11,7 +11,7 @@ from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session, SessionState
 from drivers.lms200.settings import LaserSettings
 from tools.device_trial import DeviceTrial
-from tools.doctor_port import describe_line, examine_opening, examine_port
+from tools.doctor_port import describe_line, examine_line, examine_opening, examine_port
 from tools.finding import Finding, failed, ok, warning
 
 LISTENING_S = 1.0  # to the stream
@@ -106,13 +106,7 @@ class LaserExamination:
     def _line(self) -> Finding:
         assert self.trial is not None
         counters = self._session.framer.counters
-        text = (
-            f"{counters.good} telegrams good, {counters.bad_checksum} with a bad checksum, "
-            f"{counters.discarded_bytes} bytes between telegrams; {describe_line(self.trial.line)}"
-        )
-        if counters.bad_checksum > 0.01 * counters.good:
-            return warning("laser line", text, "shorten or change the cable, or its adapter")
-        return ok("laser line", text)
+        return examine_line("laser line", "telegrams", counters, self.trial.line)
 
 
 def best_rate(beams: int, turns: int, baud: int) -> float:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 import stat
 from pathlib import Path
+from typing import Protocol
 
 from tools.device_trial import LineRecord
-from tools.finding import Finding, failed, ok
+from tools.finding import Finding, failed, ok, warning
 from tools.ports import SerialPort, holders_of, list_serial_ports, owner_of
 
 
@@ -48,6 +49,33 @@ def examine_opening(subject: str, line: LineRecord) -> Finding | None:
     if not remedy:
         reason, _, remedy = line.lost.rpartition(": ")
     return failed(subject, reason or line.lost, remedy or "check the cable, then try again")
+
+
+class LineCounters(Protocol):
+    """What a framer counts on a line."""
+
+    @property
+    def good(self) -> int:
+        """Whole frames with a right checksum."""
+
+    @property
+    def bad_checksum(self) -> int:
+        """Frames with a wrong one."""
+
+    @property
+    def discarded_bytes(self) -> int:
+        """Bytes between frames."""
+
+
+def examine_line(subject: str, frames: str, counters: LineCounters, line: LineRecord) -> Finding:
+    """Judge a line by what came through it; ``frames`` is what the device calls its frames."""
+    text = (
+        f"{counters.good} {frames} good, {counters.bad_checksum} with a bad checksum, "
+        f"{counters.discarded_bytes} bytes between {frames}; {describe_line(line)}"
+    )
+    if counters.bad_checksum > 0.01 * counters.good:
+        return warning(subject, text, "shorten or change the cable, or its adapter")
+    return ok(subject, text)
 
 
 def describe_line(line: LineRecord) -> str:
