@@ -1,4 +1,4 @@
-"""``patrol bench``: emulated robots in lockstep, every byte encoded and decoded."""
+"""``patrol bench``: robots in lockstep, through every byte or by the decision layer alone."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from maps.border import BorderError
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.bench.bench_fault import FaultKind, parse_fault
-from tools.bench.fleet import Fleet, run_bench
+from tools.bench.sensing import Sensing, bench
 from tools.progress import Progress
 
 
@@ -22,6 +22,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--border", default="border", metavar="NAME", help="border file of the map")
     parser.add_argument("--duration", type=float, default=300.0, metavar="S", help="simulated time")
     parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument(
+        "--sensing",
+        choices=list(Sensing),
+        default=Sensing.BYTES,
+        help="bytes: the real agents, every byte; ideal: the decision layer alone, far faster",
+    )
     parser.add_argument(
         "--fault",
         action="append",
@@ -39,9 +45,16 @@ def run(options: argparse.Namespace) -> int:
     if folder.border is None:
         raise BorderError(f"{path}: has no border.toml to patrol; add one")
     faults = [parse_fault(text) for text in options.fault]
-    fleet = Fleet(folder, options.robots, options.seed, faults=faults)
     with Progress("bench", options.duration, "s") as progress:
-        figures = run_bench(fleet, options.duration, progress)
+        figures = bench(
+            Sensing(options.sensing),
+            folder,
+            options.robots,
+            options.seed,
+            options.duration,
+            faults=faults,
+            progress=progress,
+        )
     text = json.dumps(figures, indent=2)
     if options.json:
         options.json.write_text(text + "\n")
