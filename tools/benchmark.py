@@ -7,7 +7,6 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import BinaryIO
 
@@ -15,12 +14,13 @@ import numpy as np
 import psutil
 
 from maps.map_folder import MapFolder, load_map_folder
-from robot_agent.config import AgentConfig, find_map, format_config
+from robot_agent.config import AgentConfig, find_map
 from robot_agent.effects import Effect
 from robot_agent.events import BytesReceived, Event, LinkName
 from robot_agent.patrol.rules import RULES_FILE, load_rules
 from robot_agent.patrol.settings import PatrolSettings
-from robot_agent.recording_writer import RecordingWriter, RunHeader
+from robot_agent.recording_writer import RecordingWriter
+from robot_agent.run_header import header_of_run
 from tools.bench.agent_stage import AgentStage
 from tools.bench.driver_load import driver_load
 from tools.bench.fleet import Fleet, run_bench
@@ -191,17 +191,8 @@ def record_lockstep(folder: MapFolder, duration: float, file: BinaryIO) -> None:
     """Record one robot of a lockstep run of a duration, s (virtual)."""
     writers: list[RecordingWriter] = []
 
-    def observe(name: str, config: AgentConfig) -> RecordingObserver:
-        header = RunHeader(
-            robot=name,
-            team=config.robot.team,
-            seed=config.robot.seed,
-            software_version=version("border-patrol"),
-            start_wall_ns=0,
-            source="bench",
-            configuration=format_config(config).encode(),
-            map_files=folder.files,
-        )
+    def observe(_name: str, config: AgentConfig) -> RecordingObserver:
+        header = header_of_run(config, folder, source="bench", start_wall_ns=0)
         writers.append(RecordingWriter(file, header))
         return RecordingObserver(writers[-1])
 
