@@ -40,7 +40,8 @@ def test_a_recording_of_layout_1_can_be_replayed() -> None:
 
 
 def test_settings_that_exist_no_more_are_left_out_and_named() -> None:
-    old = b"[gate]\nmax_speed = 0.3\nmagic = 1\n[oracle]\nurl = 'x'\n[start]\nx=1\ny=2\ntheta=0\nq=1\n"
+    old = b"[gate]\nmax_speed = 0.3\nmagic = 1\n[oracle]\nurl = 'x'\n"
+    old += b"[start]\nx=1\ny=2\ntheta=0\nq=1\n"
     config, left_out = parse_old_config(old, "old")
     assert config.gate.max_speed == 0.3
     assert config.start is not None
