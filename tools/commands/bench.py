@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from contextlib import ExitStack
 from pathlib import Path
 
 from maps.border import BorderError
@@ -11,6 +12,7 @@ from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.bench.bench_fault import FaultKind, parse_fault
 from tools.bench.fleet import Fleet, run_bench
+from tools.bench.fleet_recorder import FleetRecorder
 from tools.progress import Progress
 
 
@@ -29,6 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="SPEC",
         help="robot2:dead@120 or robot1:blind@60-90 (s); kinds: " + ", ".join(FaultKind),
     )
+    parser.add_argument("--record", type=Path, metavar="DIR", help="keep a recording per robot")
     parser.add_argument("--json", type=Path, metavar="OUT", help="write the figures to this file")
 
 
@@ -39,8 +42,13 @@ def run(options: argparse.Namespace) -> int:
     if folder.border is None:
         raise BorderError(f"{path}: has no border.toml to patrol; add one")
     faults = [parse_fault(text) for text in options.fault]
-    fleet = Fleet(folder, options.robots, options.seed, faults=faults)
-    with Progress("bench", options.duration, "s") as progress:
+    with ExitStack() as stack:
+        recorder = None
+        if options.record:
+            recorder = stack.enter_context(FleetRecorder(folder, options.record))
+        observer = recorder.observe if recorder else None
+        fleet = Fleet(folder, options.robots, options.seed, observer=observer, faults=faults)
+        progress = stack.enter_context(Progress("bench", options.duration, "s"))
         figures = run_bench(fleet, options.duration, progress)
     text = json.dumps(figures, indent=2)
     if options.json:
