@@ -22,6 +22,7 @@ COMMANDS = {
     "demo": "emulated robots on pseudo-terminals, one agent process each",
     "bench": "emulated robots in lockstep, faster than real time",
     "study": "many benches over seeds and settings, compared",
+    "soak": "a team under random faults for hours",
     "doctor": "check one robot before it patrols",
     "ports": "list serial adapters and a udev line for each",
     "emulate": "one emulated robot for any client",
