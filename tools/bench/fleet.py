@@ -19,11 +19,11 @@ from tools.bench.bench_fault import BenchFault, BenchFaultError, FaultInjector
 from tools.bench.lockstep import LockstepAgent, Observer
 from tools.bench.metrics import RobotRun, bench_figures
 from tools.bench.perception_log import PerceptionLog
-from tools.bench.rig import RobotRig, make_rigs
+from tools.bench.rig import RobotRig, make_rigs, sense
 from tools.bench.start_poses import free_start_poses
 from tools.bench.world import World
 
-STEP_S = 0.01
+STEP_S = 0.02
 SAMPLE_S = 0.1
 
 
@@ -73,7 +73,7 @@ class Fleet:
         if starts is None:
             assert folder.border is not None, "random starts lie near a border"
             starts = free_start_poses(folder.map, folder.border, robots, rng)
-        rigs = make_rigs(self.world, starts, self.t)
+        rigs = self._rigs = make_rigs(self.world, starts, self.t)
         self.faults = tuple(faults)
         _check_robots(self.faults, [rig.name for rig in rigs])
         self.robots: list[FleetRobot] = []
@@ -97,7 +97,8 @@ class Fleet:
         for robot in self.robots:
             if robot.injector:
                 robot.injector.advance(self.t)
-            robot.rig.advance(self.t)
+            robot.rig.move(self.t)
+        sense(self._rigs, self.t)
         for robot in self.robots:
             if robot.injector and robot.injector.agent_dead:
                 robot.injector.lose_output(self.t)
