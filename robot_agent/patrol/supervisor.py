@@ -10,6 +10,7 @@ from robot_agent.patrol.actions import Action
 from robot_agent.patrol.fuzzy import MamdaniSystem
 from robot_agent.patrol.present_action import PresentAction
 
+_ACTIONS = tuple(Action)
 _EQUAL = 1e-9  # degrees nearer than this are tied
 
 
@@ -44,7 +45,7 @@ class Supervisor:
     def choose(self, t: float, inputs: Mapping[str, float]) -> Choice:
         """Choose the action at t, s, from the crisp inputs of the rule base by name."""
         levels = self._system.evaluate(inputs)
-        degrees = {action: levels[action] for action in Action}
+        degrees = {action: levels[action] for action in _ACTIONS}
         ranked = self._ranked(degrees, inputs["neighbor_state"])
         raw_winner, runner_up = ranked[0], ranked[1]
         winner = self._present.take(t, raw_winner, inputs["distance_from_neighbor"])
@@ -60,7 +61,7 @@ class Supervisor:
             degree = best if tied else degrees[action]
             return not tied, -degree, action is not self._present.action, safest.index(action)
 
-        return sorted(Action, key=rank)
+        return sorted(_ACTIONS, key=rank)
 
 
 # Safest first: avoid, reach the border, patrol away from the teammate, keep going.

@@ -83,7 +83,7 @@ class Fleet:
             injector = FaultInjector(own, rig, settings.robot.seed) if own else None
             devices = injector or rig
             lockstep = LockstepAgent(
-                Agent(settings, folder),
+                Agent(settings, folder, publishes=observer is not None),
                 {"base": devices.base, "laser": devices.laser},
                 observer(rig.name, settings) if observer else None,
             )
