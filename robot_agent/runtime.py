@@ -16,6 +16,7 @@ from drivers.link import Link
 from robot_agent.agent import Agent
 from robot_agent.effects import ChangeBaud, Effect, Publish, Send
 from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
+from robot_agent.host_report import HostReport
 from robot_agent.journal import Journal
 from robot_agent.recorder import Recorder
 from robot_agent.telemetry import Telemetry
@@ -74,6 +75,7 @@ class Runtime:
         self._recorder = recorder
         self._telemetry = telemetry
         self._journal = journal
+        self._host = HostReport(agent.config.robot.name, clock.start_wall_ns, telemetry, recorder)
         self._inbox: SimpleQueue[Event] = SimpleQueue()
         self._links: dict[LinkName, Link] = {
             "base": self._make_link("base", agent.config.base.url, agent.config.base.baud),
@@ -106,6 +108,7 @@ class Runtime:
             event = self._next_event(next_tick)
             if isinstance(event, Tick):
                 next_tick = event.t + TICK_S
+                self._host.tick(event.t)
             self._handle(event)
             if isinstance(event, Shutdown):
                 self._say_farewell()

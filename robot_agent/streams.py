@@ -1,8 +1,9 @@
 """The telemetry streams: their payloads, rates and schemas, all in this one place.
 
 A payload is JSON. The same bytes go to the operator and to the recording. Payloads are made by
-the agent, so they hold nothing that a replay could not reproduce (no counters of the recorder or
-of the network). Absent values are left out of the JSON, never null; no field may be inf or nan.
+the agent, so they hold nothing that a replay could not reproduce; only ``host``, which the runtime
+makes for the operator alone, has counters of the process, the recorder and the network. Absent
+values are left out of the JSON, never null; no field may be inf or nan.
 
 ======== ========================================== ===== ============================
 stream   what it tells                              Hz    schema
@@ -14,6 +15,7 @@ scan     laser in ``laser``                         5     foxglove.LaserScan
 particles particles in ``map``                      2     foxglove.PosesInFrame
 tracks   teammates and strangers in ``map``         5     foxglove.SceneUpdate
 event    what the log says                          each  foxglove.Log
+host     the process: CPU, memory, what it dropped  0.5   patrol.Host; not in the recording
 ======== ========================================== ===== ============================
 """
 
@@ -124,6 +126,9 @@ class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=T
     action: Annotated[str, Meta(description="action in force")]
     direction: Annotated[int, Meta(description="+1 clockwise, -1 counter-clockwise")]
     distance_from_border: Annotated[float, Meta(description="m")]
+    way_to_border: Annotated[
+        float | None, Meta(description="m, round walls; absent if there is no way")
+    ] = None
     abscissa: Annotated[float, Meta(description="place along the border (m)")]
     distance_from_neighbor: Annotated[
         float | None, Meta(description="m; absent if no teammate is near")
@@ -148,10 +153,38 @@ class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=T
     gate_reason: Annotated[
         str | None, Meta(description="why the gate changed the wish; absent if it did not")
     ] = None
+    blocked: Annotated[
+        bool, Meta(description="gave up waiting for an object on its way, just now")
+    ] = False
+    holding: Annotated[
+        bool, Meta(description="stands still, caught between an end and a teammate")
+    ] = False
+
+
+class HostPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """The agent's process, for the operator only: counters run from its start."""
+
+    timestamp: Timestamp
+    robot: str
+    cpu: Annotated[float, Meta(description="share of one core since the last report, 0 to 1")]
+    memory: Annotated[float, Meta(description="resident (MB)")]
+    telemetry_sent: int = 0
+    telemetry_dropped: Annotated[
+        int, Meta(description="payloads that made room for newer ones")
+    ] = 0
+    recorder_lost: Annotated[int, Meta(description="records the disk was too slow for")] = 0
+    recorder_failed: Annotated[str, Meta(description="why nothing is recorded any more")] = ""
 
 
 Payload = (
-    StatusPayload | DecisionPayload | PoseInFrame | LaserScan | PosesInFrame | SceneUpdate | Log
+    StatusPayload
+    | DecisionPayload
+    | PoseInFrame
+    | LaserScan
+    | PosesInFrame
+    | SceneUpdate
+    | Log
+    | HostPayload
 )
 
 
@@ -178,6 +211,7 @@ STREAMS: dict[str, Stream] = {
         Stream("particles", PosesInFrame, "foxglove.PosesInFrame"),
         Stream("tracks", SceneUpdate, "foxglove.SceneUpdate"),
         Stream("event", Log, "foxglove.Log"),
+        Stream("host", HostPayload, "patrol.Host"),
     )
 }
 

@@ -28,6 +28,7 @@ from robot_agent.streams import (
     STREAMS,
     DecisionPayload,
     DeviceStatus,
+    HostPayload,
     LocalizationStatus,
     Payload,
     PayloadError,
@@ -87,12 +88,16 @@ PAYLOADS: dict[str, Payload] = {
         wish=Twist(0.35, 0.1),
         command=Twist(0.2, 0.1),
         gate_reason="obstacle",
+        way_to_border=0.03,
+        blocked=True,
+        holding=True,
     ),
     "pose": PoseInFrame(timestamp=NOON, frame_id="map", pose=pose3(Pose(1.0, 2.0, 0.5))),
     "scan": laser_scan(NOON, "laser", -1.5, 0.5, np.array([1.0, math.inf, 2.0])),
     "particles": poses_in_frame(NOON, "map", np.array([[1.0, 2.0, 0.5], [1.1, 2.0, 0.4]])),
     "tracks": SceneUpdate(entities=[track_entity(NOON, 3, (1.0, 2.0), (0.3, 0.4), teammate=True)]),
     "event": Log(timestamp=NOON, level=LogLevel.WARNING, message="laser silent", name="laser"),
+    "host": HostPayload(timestamp=NOON, robot="anna", cpu=0.1, memory=90.5, telemetry_sent=7),
 }
 
 
