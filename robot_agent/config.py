@@ -15,6 +15,7 @@ from drivers.lms200.settings import LaserSettings
 from drivers.p2os.settings import BaseSettings
 from localization.settings import LocalizationSettings
 from maps.map_folder import MapFolder, load_map_folder
+from robot_agent.disk_room import RecorderSettings
 from robot_agent.motion.gate import GateSettings
 from robot_agent.motion.heading_loop import HeadingSettings
 from robot_agent.patrol.settings import PatrolSettings
@@ -59,13 +60,6 @@ class StartSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     """Standard deviation of x and of y, m."""
     sigma_theta: Annotated[float, msgspec.Meta(gt=0.0, le=3.2)] = 0.15
     """Standard deviation of theta, rad."""
-
-
-class RecorderSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The flight recorder."""
-
-    folder: str = ""
-    """Where recordings go; empty means none is made."""
 
 
 class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -1,9 +1,8 @@
 """The telemetry streams: their payloads, rates and schemas, all in this one place.
 
 A payload is JSON. The same bytes go to the operator and to the recording. Payloads are made by
-the agent, so they hold nothing that a replay could not reproduce; only ``host``, which the runtime
-makes for the operator alone, has counters of the process, the recorder and the network. Absent
-values are left out of the JSON, never null; no field may be inf or nan.
+the agent, so they hold nothing that a replay could not reproduce (no counters of the recorder or
+of the network). Absent values are left out of the JSON, never null; no field may be inf or nan.
 
 ======== ========================================== ===== ============================
 stream   what it tells                              Hz    schema
@@ -15,8 +14,11 @@ scan     laser in ``laser``                         5     foxglove.LaserScan
 particles particles in ``map``                      2     foxglove.PosesInFrame
 tracks   teammates and strangers in ``map``         5     foxglove.SceneUpdate
 event    what the log says                          each  foxglove.Log
-host     the process: CPU, memory, what it dropped  0.5   patrol.Host; not in the recording
 ======== ========================================== ===== ============================
+
+Two more come from the process round the agent, and a replay has nothing to compare them with:
+``process`` (1 Hz, patrol.Process: load, lateness, losses) and ``process_log`` (each, foxglove.Log:
+troubles of the recorder; the operator hears them as ``event``).
 """
 
 from __future__ import annotations
@@ -161,30 +163,32 @@ class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=T
     ] = False
 
 
-class HostPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """The agent's process, for the operator only: counters run from its start."""
+class ProcessPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """How the process fared since its last report. Lateness: from an event to its effects."""
 
     timestamp: Timestamp
     robot: str
-    cpu: Annotated[float, Meta(description="share of one core since the last report, 0 to 1")]
-    memory: Annotated[float, Meta(description="resident (MB)")]
-    telemetry_sent: int = 0
-    telemetry_dropped: Annotated[
-        int, Meta(description="payloads that made room for newer ones")
-    ] = 0
+    cpu: Annotated[float, Meta(description="share of one core, 0 to 1 and above")]
+    memory_mb: Annotated[float, Meta(description="resident memory (MB)")]
+    events: Annotated[int, Meta(description="events handled")]
+    lateness_median: Annotated[float, Meta(description="s")]
+    lateness_max: Annotated[float, Meta(description="s")]
+    deadline_misses: Annotated[int, Meta(description="events done more than 50 ms late")] = 0
+    longest_pause: Annotated[float, Meta(description="longest time without any event (s)")] = 0.0
     recorder_lost: Annotated[int, Meta(description="records the disk was too slow for")] = 0
-    recorder_failed: Annotated[str, Meta(description="why nothing is recorded any more")] = ""
+    recorder_trouble: Annotated[str, Meta(description="why nothing is recorded any more")] = ""
+    telemetry_dropped: Annotated[int, Meta(description="payloads the network was too slow for")] = 0
 
 
 Payload = (
     StatusPayload
     | DecisionPayload
+    | ProcessPayload
     | PoseInFrame
     | LaserScan
     | PosesInFrame
     | SceneUpdate
     | Log
-    | HostPayload
 )
 
 
@@ -211,9 +215,12 @@ STREAMS: dict[str, Stream] = {
         Stream("particles", PosesInFrame, "foxglove.PosesInFrame"),
         Stream("tracks", SceneUpdate, "foxglove.SceneUpdate"),
         Stream("event", Log, "foxglove.Log"),
-        Stream("host", HostPayload, "patrol.Host"),
+        Stream("process", ProcessPayload, "patrol.Process"),
+        Stream("process_log", Log, "foxglove.Log"),
     )
 }
+PROCESS_STREAMS = frozenset({"process", "process_log"})
+"""Streams that are not the agent's."""
 
 _encoder = msgspec.json.Encoder()
 _decoders: dict[str, msgspec.json.Decoder[Payload]] = {

@@ -48,10 +48,13 @@ class Condition:
 def conditions_of(robot: RobotState, now: float) -> Iterator[Condition]:
     """Yield what is wrong with a robot at the operator's time now (s, monotonic)."""
     silence = None if robot.last_heard is None else now - robot.last_heard
-    if silence is None or silence > SILENT_S:
-        since = "never heard of" if silence is None else f"nothing heard for {silence:.0f} s"
+    if silence is None:  # it is connected and has yet to say a word
+        yield Condition(robot.id, "silent", Severity.CRITICAL, "says nothing", OPENING_S)
+        return
+    if silence > SILENT_S:
         gone = "" if robot.online else ", connection gone"
-        yield Condition(robot.id, "silent", Severity.CRITICAL, since + gone)
+        words = f"nothing heard for {silence:.0f} s{gone}"
+        yield Condition(robot.id, "silent", Severity.CRITICAL, words)
         return  # nothing else is known of the present
     status_age = robot.age("status", now)
     if robot.status is not None and status_age is not None and status_age < _FRESH_S:
@@ -61,8 +64,8 @@ def conditions_of(robot: RobotState, now: float) -> Iterator[Condition]:
     if robot.malformed_at is not None and now - robot.malformed_at < REMEMBERED_S:
         words = f"{robot.malformed} payloads could not be read"
         yield Condition(robot.id, "malformed", Severity.WARNING, words)
-    if robot.host is not None and robot.host.recorder_failed:
-        yield Condition(robot.id, "recorder", Severity.WARNING, robot.host.recorder_failed)
+    if robot.process is not None and robot.process.recorder_trouble:
+        yield Condition(robot.id, "recorder", Severity.WARNING, robot.process.recorder_trouble)
 
 
 def _of_status(robot: RobotState, status: StatusPayload) -> Iterator[Condition]:
@@ -103,6 +106,9 @@ def _of_decision(robot: RobotState, now: float) -> Iterator[Condition]:
     decision, age = robot.decision, robot.age("decision", now)
     if decision is None or age is None or age > _FRESH_S:
         return
+    starting = robot.status is None or robot.status.uptime < STARTUP_S
+    if decision.gate_reason == "motors_off" and starting:
+        return  # they are being switched on
     if held_by_gate(decision):
         yield Condition(robot.id, "gate", Severity.WARNING, why(robot, now), 0.8)
 

@@ -176,16 +176,15 @@ def track_kind(entity: SceneEntity) -> str:
     return "teammate" if facts.get("teammate") == "true" else "stranger"
 
 
-def _host(robot: RobotState) -> dict[str, Any]:
-    host = robot.host
-    assert host is not None
+def _process(robot: RobotState) -> dict[str, Any]:
+    process = robot.process
+    assert process is not None
     return {
-        "cpu": host.cpu,
-        "memory": host.memory,
-        "dropped": host.telemetry_dropped,
-        "sent": host.telemetry_sent,
-        "lost": host.recorder_lost,
-        "failed": _text(host.recorder_failed),
+        "cpu": process.cpu,
+        "memory": process.memory_mb,
+        "late": process.lateness_max,
+        "dropped": process.telemetry_dropped,
+        "lost": process.recorder_lost,
     }
 
 
@@ -203,7 +202,7 @@ _PARTS = {
     "scan": _scan,
     "particles": _particles,
     "tracks": _tracks,
-    "host": _host,
+    "process": _process,
     "event": _events,
 }
 

@@ -16,7 +16,7 @@ from robot_agent.foxglove import (
     Timestamp,
     planar_pose,
 )
-from robot_agent.streams import DecisionPayload, HostPayload, Payload, StatusPayload
+from robot_agent.streams import DecisionPayload, Payload, ProcessPayload, StatusPayload
 
 POSES_KEPT = 30
 """About 3 s of poses: a scan is drawn where the robot was when it was measured."""
@@ -94,10 +94,10 @@ class RobotState:
         return payload if isinstance(payload, SceneUpdate) else None
 
     @property
-    def host(self) -> HostPayload | None:
+    def process(self) -> ProcessPayload | None:
         """What the agent's process last said of itself."""
-        payload = self.payloads.get("host")
-        return payload if isinstance(payload, HostPayload) else None
+        payload = self.payloads.get("process")
+        return payload if isinstance(payload, ProcessPayload) else None
 
     def age(self, stream: str, now: float) -> float | None:
         """Return how old a stream's newest payload is at now, s; None if there is none."""

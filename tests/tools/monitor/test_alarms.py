@@ -17,7 +17,7 @@ from robot_agent.foxglove import (
     timestamp_at,
     track_entity,
 )
-from robot_agent.streams import HostPayload, LocalizationStatus, Payload, Twist, encode
+from robot_agent.streams import LocalizationStatus, Payload, ProcessPayload, Twist, encode
 from tests.tools.monitor.reports import decision, device, status
 from tools.monitor.alarm import Condition, Severity
 from tools.monitor.alarm_board import MAX_ALARMS, Alarm, AlarmBoard
@@ -138,10 +138,17 @@ def test_words_of_the_log_are_an_alarm_for_a_while(name: str, kind: str) -> None
 
 def test_failing_recorder_of_a_robot_is_an_alarm() -> None:
     def failing(t: float) -> dict[str, Payload]:
-        host = HostPayload(
-            timestamp=timestamp_at(t), robot="anna", cpu=0.1, memory=90.0, recorder_failed="full"
+        process = ProcessPayload(
+            timestamp=timestamp_at(t),
+            robot="anna",
+            cpu=0.1,
+            memory_mb=90.0,
+            events=100,
+            lateness_median=0.001,
+            lateness_max=0.01,
+            recorder_trouble="full",
         )
-        return {**well(t), "host": host}
+        return {**well(t), "process": process}
 
     (alarm,) = alarms_of(failing)
     assert (alarm.kind, alarm.text) == ("recorder", "full")

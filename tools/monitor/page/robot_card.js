@@ -14,7 +14,9 @@ const FACTS = [
   ["localization", "localization", "wide"],
   ["battery", "battery"], ["motors", "motors"],
   ["base", "base link", "wide"], ["laser", "laser link", "wide"],
-  ["cpu", "CPU"], ["memory", "memory"], ["dropped", "dropped"], ["clock", "clock"],
+  ["cpu", "CPU"], ["memory", "memory"],
+  ["late", "latest step"], ["clock", "clock"],
+  ["dropped", "not sent"], ["lost", "not recorded"],
 ];
 
 export class RobotCard {
@@ -140,7 +142,7 @@ export class RobotCard {
   }
 
   updateStatus() {
-    const { status, host } = this.robot;
+    const { status, process } = this.robot;
     const { facts } = this;
     setText(facts.localization, status ? localizationWords(status.localization) : ABSENT);
     setClass(facts.localization, "bad", status?.localization.health === "lost");
@@ -153,9 +155,11 @@ export class RobotCard {
       setText(facts[link], status ? linkWords(status[link]) : ABSENT);
       setClass(facts[link], "bad", Boolean(status && !status[link].up));
     }
-    setText(facts.cpu, host ? quantity(100 * host.cpu, "%", 1) : ABSENT);
-    setText(facts.memory, quantity(host?.memory, "MB", 0));
-    setText(facts.dropped, count(host?.dropped));
+    setText(facts.cpu, process ? quantity(100 * process.cpu, "%", 1) : ABSENT);
+    setText(facts.memory, quantity(process?.memory, "MB", 0));
+    setText(facts.late, process ? quantity(1000 * process.late, "ms", 0) : ABSENT);
+    setText(facts.dropped, count(process?.dropped));
+    setText(facts.lost, count(process?.lost));
     setText(facts.clock, typeof status?.skew === "number" ? `${status.skew >= 0 ? "+" : "−"}${Math.abs(status.skew).toFixed(2)} s` : ABSENT);
   }
 

@@ -3,7 +3,7 @@
 const TRAIL_STEP = 0.08; // m
 const TRAIL_LENGTH = 900;
 const SAMPLES = 3600;
-const PARTS = ["decision", "status", "scan", "particles", "tracks", "host", "event"];
+const PARTS = ["decision", "status", "scan", "particles", "tracks", "process", "event"];
 
 class Robot {
   constructor(id, number) {
