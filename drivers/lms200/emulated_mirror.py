@@ -45,6 +45,8 @@ class EmulatedMirror:
         self._phase = 0  # of the next partial scan
         self._under_way: float | None = None  # end of the sweep that ``_fans`` belong to
         self._fans: list[NDArray[np.float64]] = []
+        self._idle_until = -math.inf
+        """No turn is used before, s, however long the wire is taken."""
 
     def start(self, t: float, *, partial: bool = False) -> None:
         """Measure whole sweeps that begin at ``t`` or later, or with ``partial`` single turns."""
@@ -52,6 +54,7 @@ class EmulatedMirror:
         self._partial = partial
         self._phase = 0
         self._under_way = None
+        self._idle_until = -math.inf
 
     def stop(self) -> None:
         """Measure no more."""
@@ -62,12 +65,15 @@ class EmulatedMirror:
 
         A sweep that would end before the wire is free is not measured.
         """
+        if t < self._idle_until:
+            return None
         while (end := self._next_end(variant, wire_free)) is not None:
             if end != self._under_way:  # none under way, or the wire was taken meanwhile
                 self._under_way, self._fans = end, []
             turns = 1 if self._partial else variant.mirror_turns
             middle = end - (turns - len(self._fans) - 0.5) * TURN
             if middle > t:
+                self._idle_until = middle
                 return None
             increment = math.radians(variant.resolution_cdeg / 100)
             self._fans.append(self._source(middle, variant.count, increment))

@@ -2,7 +2,8 @@
 
 The gate knows nothing of intent. It permits motion only while all it depends on is known to be
 well, and only as fast as the robot can still stop before the nearest obstacle its body would
-sweep over. v never leaves larger than wished, nor w larger than wished or last let pass.
+sweep over. The limited mode, for teleoperation and for a robot that is lost, asks for no pose
+but is slow. v never leaves larger than wished, nor w larger than wished or last let pass.
 """
 
 from __future__ import annotations
@@ -32,7 +33,8 @@ class GateSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     max_base_age: Positive = 0.3  # s since the last base report was measured
     max_scan_age: Positive = 0.4  # s since the last laser scan was measured
     max_speed: Positive = 0.5  # m/s
-    unsure_speed: NotNegative = 0.15  # m/s while the localization is unsure
+    unsure_speed: NotNegative = 0.15  # m/s while the localization is unsure, or not needed
+    limited_turn_rate: Positive = 0.5  # rad/s while no localization is needed
     max_turn_rate: Positive = 1.5  # rad/s
     overspeed: Positive = 0.2  # m/s (rad/s) above these limits that prove a base out of control
     reaction_delay: NotNegative = 0.25  # s from a scan until the wheels begin to brake
@@ -58,6 +60,7 @@ class GateReason(StrEnum):
     BACKING = "backing"
     OBSTACLE = "obstacle"
     UNSURE = "unsure"
+    LIMITED = "limited"  # slow, as nobody asked where the robot is
     SPEED_LIMIT = "speed_limit"
     ACCELERATION = "acceleration"
 
@@ -75,6 +78,7 @@ class GateInputs:
     v: float  # m/s, as the base reports
     w: float  # rad/s
     obstacles: NDArray[np.float64]  # (n, 2) m in base_link: laser returns and sonar points
+    limited: bool = False  # limited mode: no localization needed, but slow; all else as ever
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,8 +102,8 @@ class SafetyGate:
     def permit(self, t: float, wish: tuple[float, float], inputs: GateInputs) -> GateDecision:
         """Return the permitted part of wish (v m/s, w rad/s) at t, s.
 
-        The reasons, in order: whatever denies all motion, an obstacle, an unsure pose, the speed
-        limits, the acceleration limits.
+        The reasons, in order: whatever denies all motion, an obstacle, the limited mode, an
+        unsure pose, the speed limits, the acceleration limits.
         """
         denied = self._denial(t, wish, inputs)
         if denied is not None:
@@ -107,7 +111,7 @@ class SafetyGate:
             return self._decided(0.0, 0.0, denied)
         elapsed = 0.0 if self._t is None else min(max(t - self._t, 0.0), _LONGEST_STEP)
         self._t = t
-        v, w, slowed = self._within_speed(*wish, unsure=inputs.health == "unsure")
+        v, w, slowed = self._within_speed(*wish, inputs)
         ramped = self._ramped(v, w, elapsed)
         free = self._within_sight(*ramped, inputs)
         if free != ramped:
@@ -135,7 +139,10 @@ class SafetyGate:
             (GateReason.STALE_BASE, _is_fresh(t, inputs.base_time, settings.max_base_age)),
             (GateReason.STALE_LASER, _is_fresh(t, inputs.scan_time, settings.max_scan_age)),
             (GateReason.INVALID, bool(np.isfinite(inputs.obstacles).all())),
-            (GateReason.NOT_LOCALIZED, inputs.health in ("localized", "unsure")),
+            (
+                GateReason.NOT_LOCALIZED,
+                inputs.limited or inputs.health in ("localized", "unsure"),
+            ),
             (GateReason.MOTORS_OFF, inputs.motors_enabled),
             (GateReason.STALLED, not inputs.stalled),
             (GateReason.BUMPER, not inputs.bumpers),
@@ -148,17 +155,27 @@ class SafetyGate:
 
     # ---- limits -------------------------------------------------------------------------------
 
-    def _within_speed(self, v: float, w: float, *, unsure: bool) -> tuple[float, float, GateReason]:
+    def _within_speed(
+        self, v: float, w: float, inputs: GateInputs
+    ) -> tuple[float, float, GateReason]:
         """Slow down along the wished arc to the speed limits."""
         settings = self._settings
-        limit = min(settings.unsure_speed, settings.max_speed) if unsure else settings.max_speed
+        limit, turn_limit, reason = (
+            settings.max_speed,
+            settings.max_turn_rate,
+            GateReason.SPEED_LIMIT,
+        )
+        if inputs.health == "unsure" or inputs.limited:
+            limit, reason = min(settings.unsure_speed, limit), GateReason.UNSURE
+        if inputs.limited:
+            turn_limit, reason = min(settings.limited_turn_rate, turn_limit), GateReason.LIMITED
         share = min(
             limit / v if v > limit else 1.0,
-            settings.max_turn_rate / abs(w) if abs(w) > settings.max_turn_rate else 1.0,
+            turn_limit / abs(w) if abs(w) > turn_limit else 1.0,
         )
         if share == 1.0:
             return v, w, GateReason.NONE
-        return v * share, w * share, GateReason.UNSURE if unsure else GateReason.SPEED_LIMIT
+        return v * share, w * share, reason
 
     def _ramped(self, v: float, w: float, elapsed: float) -> tuple[float, float]:
         """Limit the change since the last command let pass; driving slower is never delayed.

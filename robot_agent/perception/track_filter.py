@@ -7,9 +7,9 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
-from filterpy.kalman import KalmanFilter
 from numpy.typing import NDArray
 
+from robot_agent.perception.kalman import KalmanFilter
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.track import Track
 

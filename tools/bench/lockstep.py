@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from heapq import merge
 from typing import Protocol
 
 from drivers.emulated_port import EmulatedDevice, garbled
@@ -51,7 +50,11 @@ class LockstepAgent:
 
     def deliver(self, t: float) -> None:
         """Deliver everything that reached the agent by t, and the ticks due by then, in order."""
-        arrivals = merge(*(self._arrivals(link, t) for link in self._devices), key=_time)
+        arrivals: list[BytesReceived] = []
+        for link, device in self._devices.items():
+            self._take_arrivals(link, device, t, arrivals)
+        if len(arrivals) > 1:
+            arrivals.sort(key=_time)
         for event in arrivals:
             self._tick_until(event.t)
             self._handle(event)
@@ -61,15 +64,15 @@ class LockstepAgent:
         """End the agent as SIGTERM does."""
         self._handle(Shutdown(round(t, 6)))
 
-    def _arrivals(self, link: LinkName, t: float) -> list[BytesReceived]:
-        """Return what the line delivered by t, garbled where the rates differ."""
-        device = self._devices[link]
-        arrivals: list[BytesReceived] = []
+    def _take_arrivals(
+        self, link: LinkName, device: EmulatedDevice, t: float, arrivals: list[BytesReceived]
+    ) -> None:
+        """Add what the line delivered by t, garbled where the rates differ."""
         while True:
             baud = device.baud  # a device may change its rate after a reply
             chunks = device.take_output(t)
             if not chunks:
-                return arrivals
+                return
             for chunk in chunks:
                 data = self._over_line(link, chunk.data, baud)
                 arrivals.append(BytesReceived(round(chunk.t, 6), link, data))

@@ -11,6 +11,7 @@ from maps.occupancy_map import OCCUPIED, OccupancyMap
 
 _BIAS = 1e-6  # cells; a ray this near to a side ahead of it is in the next cell already
 _NEVER = 1e12  # cells
+_NEAR = 1e-6  # m; a ray this near to a rectangle's corner circle may still meet it
 _WALL, _OUTSIDE = 0, -1  # stand for no block at all among the blocks' widths
 
 _Steps = NDArray[np.int16]
@@ -26,11 +27,11 @@ class RayCaster:
 
     def __init__(self, occupancy: OccupancyMap) -> None:
         walls = occupancy.cells == OCCUPIED
-        self._widths, self._heights = _block_tables(walls.tobytes(), walls.shape)
+        self._sizes = _block_table(walls.tobytes(), walls.shape)
         # One more row and column all round, for what left the map.
         rows, self._columns = walls.shape[0] + 2, walls.shape[1] + 2
         self._cells = rows * self._columns
-        self._limits = (rows - 1.0, self._columns - 1.0)
+        self._limits = np.array(((self._columns - 1.0,), (rows - 1.0,)))
         self._resolution = occupancy.resolution
         self._origin = (
             occupancy.origin.x - occupancy.resolution,
@@ -48,60 +49,75 @@ class RayCaster:
         n = len(angles)
         ranges = np.full(n, np.inf)
         rays = np.arange(n)
-        # Everything in cells from here on.
-        px = np.broadcast_to((np.asarray(x) - self._origin[0]) / self._resolution, (n,))
-        py = np.broadcast_to((np.asarray(y) - self._origin[1]) / self._resolution, (n,))
-        dx, dy = np.cos(angles), np.sin(angles)
-        left, down = dx < 0.0, dy < 0.0
-        blocks = (left + 2 * down) * self._cells
+        # Everything in cells from here on; rows are x and y, for one call does the work of two.
+        state = np.empty((11, n))
+        position, direction, inverse, sign, bias = (state[i : i + 2] for i in range(0, 10, 2))
+        position[0] = (np.asarray(x) - self._origin[0]) / self._resolution
+        position[1] = (np.asarray(y) - self._origin[1]) / self._resolution
+        np.cos(angles, out=direction[0])
+        np.sin(angles, out=direction[1])
+        back = direction < 0.0
+        np.add(back[0], 2 * back[1], out=state[10])
+        state[10] *= self._cells  # where the table of blocks for this way begins
         with np.errstate(divide="ignore"):
-            inverse_x, inverse_y = 1.0 / np.abs(dx), 1.0 / np.abs(dy)
             # A ray along an axis never leaves by the other side; infinity times 0 would be none.
-            inverse_x, inverse_y = np.minimum(inverse_x, _NEVER), np.minimum(inverse_y, _NEVER)
-        sign_x, sign_y = np.where(left, -1.0, 1.0), np.where(down, -1.0, 1.0)
-        bias_x, bias_y = _BIAS * np.sign(dx), _BIAS * np.sign(dy)
+            np.minimum(1.0 / np.abs(direction), _NEVER, out=inverse)
+        sign[:] = 1.0 - 2.0 * back
+        np.multiply(_BIAS, np.sign(direction), out=bias)
         travelled = np.zeros(n)
         reach = max_range / self._resolution
-        top, right = self._limits
         while len(rays):
-            qx, qy = px + dx * travelled, py + dy * travelled
-            col = np.floor(np.minimum(np.maximum(qx + bias_x, 0.0), right))
-            row = np.floor(np.minimum(np.maximum(qy + bias_y, 0.0), top))
-            block = blocks + (row * self._columns + col).astype(np.intp)
-            width = self._widths[block]
-            hit = width == _WALL
-            if hit.any():
-                ranges[rays[hit]] = travelled[hit] * self._resolution
+            at = direction * travelled
+            at += position
+            cell = at + bias
+            np.maximum(cell, 0.0, out=cell)
+            np.minimum(cell, self._limits, out=cell)
+            np.floor(cell, out=cell)
+            block = cell[1] * self._columns
+            block += cell[0]
+            block += state[10]
+            size = self._sizes.take(block.astype(np.intp), axis=0).T
+            width = size[0]
             # To the side of the block that the ray leaves through: the cell's own middle is half
             # a cell from its near sides.
-            exit_x = (width - 0.5 - sign_x * (qx - col - 0.5)) * inverse_x
-            exit_y = (self._heights[block] - 0.5 - sign_y * (qy - row - 0.5)) * inverse_y
-            travelled = travelled + np.minimum(exit_x, exit_y)
-            going = (width > _WALL) & (travelled <= reach)
-            if not going.all():
-                rays, px, py, dx, dy = rays[going], px[going], py[going], dx[going], dy[going]
-                inverse_x, inverse_y = inverse_x[going], inverse_y[going]
-                sign_x, sign_y, travelled = sign_x[going], sign_y[going], travelled[going]
-                bias_x, bias_y, blocks = bias_x[going], bias_y[going], blocks[going]
+            at -= cell
+            at -= 0.5
+            at *= sign
+            way = size - 0.5
+            way -= at
+            way *= inverse
+            onward = travelled + np.minimum(way[0], way[1])
+            going = width > _WALL
+            going &= onward <= reach
+            left = np.flatnonzero(going)
+            if len(left) < len(rays):
+                hit = width == _WALL
+                ranges[rays[hit]] = travelled[hit] * self._resolution
+                rays, travelled, state = rays[left], onward[left], state.take(left, axis=1)
+                position, direction, inverse, sign, bias = (
+                    state[i : i + 2] for i in range(0, 10, 2)
+                )
+            else:
+                travelled = onward
         return ranges
 
 
 @lru_cache(maxsize=4)
-def _block_tables(walls: bytes, shape: tuple[int, int]) -> tuple[_Steps, _Steps]:
-    """Return widths and heights (4 * cells,) of the blocks: right and up, left and up, then down.
+def _block_table(walls: bytes, shape: tuple[int, int]) -> _Steps:
+    """Return widths and heights (4 * cells, 2) of the blocks: right and up, left and up, then down.
 
     walls: (rows, cols) bool of the map, as bytes. Kept, for a study makes many worlds of one map.
     """
     solid = np.pad(np.frombuffer(walls, dtype=bool).reshape(shape), 1, constant_values=True)
     inner = np.zeros_like(solid)
     inner[1:-1, 1:-1] = True
-    widths, heights = [], []
+    blocks = []
     for step_y in (1, -1):
         for step_x in (1, -1):
             width, height = _empty_blocks(solid, step_x, step_y)
-            widths.append(np.where(inner, width, _OUTSIDE).ravel())
-            heights.append(height.ravel())
-    return np.concatenate(widths).astype(np.int16), np.concatenate(heights)
+            width = np.where(inner, width, _OUTSIDE).astype(np.int16)
+            blocks.append(np.stack((width.ravel(), height.ravel()), axis=1))
+    return np.concatenate(blocks)
 
 
 def _empty_blocks(solid: NDArray[np.bool_], step_x: int, step_y: int) -> tuple[_Steps, _Steps]:
@@ -158,22 +174,36 @@ def cast_bodies(
     rows (centre x, centre y, theta, half length, half width). From inside one the range is 0.
     """
     ranges = np.full(len(angles), np.inf)
-    for centre_x, centre_y, theta, half_length, half_width in rectangles:
-        c, s = np.cos(theta), np.sin(theta)
-        from_x, from_y = np.asarray(x) - centre_x, np.asarray(y) - centre_y
-        px, py = c * from_x + s * from_y, c * from_y - s * from_x
-        dx, dy = np.cos(angles - theta), np.sin(angles - theta)
-        near_x, far_x = _slab(px, dx, half_length)
-        near_y, far_y = _slab(py, dy, half_width)
-        enter, leave = np.maximum(near_x, near_y), np.minimum(far_x, far_y)
-        met = (enter <= leave) & (leave >= 0.0)
-        ranges = np.minimum(ranges, np.where(met, np.maximum(enter, 0.0), np.inf))
+    if not len(rectangles):
+        return ranges
+    # 1. Which rays pass near which rectangle: few do.
+    from_x = np.asarray(x) - rectangles[:, 0, None]
+    from_y = np.asarray(y) - rectangles[:, 1, None]
+    dx, dy = np.cos(angles), np.sin(angles)
+    reach = np.hypot(rectangles[:, 3], rectangles[:, 4])[:, None] + _NEAR
+    near = np.abs(from_x * dy - from_y * dx) < reach
+    near &= from_x * dx + from_y * dy < reach
+    which, ray = near.nonzero()
+    if not len(ray):
+        return ranges
+    # 2. Where those enter it.
+    _, _, theta, half_length, half_width = rectangles[which].T
+    c, s = np.cos(theta), np.sin(theta)
+    from_x = np.broadcast_to(from_x, near.shape)[which, ray]
+    from_y = np.broadcast_to(from_y, near.shape)[which, ray]
+    px, py = c * from_x + s * from_y, c * from_y - s * from_x
+    turned = angles[ray] - theta
+    near_x, far_x = _slab(px, np.cos(turned), half_length)
+    near_y, far_y = _slab(py, np.sin(turned), half_width)
+    enter, leave = np.maximum(near_x, near_y), np.minimum(far_x, far_y)
+    met = (enter <= leave) & (leave >= 0.0)
+    np.minimum.at(ranges, ray[met], np.maximum(enter[met], 0.0))
     ranges[ranges > max_range] = np.inf
     return ranges
 
 
 def _slab(
-    position: NDArray[np.float64], direction: NDArray[np.float64], half: float
+    position: NDArray[np.float64], direction: NDArray[np.float64], half: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return where rays enter and leave the strip |position| <= half."""
     # A ray along the strip would divide zero by zero; a tiny slope has the same effect.

@@ -63,6 +63,11 @@ class RobotBody:
     pose: Pose
     outline: Outline = field(default_factory=Outline)
     wheel_scales: tuple[float, float] = (1.0, 1.0)
+    reach: float = field(init=False)
+    """Distance of the outline's farthest corner from base_link, m."""
+
+    def __post_init__(self) -> None:
+        self.reach = self.outline.reach
 
     def rectangle(self, pose: Pose | None = None, margin: float = 0.0) -> tuple[float, ...]:
         """Return (centre x, centre y, theta, half length, half width), map frame, m and rad.

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from drivers.p2os.model import SonarMount
 from maps.occupancy_map import OCCUPIED, OccupancyMap
-from maps.pose import Pose
+from maps.pose import Pose, wrap_angle
 from tools.bench.raycast import RayCaster, cast_bodies
 from tools.bench.robot_body import Outline, RobotBody, bumper_masks, meeting_points, overlap
 from tools.bench.world_noise import WorldNoise
@@ -94,12 +94,18 @@ class World:
         Call it for every small step (0.1 s or less), also with 0, 0: what is touched may have
         moved by itself. A blocked robot goes as far as it can, and its wheels stop there.
         """
-        slipped = self._slip(distance, rotation)
+        draws = self.rng.standard_normal(5).tolist()
+        slipped = self._slip(distance, rotation, draws[:3])
+        wanted = _moved(body.pose, *slipped)
+        if self._in_the_open(body, wanted):
+            body.pose = wanted
+            self._part_from_all(body)
+            return Motion(*self._odometer(body, distance, rotation, draws[3:]), False, 0, 0, False)
         share = self._free_share(body, *slipped)
         body.pose = _moved(body.pose, slipped[0] * share, slipped[1] * share)
         touched = self._touched(body)
         front, rear = bumper_masks(touched, body.outline) if len(touched) else (0, 0)
-        counted = self._odometer(body, distance * share, rotation * share)
+        counted = self._odometer(body, distance * share, rotation * share, draws[3:])
         return Motion(*counted, share < 1.0, front, rear, touching=len(touched) > 0)
 
     def scan(
@@ -165,26 +171,60 @@ class World:
         others = np.array([other.rectangle() for other in self.bodies if other is not body])
         return np.minimum(ranges, cast_bodies(x, y, angles, others, max_range))
 
-    def _slip(self, distance: float, rotation: float) -> tuple[float, float]:
-        """Return the motion of a free body whose wheels turn by this much."""
+    def _slip(
+        self, distance: float, rotation: float, draws: Sequence[float]
+    ) -> tuple[float, float]:
+        """Return the motion of a free body whose wheels turn by this much; draws: 3 normal ones."""
         noise = self.noise
-        along, turning, veering = self.rng.normal(0.0, 1.0, 3).tolist()
+        along, turning, veering = draws
+        root = math.sqrt(abs(distance))
         return (
-            distance + along * noise.slip_distance * math.sqrt(abs(distance)),
+            distance + along * noise.slip_distance * root,
             rotation
             + turning * noise.slip_rotation * math.sqrt(abs(rotation))
-            + veering * noise.slip_heading * math.sqrt(abs(distance)),
+            + veering * noise.slip_heading * root,
         )
 
-    def _odometer(self, body: RobotBody, distance: float, rotation: float) -> tuple[float, float]:
-        """Return the distance and rotation that the encoders counted for a wheel motion."""
+    def _odometer(
+        self, body: RobotBody, distance: float, rotation: float, draws: Sequence[float]
+    ) -> tuple[float, float]:
+        """Return the distance and rotation that the encoders counted for a wheel motion.
+
+        draws: 2 normal ones, of the left and the right wheel.
+        """
         half_track = body.outline.track / 2
-        wheels = np.array((distance - rotation * half_track, distance + rotation * half_track))
-        counted = wheels * body.wheel_scales + self.noise.odometer * np.sqrt(
-            np.abs(wheels)
-        ) * self.rng.normal(0.0, 1.0, 2)
-        left, right = counted.tolist()
+        noise = self.noise.odometer
+        left, right = (
+            wheel * scale + noise * math.sqrt(abs(wheel)) * draw
+            for wheel, scale, draw in zip(
+                (distance - rotation * half_track, distance + rotation * half_track),
+                body.wheel_scales,
+                draws,
+                strict=True,
+            )
+        )
         return (left + right) / 2, (right - left) / (2 * half_track)
+
+    def _in_the_open(self, body: RobotBody, pose: Pose) -> bool:
+        """Tell whether nothing is near enough at a pose to be touched or to have been: the usual
+        case, quickly told."""
+        reach = body.reach + 2 * _PART
+        if self._clearance(pose) <= reach:
+            return False
+        x, y = pose.x, pose.y
+        for other in self.bodies:
+            if other is not body:
+                at = other.pose
+                if math.hypot(at.x - x, at.y - y) <= reach + other.reach:
+                    return False
+        return True
+
+    def _part_from_all(self, body: RobotBody) -> None:
+        """Forget the contacts of a body that nothing is near."""
+        if self._in_touch:
+            self._in_touch.discard(Contact(body.index, None))
+            for other in self.bodies:
+                self._in_touch.discard(_contact(body, other))
 
     def _free_share(self, body: RobotBody, distance: float, rotation: float) -> float:
         """Return the share of a motion that can be done before something is in the way."""
@@ -243,7 +283,7 @@ class World:
 
         The way out of the map is a wall too.
         """
-        if self._clearance(pose) > body.outline.reach + 2 * margin:
+        if self._clearance(pose) > body.reach + 2 * margin:
             return np.empty((0, 2))  # the usual case
         outline = body.outline
         grown = Outline(outline.front + margin, outline.rear + margin, outline.half_width + margin)
@@ -274,7 +314,7 @@ class World:
             for other in self.bodies
             if other is not body
             and math.hypot(other.pose.x - pose.x, other.pose.y - pose.y)
-            <= body.outline.reach + other.outline.reach + 2 * margin
+            <= body.reach + other.reach + 2 * margin
         ]
 
 
@@ -296,5 +336,7 @@ def _moved(pose: Pose, distance: float, rotation: float) -> Pose:
     chord = distance * (math.sin(half) / half if half else 1.0)
     heading = pose.theta + half
     return Pose(
-        pose.x + chord * math.cos(heading), pose.y + chord * math.sin(heading), pose.theta
-    ).compose(Pose(0.0, 0.0, rotation))
+        pose.x + chord * math.cos(heading),
+        pose.y + chord * math.sin(heading),
+        wrap_angle(pose.theta + rotation),
+    )

@@ -1,9 +1,10 @@
-"""``patrol bench``: emulated robots in lockstep, every byte encoded and decoded."""
+"""``patrol bench``: robots in lockstep, through every byte or by the decision layer alone."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import sys
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -11,8 +12,8 @@ from maps.border import BorderError
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.bench.bench_fault import FaultKind, parse_fault
-from tools.bench.fleet import Fleet, run_bench
 from tools.bench.fleet_recorder import FleetRecorder
+from tools.bench.sensing import Sensing, bench
 from tools.progress import Progress
 
 
@@ -24,6 +25,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--border", default="border", metavar="NAME", help="border file of the map")
     parser.add_argument("--duration", type=float, default=300.0, metavar="S", help="simulated time")
     parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument(
+        "--sensing",
+        choices=list(Sensing),
+        default=Sensing.BYTES,
+        help="bytes: the real agents, every byte; ideal: the decision layer alone, far faster",
+    )
     parser.add_argument(
         "--fault",
         action="append",
@@ -42,14 +49,24 @@ def run(options: argparse.Namespace) -> int:
     if folder.border is None:
         raise BorderError(f"{path}: has no border.toml to patrol; add one")
     faults = [parse_fault(text) for text in options.fault]
+    sensing = Sensing(options.sensing)
+    if options.record and sensing is Sensing.IDEAL:
+        print("patrol bench: --record keeps bytes, and --sensing ideal has none", file=sys.stderr)
+        return 2
     with ExitStack() as stack:
         recorder = None
         if options.record:
             recorder = stack.enter_context(FleetRecorder(folder, options.record))
-        observer = recorder.observe if recorder else None
-        fleet = Fleet(folder, options.robots, options.seed, observer=observer, faults=faults)
-        progress = stack.enter_context(Progress("bench", options.duration, "s"))
-        figures = run_bench(fleet, options.duration, progress)
+        figures = bench(
+            sensing,
+            folder,
+            options.robots,
+            options.seed,
+            options.duration,
+            faults=faults,
+            observer=recorder.observe if recorder else None,
+            progress=stack.enter_context(Progress("bench", options.duration, "s")),
+        )
     text = json.dumps(figures, indent=2)
     if options.json:
         options.json.write_text(text + "\n")

@@ -45,7 +45,7 @@ SURVIVORS = [
     ),
     ("_free_share: 0.0 -> -1.0", SAME + "start of a maximum of magnitudes"),
     (
-        "_within_speed: abs(w) > settings.max_turn_rate -> abs(w) >= settings.max_turn_rate",
+        "_within_speed: abs(w) > turn_limit -> abs(w) >= turn_limit",
         SAME + "the share is 1 at the limit",
     ),
     ("_within_speed: v > limit -> v >= limit", SAME + "the share is 1 at the limit"),
