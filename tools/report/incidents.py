@@ -189,7 +189,8 @@ def _freezes(run: RunLog) -> Iterator[Span]:
 def _lost_poses(run: RunLog) -> Iterator[Span]:
     told = [line for line in run.lines if line.part == "localization"]
     sure = next((line.t for line in told if line.message == "localized"), math.inf)
-    for line, until in zip(told, [*(line.t for line in told[1:]), run.end], strict=True):
+    ends = [*(line.t for line in told), run.end][1:]
+    for line, until in zip(told, ends, strict=True):
         if line.t < sure or line.message == "localized":
             continue
         if line.message == "lost" or until - line.t > UNSURE_S:
