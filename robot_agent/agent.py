@@ -57,10 +57,18 @@ _LEVELS = {
 class Agent:
     """One robot's whole onboard reasoning."""
 
-    def __init__(self, config: AgentConfig, folder: MapFolder, start_wall_ns: int = 0) -> None:
+    def __init__(
+        self,
+        config: AgentConfig,
+        folder: MapFolder,
+        start_wall_ns: int = 0,
+        *,
+        publishes: bool = True,
+    ) -> None:
         """Build every stage; nothing happens before the first event.
 
-        A folder without a border gives an agent that localizes and sees, but never moves.
+        A folder without a border gives an agent that localizes and sees, but never moves. An agent
+        that publishes nothing decides and sends the same, in less time: for benches.
         """
         rng = np.random.default_rng(config.robot.seed)
         model = load_model(config.base.model)
@@ -90,6 +98,7 @@ class Agent:
         self._pose_trusted = False
         self._ending = False
         self._now = 0.0  # s: what is handled late happens now
+        self._publishes = publishes
         self._effects: list[Effect] = []
         if config.start is None:
             self.localizer.start_anywhere()
@@ -112,7 +121,8 @@ class Agent:
                 self.base.tick(t)
                 self.laser.tick(t)
                 self._miss_streams(t)
-                self._publish(self.reports.on_time(t))
+                if self._publishes:
+                    self._publish(self.reports.on_time(t))
             case LinkUp(t, link):
                 self._link_up(t, link)
             case LinkDown(t, link, reason):
@@ -165,7 +175,8 @@ class Agent:
         # 3. Who else is there.
         if estimate.health is not Health.LOST:
             self.tracker.update(scan.t, estimate.pose, points)
-        self._publish(self.reports.on_scan(t, scan))
+        if self._publishes:
+            self._publish(self.reports.on_scan(t, scan))
 
     def _on_teammates(
         self, t: float, odometry: Pose, points: NDArray[np.float64]
@@ -203,7 +214,8 @@ class Agent:
         if decision.blocked:
             self._say(t, "patrol", _blocked_words(decision), LogLevel.WARNING)
         self.decision = decision
-        self._publish(self.reports.on_decision(t, pose, decision, wish, gate, teammate))
+        if self._publishes:
+            self._publish(self.reports.on_decision(t, pose, decision, wish, gate, teammate))
 
     def _look_around(self, t: float, state: BaseState) -> None:
         """Stand, and turn slowly where that is clear, until the pose is known."""
@@ -302,7 +314,8 @@ class Agent:
         return self.base if link == "base" else self.laser
 
     def _say(self, t: float, part: str, words: str, level: LogLevel) -> None:
-        self._publish(self.reports.on_news(t, part, words, level))
+        if self._publishes:
+            self._publish(self.reports.on_news(t, part, words, level))
 
     def _publish(self, payloads: list[tuple[str, Payload]]) -> None:
         self._effects += [Publish(stream, encode(payload)) for stream, payload in payloads]

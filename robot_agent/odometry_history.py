@@ -53,7 +53,11 @@ class OdometryHistory:
         """Return the speeds v, m/s, and w, rad/s, reported nearest to t; zero without reports."""
         if not self._states:
             return 0.0, 0.0
-        nearest = min(self._states, key=lambda state: abs(state.t - t))
+        nearest = self._states[-1]
+        for state in reversed(self._states):  # what is asked for lies near the end
+            if abs(state.t - t) > abs(nearest.t - t):
+                break
+            nearest = state
         return nearest.v, nearest.w
 
 

@@ -33,7 +33,9 @@ COMMANDS = {
     "rules": "draw and check the supervisor's fuzzy sets and rules",
     "convert": "turn a CARMEN log into a recording of real device bytes",
     "localize": "run localization alone on a log or recording",
+    "report": "what happened in a run: figures, tables and numbers",
     "replay": "feed a recording to the agent again",
+    "regression": "have decisions of short runs changed",
     "test": "check the code and run all tests that need no hardware",
     "benchmark": "measure the figures every change keeps",
 }

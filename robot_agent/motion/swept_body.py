@@ -23,6 +23,8 @@ class SweptBody:
         settings = self._settings
         reach = way + settings.front + settings.rear + settings.half_width
         near = obstacles[np.abs(obstacles).max(axis=1, initial=0.0) < reach]
+        if not len(near):
+            return 1.0  # the usual case
         if way > 0.0:
             front = settings.front + settings.front_margin
             side = settings.half_width + self._side_margin(near)

@@ -20,8 +20,8 @@ from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from tools.bench.robot_body import RobotBody
 
-_FULL = 12.6  # V
 _CRAWL = 0.05  # m/s; slower than this before an obstacle is as good as held by it (as the agent)
+_BATTERY = 13.0  # V; a full one, which lasts
 
 
 @dataclass(slots=True, eq=False)
@@ -74,7 +74,7 @@ class IdealRobot:
             stop_button=False,
             stalled=False,
             bumpers=0,
-            battery=_FULL,
+            battery=_BATTERY,
             obstacles=obstacles,
             v=self.v,
             w=self.w,

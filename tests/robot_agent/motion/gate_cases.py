@@ -282,6 +282,8 @@ CASES = [
         "obstacle",
         {"v": 0.3, "obstacles": [(0.4099 + R, 0)]},
     ),
+    Case((0.01, 0.2), (0.01, 0.2), "none", {"v": 0.3, "obstacles": []}),
+    Case((0.01, 0.2), (0.01, 0.2), "none", {"v": 0.3, "obstacles": [(3.0, 0.0)]}),
     Case((0.3, 0.3), ZERO, "obstacle", {"v": 0.3, "obstacles": [(0.3, 0.0)]}),
     Case((0.1, 0.3), ZERO, "obstacle", {"v": 0.3, "obstacles": [(0.3, 0.0)]}),
     Case((0.0, 0.6), ZERO, "obstacle", {"v": 0.3, "obstacles": [(0.3, 0.0)]}),

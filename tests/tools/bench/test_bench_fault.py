@@ -52,8 +52,8 @@ def test_robot_stands_while_the_fault_lasts_and_goes_on_after(
     before = rig.body.pose
     run_until(fleet, SETTLED + 6.0)
     assert math.dist(before[:2], rig.body.pose[:2]) < 0.01
-    run_until(fleet, SETTLED + 6.0 + 10.0)
-    assert rig.base.velocity[0] > 0.1
+    run_until(fleet, SETTLED + 6.0 + 8.0)
+    assert math.dist(before[:2], rig.body.pose[:2]) > 1.0
     assert fleet.world.contacts == 0
 
 
