@@ -24,6 +24,7 @@ COMMANDS = {
     "study": "many benches over seeds and settings, compared",
     "soak": "a team under random faults for hours",
     "doctor": "check one robot before it patrols",
+    "install": "make this machine a robot: service, port names, configuration",
     "ports": "list serial adapters and a udev line for each",
     "emulate": "one emulated robot for any client",
     "faults": "measure how a patrolling robot takes faults",
