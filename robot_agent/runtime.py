@@ -15,7 +15,16 @@ from types import FrameType
 from drivers.link import Link
 from robot_agent.agent import Agent
 from robot_agent.effects import ChangeBaud, Effect, Publish, Send
-from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
+from robot_agent.events import (
+    TICK_S,
+    BytesReceived,
+    Event,
+    LinkDown,
+    LinkName,
+    LinkUp,
+    Shutdown,
+    Tick,
+)
 from robot_agent.foxglove import Log, LogLevel, timestamp_at
 from robot_agent.journal import Journal
 from robot_agent.process_watch import ProcessWatch
@@ -25,7 +34,6 @@ from robot_agent.service_notifier import ServiceNotifier
 from robot_agent.streams import encode
 from robot_agent.telemetry import Telemetry
 
-TICK_S = 0.05
 FAREWELL_S = 0.3
 """How long the last commands get to leave and take effect before the ports close."""
 
