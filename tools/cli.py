@@ -29,6 +29,7 @@ COMMANDS = {
     "emulate": "one emulated robot for any client",
     "faults": "measure how a patrolling robot takes faults",
     "mutation": "change the safety gate in every way and see whether its tests notice",
+    "campaign": "the same as faults: every fault, one table",
     "monitor": "watch the team: the operator's side",
     "map": "build, draw, show and check maps",
     "rules": "draw and check the supervisor's fuzzy sets and rules",
