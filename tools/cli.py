@@ -27,6 +27,7 @@ COMMANDS = {
     "emulate": "one emulated robot for any client",
     "faults": "measure how a patrolling robot takes faults",
     "monitor": "watch the team: the operator's side",
+    "keys": "make certificates for robots and operator",
     "map": "build, draw, show and check maps",
     "rules": "draw and check the supervisor's fuzzy sets and rules",
     "convert": "turn a CARMEN log into a recording of real device bytes",

@@ -32,6 +32,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--listen", default="tcp/0.0.0.0:7447", metavar="ENDPOINT", help="where robots report to"
     )
     parser.add_argument(
+        "--keys", type=Path, metavar="DIR", help="the operator's keys, for a tls/ endpoint"
+    )
+    parser.add_argument(
         "--http", default="127.0.0.1:8080", metavar="HOST:PORT", help="where the page is served"
     )
     parser.add_argument("--map", metavar="DIR", help="map folder or name, for the page")
@@ -57,7 +60,9 @@ def run(options: argparse.Namespace) -> int:
         return play(options, going_on)
     site = chosen_site(options.map, options.border)
     http = None if options.text else options.http
-    chosen = MonitorOptions(options.listen, http, site, options.record, options.border)
+    chosen = MonitorOptions(
+        options.listen, http, site, options.record, options.border, options.keys
+    )
     with Monitor(chosen) as monitor:
         if options.text:
             show_team(monitor.watch, going_on)

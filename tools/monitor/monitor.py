@@ -34,6 +34,8 @@ class MonitorOptions:
     """Where every payload is written to; None: nowhere."""
     border: str = DEFAULT_BORDER
     """Name of the site's border, for whoever plays the recording."""
+    keys: Path | None = None
+    """The operator's folder of ``patrol keys``, for a tls endpoint."""
 
 
 class Monitor:
@@ -60,7 +62,9 @@ class Monitor:
                 self._recorder = TeamRecorder(self.options.record, folder, self.options.border)
                 stack.callback(self._recorder.close)
                 tap = self._recorder.take
-            self.operator = stack.enter_context(Operator(self.options.listen, tap))
+            self.operator = stack.enter_context(
+                Operator(self.options.listen, tap, self.options.keys)
+            )
             self.watch = Watch(self.operator.team, self.options.site, self._ailments)
             source = LiveSource()
             if self.options.http is None:
