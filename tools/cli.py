@@ -30,6 +30,7 @@ COMMANDS = {
     "faults": "measure how a patrolling robot takes faults",
     "mutation": "change the safety gate in every way and see whether its tests notice",
     "monitor": "watch the team: the operator's side",
+    "keys": "make certificates for robots and operator",
     "map": "build, draw, show and check maps",
     "rules": "draw and check the supervisor's fuzzy sets and rules",
     "convert": "turn a CARMEN log into a recording of real device bytes",
