@@ -29,7 +29,7 @@ COMMANDS = {
     "monitor": "watch the team: the operator's side",
     "map": "build, draw, show and check maps",
     "rules": "draw and check the supervisor's fuzzy sets and rules",
-    "convert": "turn a CARMEN log into a recording of real device bytes",
+    "convert": "logs and captures to recordings of real device bytes, and back",
     "localize": "run localization alone on a log or recording",
     "report": "what happened in a run: figures, tables and numbers",
     "replay": "feed a recording to the agent again",
