@@ -26,6 +26,7 @@ COMMANDS = {
     "ports": "list serial adapters and a udev line for each",
     "emulate": "one emulated robot for any client",
     "faults": "measure how a patrolling robot takes faults",
+    "mutation": "change the safety gate in every way and see whether its tests notice",
     "monitor": "watch the team: the operator's side",
     "map": "build, draw, show and check maps",
     "rules": "draw and check the supervisor's fuzzy sets and rules",
