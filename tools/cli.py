@@ -27,6 +27,7 @@ COMMANDS = {
     "emulate": "one emulated robot for any client",
     "faults": "measure how a patrolling robot takes faults",
     "mutation": "change the safety gate in every way and see whether its tests notice",
+    "record": "record a robot driven by keys, for a map",
     "monitor": "watch the team: the operator's side",
     "map": "build, draw, show and check maps",
     "rules": "draw and check the supervisor's fuzzy sets and rules",
