@@ -23,7 +23,16 @@ from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.effects import ChangeBaud, Effect, Publish, Send
-from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
+from robot_agent.events import (
+    BytesReceived,
+    Event,
+    LinkDown,
+    LinkName,
+    LinkUp,
+    OperatorKey,
+    Shutdown,
+    Tick,
+)
 from robot_agent.foxglove import LogLevel
 from robot_agent.motion.deadline_watch import DeadlineWatch
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
@@ -40,6 +49,7 @@ from robot_agent.reports import Reports
 from robot_agent.scan_points import ScanProjector
 from robot_agent.sonar_obstacles import SonarObstacles
 from robot_agent.streams import Payload, encode
+from robot_agent.teleop import Teleop
 
 STOPPING = DENIALS - {GateReason.MOTORS_OFF, GateReason.BACKING} | {GateReason.OBSTACLE}
 """Reasons of the gate that mean the robot is being held, not merely kept to its limits."""
@@ -84,6 +94,7 @@ class Agent:
             else None
         )
         self.heading_loop = HeadingLoop(config.heading)
+        self.teleop = Teleop(config.teleop) if config.teleop.enabled else None
         self.recovery = RecoveryTurn(config.recovery)
         self.deadline = DeadlineWatch()
         self._trust = TrustWatch()
@@ -127,6 +138,8 @@ class Agent:
                 self._link_up(t, link)
             case LinkDown(t, link, reason):
                 self._link_down(t, link, reason)
+            case OperatorKey() if self.teleop is not None:
+                self.teleop.press(event)
             case Shutdown(t):
                 self._ending = True
                 self.base.shut_down(t)
@@ -166,6 +179,10 @@ class Agent:
         # 1. What stands in the way, wherever the map says we are.
         points = self._projector.points(scan, *self.odometry.twist_at(scan.t))
         self._obstacles.see(scan.t, odometry, points)
+        if self.teleop is not None:
+            if self._publishes:
+                self._publish(self.reports.on_scan(t, scan))
+            return  # there is no map to find a place in
         # 2. Where the robot was.
         estimate = self.localizer.update(
             scan.t, odometry, points, self._on_teammates(scan.t, odometry, points)
@@ -192,6 +209,10 @@ class Agent:
     def _control_step(self, t: float, state: BaseState) -> None:
         """Decide and act, once per base report; t: its arrival, s."""
         self.deadline.note(self._now - t)
+        if self.teleop is not None and not self._ending:
+            gate = self._drive(t, self.teleop.wish(t), self._gate_inputs(t, state, limited=True))
+            self._note_gate(t, gate)
+            return
         if self.patrol is None or self._ending:
             self.base.drive(t, 0.0, 0.0)
             return
@@ -334,6 +355,8 @@ class Agent:
             return f"base {self.base.state}"
         if self.laser.state is not LaserState.STREAMING:
             return f"laser {self.laser.state}"
+        if self.teleop is not None:
+            return "driven by keys"
         estimate = self.localizer.estimate
         if estimate is None or not self._pose_trusted:
             return "not localized"

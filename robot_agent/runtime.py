@@ -15,7 +15,16 @@ from types import FrameType
 from drivers.link import Link
 from robot_agent.agent import Agent
 from robot_agent.effects import ChangeBaud, Effect, Publish, Send
-from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
+from robot_agent.events import (
+    BytesReceived,
+    Event,
+    LinkDown,
+    LinkName,
+    LinkUp,
+    OperatorKey,
+    Shutdown,
+    Tick,
+)
 from robot_agent.foxglove import Log, LogLevel, timestamp_at
 from robot_agent.journal import Journal
 from robot_agent.process_watch import ProcessWatch
@@ -98,6 +107,10 @@ class Runtime:
     def end(self) -> None:
         """Ask the agent to stop the robot and end; safe from any thread and signal handler."""
         self._inbox.put(Shutdown(self._clock()))
+
+    def press(self, ahead: int, left: int) -> None:
+        """Pass on a key of this terminal; safe from any thread."""
+        self._inbox.put(OperatorKey(self._clock(), ahead, left))
 
     def run(self) -> None:
         """Serve events until a Shutdown has been handled; the robot is stopped on every way out.
