@@ -9,6 +9,7 @@ from robot_agent.patrol.actions import Action
 from robot_agent.patrol.fuzzy import MamdaniSystem
 from robot_agent.patrol.present_action import PresentAction
 
+_ACTIONS = tuple(Action)
 _EQUAL = 1e-9  # degrees nearer than this are tied
 
 
@@ -56,7 +57,7 @@ class Supervisor:
         last, present = self._rank_inputs, self._present.action
         if last is None or last[0] is not levels or last[1:] != (left, present):
             self._rank_inputs = levels, left, present
-            degrees = {action: levels[action] for action in Action}
+            degrees = {action: levels[action] for action in _ACTIONS}
             self._rank = degrees, self._ranked(degrees, left)
         return self._rank
 
@@ -65,12 +66,12 @@ class Supervisor:
         best = max(degrees.values())
         safest = _SAFEST_LEFT if left else _SAFEST_RIGHT
 
-        def rank(action: Action) -> tuple[bool, float, bool, int]:
-            tied = degrees[action] >= best - _EQUAL
-            degree = best if tied else degrees[action]
-            return not tied, -degree, action is not self._present.action, safest.index(action)
-
-        return sorted(Action, key=rank)
+        tied = [action for action in safest if degrees[action] >= best - _EQUAL]
+        if self._present.action in tied:
+            tied.sort(key=lambda action: action is not self._present.action)
+        rest = [action for action in safest if action not in tied]
+        rest.sort(key=degrees.__getitem__, reverse=True)
+        return tied + rest
 
 
 # Safest first: avoid, reach the border, patrol away from the teammate, keep going.
