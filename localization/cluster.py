@@ -51,7 +51,7 @@ def best_cluster(particles: NDArray[np.float64], weights: NDArray[np.float64]) -
         if cluster.share > best_share:
             best, best_share = cluster, cluster.share
         # The heaviest bin need not be of the heaviest cluster: one across an edge fills several.
-        left[heaviest | _near(particles, cluster.mean)] = 0.0
+        left[heaviest | near(particles, cluster.mean)] = 0.0
         if float(left.sum()) <= best_share:
             break
     return best
@@ -63,18 +63,19 @@ def _grown(
     """Return the cluster round the particles of one bin, which may be its edge."""
     cluster = _members_of(particles, weights, seed)
     for _ in range(2):
-        near = _near(particles, cluster.mean)
-        if not weights[near].any():
+        members = near(particles, cluster.mean)
+        if not weights[members].any():
             break
-        cluster = _members_of(particles, weights, near)
+        cluster = _members_of(particles, weights, members)
     return cluster
 
 
-def _near(particles: NDArray[np.float64], middle: Pose) -> NDArray[np.bool_]:
+def near(particles: NDArray[np.float64], middle: Pose) -> NDArray[np.bool_]:
+    """Return (n,) which of particles (n, 3) are of the same place and heading as ``middle``."""
     distance = np.hypot(particles[:, 0] - middle.x, particles[:, 1] - middle.y)
     turn = np.abs(_wrap(particles[:, 2] - middle.theta))
-    near: NDArray[np.bool_] = (distance < _REACH_XY) & (turn < _REACH_THETA)
-    return near
+    within: NDArray[np.bool_] = (distance < _REACH_XY) & (turn < _REACH_THETA)
+    return within
 
 
 def _members_of(

@@ -40,11 +40,11 @@ class Belief:
         count = len(chosen)
         return Belief(self.particles[chosen], np.full(count, 1.0 / count), self.slips[chosen])
 
-    def mixed_with(self, other: Belief) -> Belief:
-        """Believe as much in another belief as in this."""
+    def mixed_with(self, other: Belief, share: float = 0.5) -> Belief:
+        """Believe in this to a share, 0..1, and for the rest in another."""
         return Belief(
             np.vstack((self.particles, other.particles)),
-            np.concatenate((0.5 * self.weights, 0.5 * other.weights)),
+            np.concatenate((share * self.weights, (1.0 - share) * other.weights)),
             np.concatenate((self.slips, other.slips)),
         )
 
@@ -80,6 +80,16 @@ class ParticleFilter:
     def doubt(self, others: NDArray[np.float64], kept: int) -> None:
         """Believe as much in the particles ``others`` (n, 3) as in ``kept`` drawn from before."""
         self.belief = self.belief.drawn(self._draw(kept)).mixed_with(Belief.in_each_of(others))
+
+    def rule_out(self, impossible: NDArray[np.bool_]) -> bool:
+        """Believe no more in some particles (n,); return False, changing nothing, if in all."""
+        left = np.where(impossible, 0.0, self.weights)
+        total = float(left.sum())
+        if total <= 0.0:
+            return False
+        self.weights = left / total
+        self.effective_sample_size = effective_sample_size(self.weights)
+        return True
 
     def predict(self, increment: Pose) -> None:
         """Move the particles by a step of the odometry (base_then_from_base_now)."""

@@ -54,30 +54,27 @@ class HealthMonitor:
 
     def update(self, evidence: Evidence) -> Health:
         """Return the health after one more update."""
-        verdict = self._verdict(evidence)
-        change = self._change(verdict)
-        if self._run and change * self._change(self._run[0][0]) <= 0:
-            self._run.clear()
-        if change == 0:
-            return self.health
-        self._run.append((verdict, evidence.worth))
-        needed = self._settings.worsen_after if change < 0 else self._settings.improve_after
-        if sum(worth for _, worth in self._run) >= needed * _ENOUGH:
-            # What all of the run agree on: the verdict nearest to the present health.
-            self.health = min((each for each, _ in self._run), key=lambda v: abs(self._change(v)))
-            self._keep_what_asks_for_more(change)
+        self.health, self._run = self._after(evidence)
         return self.health
 
-    def _keep_what_asks_for_more(self, change: int) -> None:
-        """Drop the run but for its newest verdicts that a further change may build on."""
-        kept = len(self._run)
-        while kept and self._change(self._run[kept - 1][0]) * change > 0:
-            kept -= 1
-        del self._run[:kept]
+    def preview(self, evidence: Evidence) -> Health:
+        """Return what ``update`` would, and change nothing."""
+        return self._after(evidence)[0]
 
-    def _change(self, verdict: Health) -> int:
-        """Return how much better (positive) or worse a verdict is than the present health."""
-        return _RANK[verdict] - _RANK[self.health]
+    def _after(self, evidence: Evidence) -> tuple[Health, list[tuple[Health, float]]]:
+        """Return health and run after one more update."""
+        verdict = self._verdict(evidence)
+        change = _change(self.health, verdict)
+        if change == 0:
+            return self.health, []
+        goes_on = bool(self._run) and change * _change(self.health, self._run[0][0]) > 0
+        run = [*(self._run if goes_on else []), (verdict, evidence.worth)]
+        needed = self._settings.worsen_after if change < 0 else self._settings.improve_after
+        if sum(worth for _, worth in run) < needed * _ENOUGH:
+            return self.health, run
+        # What all of the run agree on: the verdict nearest to the present health.
+        health = min((each for each, _ in run), key=lambda each: abs(_change(self.health, each)))
+        return health, _asking_for_more(run, health, change)
 
     def _verdict(self, evidence: Evidence) -> Health:
         """Judge one update alone; thresholds depend on the present health (hysteresis)."""
@@ -108,3 +105,18 @@ class HealthMonitor:
             and evidence.jump_theta <= settings.jump_theta
         )
         return Health.LOCALIZED if good and steady else Health.UNSURE
+
+
+def _change(before: Health, after: Health) -> int:
+    """Return by how many ranks ``after`` is better (positive) or worse."""
+    return _RANK[after] - _RANK[before]
+
+
+def _asking_for_more(
+    run: list[tuple[Health, float]], health: Health, change: int
+) -> list[tuple[Health, float]]:
+    """Return the newest verdicts of a run that a further change of the same sign may build on."""
+    kept = len(run)
+    while kept and _change(health, run[kept - 1][0]) * change > 0:
+        kept -= 1
+    return run[kept:]

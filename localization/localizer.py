@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import msgspec
 import numpy as np
@@ -16,6 +16,7 @@ from localization.global_search import GlobalSearch
 from localization.health import Evidence, Health, HealthMonitor
 from localization.likelihood_field import LikelihoodField
 from localization.refinement import Refined, Refinement
+from localization.rival import RivalSearch
 from localization.scan_check import Fit, ScanCheck
 from localization.settings import LocalizationSettings
 from maps.occupancy_map import OccupancyMap
@@ -60,6 +61,9 @@ class Localizer:
         self._search_samples = msgspec.structs.replace(
             settings.samples, fixed=None, maximum=settings.search.maximum_after
         )
+        self._rivals = RivalSearch(
+            settings, self._search_samples, field, self._refinement, self._search, rng
+        )
         self._least_covariance = np.diag(
             np.square((settings.floor.xy, settings.floor.xy, settings.floor.theta))
         )
@@ -99,6 +103,7 @@ class Localizer:
 
     def _start_with(self, particles: NDArray[np.float64], health: Health) -> None:
         self._filter.restart(particles)
+        self._rivals.forget()
         self._monitor = HealthMonitor(self._settings.health, health)
         self._started = True
         self._last_odometry = None
@@ -130,6 +135,8 @@ class Localizer:
         if increment is not None:
             self._filter.predict(increment)
         self._last_odometry = odometry
+        if self._searching:
+            self._rivals.remember(increment, points)
         # 2. Weigh them by the scan.
         worth = self._worth(increment)
         self._weigh(points, worth)
@@ -147,6 +154,7 @@ class Localizer:
     def _search_again(self) -> None:
         """Search the whole map, but keep the old belief: a crowd may only have hidden the map."""
         self._filter.doubt(self._search.sample(self._rng), self._settings.search.kept)
+        self._rivals.forget()
         self._searching = True
         self._doubt = 0.0
 
@@ -215,18 +223,19 @@ class Localizer:
         # While all is well, following the beams through the map tells nothing new.
         seen = 0.0 if sight.fit is None else sight.fit.whole
         well = before is Health.LOCALIZED and seen >= self._settings.window.above
-        health = self._monitor.update(
-            Evidence(
-                fit=sight.fit,
-                spread=cluster.spread,
-                share=cluster.share,
-                strayed=sight.strayed,
-                through=0.0 if well else self._check.through(pose, points),
-                jump_xy=math.hypot(jump.x, jump.y),
-                jump_theta=abs(jump.theta),
-                worth=worth,
-            )
+        evidence = Evidence(
+            fit=sight.fit,
+            spread=cluster.spread,
+            share=cluster.share,
+            strayed=sight.strayed,
+            through=0.0 if well else self._check.through(pose, points),
+            jump_xy=math.hypot(jump.x, jump.y),
+            jump_theta=abs(jump.theta),
+            worth=worth,
         )
+        if self._searching and self._monitor.preview(evidence) is Health.LOCALIZED:
+            evidence = self._contested(evidence, pose)
+        health = self._monitor.update(evidence)
         self._renew_doubt(before, health, sight.fit, worth)
         covariance = cluster.covariance if sight.refined is None else sight.refined.covariance
         return Estimate(
@@ -241,6 +250,15 @@ class Localizer:
             cluster_share=cluster.share,
             refined=sight.refined is not None,
         )
+
+    def _contested(self, evidence: Evidence, pose: Pose) -> Evidence:
+        """Let the best other place contest a pose found; believe in both if it holds out."""
+        rival = self._rivals.find(pose)
+        if rival is None:
+            return evidence
+        if rival.share < self._settings.health.localized_share:
+            self._filter.belief = self._filter.belief.mixed_with(rival.belief, rival.share)
+        return replace(evidence, share=evidence.share * rival.share)
 
     def _renew_doubt(self, before: Health, health: Health, fit: Fit | None, worth: float) -> None:
         """Count up to the next search of the whole map: at once when lost, then now and then."""

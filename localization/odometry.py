@@ -77,6 +77,22 @@ def move_particles(
     return moved, slips
 
 
+def step_covariance(increment: Pose, settings: MotionSettings) -> NDArray[np.float64]:
+    """Return (3, 3) of x, y, theta, m^2 and rad^2: how far a step of the odometry errs, unslipped.
+
+    The same along and across, since half of it comes from the heading at the step's begin.
+    """
+    first, translation, second = decompose(increment)
+    travel = _translation_sigma(first, translation, second, settings)
+    heading = math.hypot(
+        _rotation_sigma(first, translation, settings),
+        _rotation_sigma(second, translation, settings),
+    )
+    xy = math.hypot(settings.floor_xy, travel, translation * heading)
+    theta = math.hypot(settings.floor_theta, heading)
+    return np.diag(np.square((xy, xy, theta)))
+
+
 def _rotation_sigma(rotation: float, translation: float, settings: MotionSettings) -> float:
     return math.hypot(
         settings.rotation_per_rotation * rotation, settings.rotation_per_translation * translation

@@ -153,6 +153,9 @@ class GlobalSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     kept: Count = 1000  # particles of the old belief, when a lost robot is searched for
     independent_beams: Positive = 6.0  # few, so that no place is given up on one scan
     least_effective: Share = 0.05  # of the particles, left by one scan at least
+    remembered: Count = 16  # scans of the way, for the second opinion before the search ends
+    stop_xy: Positive = 0.4  # m between them
+    stop_theta: Positive = 0.4  # rad; likewise
     clearance: NotNegative = 0.2  # m between a particle and a wall
     repeat_lost: NotNegative = 15.0  # scans lost until the search starts again; 0: never
     repeat_unsure: NotNegative = 4.0  # scans unsure and ill-fitting until then; 0: never

@@ -14,6 +14,7 @@ from drivers.lms200.session import Lms200Session
 from drivers.lms200.session import SessionState as LaserState
 from drivers.p2os.base_state import BaseState
 from drivers.p2os.model import load_model
+from drivers.p2os.motor_watch import MotorState
 from drivers.p2os.session import P2osSession, SessionState
 from drivers.requests import Request, Write
 from localization.health import Health
@@ -24,8 +25,11 @@ from robot_agent.config import AgentConfig
 from robot_agent.effects import ChangeBaud, Effect, Publish, Send
 from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
 from robot_agent.foxglove import LogLevel
-from robot_agent.motion.gate import GateDecision, GateInputs, GateReason, SafetyGate
+from robot_agent.motion.deadline_watch import DeadlineWatch
+from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
+from robot_agent.motion.gate_reason import DENIALS, LATCHED, GateReason
 from robot_agent.motion.heading_loop import HeadingLoop
+from robot_agent.motion.recovery_turn import RecoveryTurn
 from robot_agent.obstacles import Obstacles
 from robot_agent.odometry_history import OdometryHistory
 from robot_agent.patrol.actions import Action
@@ -36,21 +40,11 @@ from robot_agent.scan_points import ScanProjector
 from robot_agent.sonar_obstacles import SonarObstacles
 from robot_agent.streams import Payload, encode
 
-STOPPING = frozenset(
-    {
-        GateReason.STALE_BASE,
-        GateReason.STALE_LASER,
-        GateReason.NOT_LOCALIZED,
-        GateReason.STALLED,
-        GateReason.BUMPER,
-        GateReason.OVERSPEED,
-        GateReason.OBSTACLE,
-        GateReason.INVALID,
-    }
-)
+STOPPING = DENIALS - {GateReason.MOTORS_OFF, GateReason.BACKING} | {GateReason.OBSTACLE}
 """Reasons of the gate that mean the robot is being held, not merely kept to its limits."""
 
 _CRAWL = 0.05  # m/s; slower than this before an obstacle is as good as held by it
+_REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
 
 _LEVELS = {
     Health.LOCALIZED: LogLevel.INFO,
@@ -89,6 +83,8 @@ class Agent:
             else None
         )
         self.heading_loop = HeadingLoop(config.heading)
+        self.recovery = RecoveryTurn(config.recovery)
+        self.deadline = DeadlineWatch()
         self.gate = SafetyGate(config.gate)
         self.reports = Reports(self, start_wall_ns)
         self.decision: PatrolDecision | None = None
@@ -99,6 +95,7 @@ class Agent:
         self._sonar_obstacles = SonarObstacles(model)
         self._pose_trusted = False
         self._ending = False
+        self._now = 0.0  # s: what is handled late happens now
         self._publishes = publishes
         self._effects: list[Effect] = []
         if config.start is None:
@@ -112,6 +109,7 @@ class Agent:
     def handle(self, event: Event) -> list[Effect]:
         """Take one event; return what to do about it, in order."""
         self._effects = []
+        self._now = max(self._now, event.t)
         match event:
             case BytesReceived(t, "base", data):
                 self._take_base_bytes(t, data)
@@ -185,11 +183,17 @@ class Agent:
     # --- one control step ----------------------------------------------------------------------
 
     def _control_step(self, t: float, state: BaseState) -> None:
-        """Decide and act, once per base report."""
-        pose = self._pose_now(t)
-        if pose is None or self.patrol is None or self._ending:
+        """Decide and act, once per base report; t: its arrival, s."""
+        self.deadline.note(self._now - t)
+        if self.patrol is None or self._ending:
             self.base.drive(t, 0.0, 0.0)
             return
+        pose = self._pose_now(t)
+        if pose is None:
+            self._look_around(t, state)
+            return
+        if self.recovery.end():
+            self._say(t, "recovery", "goes on: the pose is known", LogLevel.INFO)
         # 1. Decide: closest teammate, action, velocity in the map.
         track = self.tracker.closest(t, pose)
         teammate = None if track is None else (track.x, track.y)
@@ -197,17 +201,30 @@ class Agent:
         # 2. Act: turn that velocity into wheel speeds.
         wish = self.heading_loop.command(t, decision.velocity, pose.theta, decision.curvature)
         # 3. Gate: nothing moves the robot but what leaves here.
-        gate = self.gate.permit(t, wish, self._gate_inputs(t, state))
-        if gate.reason is GateReason.MOTORS_OFF:
-            self.base.enable_motors(t)  # all else permits motion
-        self.base.drive(t, gate.v, gate.w)
+        gate = self._drive(t, wish, self._gate_inputs(t, state))
         # 4. Tell.
         self._note_gate(t, gate)
         if decision.blocked:
             self._say(t, "patrol", _blocked_words(decision), LogLevel.WARNING)
-        self.decision, self.gate_decision = decision, gate
+        self.decision = decision
         if self._publishes:
             self._publish(self.reports.on_decision(t, pose, decision, wish, gate, teammate))
+
+    def _look_around(self, t: float, state: BaseState) -> None:
+        """Stand, and turn slowly where that is clear, until the pose is known."""
+        wish = self.recovery.wish(t)
+        gate = self._drive(t, wish, self._gate_inputs(t, state, limited=True))
+        if wish != (0.0, 0.0):
+            self._note_gate(t, gate)
+            self._say(t, "recovery", "turns to look around", LogLevel.WARNING)
+
+    def _drive(self, t: float, wish: tuple[float, float], inputs: GateInputs) -> GateDecision:
+        """Let the gate have its say and the base have the rest."""
+        gate = self.gate.permit(self._now, wish, inputs)
+        if gate.reason is GateReason.MOTORS_OFF and wish != (0.0, 0.0):
+            self.base.enable_motors(t)  # all else permits motion
+        self.base.drive(t, gate.v, gate.w)
+        return gate
 
     def _trust_pose(self, health: Health) -> None:
         """Trust the pose once localized, until lost: unsure alone gives no trust and takes none."""
@@ -227,23 +244,26 @@ class Agent:
             return None
         return estimate.pose_at(odometry)
 
-    def _gate_inputs(self, t: float, state: BaseState) -> GateInputs:
+    def _gate_inputs(self, t: float, state: BaseState, *, limited: bool = False) -> GateInputs:
         odometry = self.odometry.at(t)
         estimate = self.localizer.estimate
         assert odometry is not None
-        assert estimate is not None
         return GateInputs(
             base_time=state.t,
             scan_time=self._obstacles.seen_at,
-            health=estimate.health,
+            health=None if estimate is None else estimate.health,
             motors_enabled=state.motors_enabled,
+            stop_button=state.stop_button or self.base.motors is MotorState.STOP_BUTTON,
             stalled=state.stall_left or state.stall_right,
             bumpers=state.front_bumpers | state.rear_bumpers,
+            battery=state.battery,
             obstacles=np.concatenate(
                 (self._obstacles.around(odometry), self._sonar_obstacles.around(t, odometry))
             ),
             v=state.v,
             w=state.w,
+            overloaded=self.deadline.overloaded,
+            limited=limited,
         )
 
     def _held_by_obstacle(self) -> bool:
@@ -257,9 +277,11 @@ class Agent:
         if gate.reason in STOPPING and (before is None or before.reason not in STOPPING):
             self.gate_stops += 1
         if gate.reason in STOPPING:
-            self._say(t, "gate", f"holds the robot: {gate.reason}", LogLevel.WARNING)
+            remedy = f" ({_REMEDY})" if gate.reason in LATCHED else ""
+            self._say(t, "gate", f"holds the robot: {gate.reason}{remedy}", LogLevel.WARNING)
         else:
             self._say(t, "gate", "lets the robot move", LogLevel.INFO)
+        self.gate_decision = gate
 
     # --- links and output --------------------------------------------------------------------
 

@@ -15,8 +15,10 @@ from drivers.lms200.settings import LaserSettings
 from drivers.p2os.settings import BaseSettings
 from localization.settings import LocalizationSettings
 from maps.map_folder import MapFolder, load_map_folder
-from robot_agent.motion.gate import GateSettings
+from robot_agent.disk_room import RecorderSettings
+from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.motion.heading_loop import HeadingSettings
+from robot_agent.motion.recovery_turn import RecoverySettings
 from robot_agent.patrol.settings import PatrolSettings
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.telemetry import TelemetrySettings
@@ -61,13 +63,6 @@ class StartSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     """Standard deviation of theta, rad."""
 
 
-class RecorderSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The flight recorder."""
-
-    folder: str = ""
-    """Where recordings go; empty means none is made."""
-
-
 class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Everything one agent can be told."""
 
@@ -83,6 +78,7 @@ class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     patrol: PatrolSettings = PatrolSettings()
     heading: HeadingSettings = HeadingSettings()
     gate: GateSettings = GateSettings()
+    recovery: RecoverySettings = RecoverySettings()
     telemetry: TelemetrySettings = TelemetrySettings()
     recorder: RecorderSettings = RecorderSettings()
 

@@ -1,26 +1,29 @@
 """The flight recorder: writes what happens to an agent to a file, on a thread of its own.
 
-The agent's side only appends to a queue. The thread empties the queue ten times a second and once
-a second finishes a chunk and has the disk take it, so that a killed process or a cut battery
-costs at most about the last second. Whatever cannot be written is counted and marked as a gap.
+The agent's side only appends to a queue. The thread empties the queue ten times a second and every
+0.7 s finishes a chunk and has the disk take it, so that a killed process or a cut battery costs
+at most the last second. Whatever cannot be written is counted and marked as a gap.
 """
 
 from __future__ import annotations
 
 import os
 import threading
+import time
 from collections import deque
 from pathlib import Path
 from typing import BinaryIO
 
+from robot_agent.disk_room import DiskRoom
 from robot_agent.effects import Effect
 from robot_agent.events import Event
-from robot_agent.recording_writer import Gap, RecordingWriter, RunHeader
-
-__all__ = ["Recorder", "RecordingWriter", "RunHeader"]
+from robot_agent.recording_writer import Gap, Note, RecordingWriter
+from robot_agent.run_header import RunHeader
 
 DRAIN_S = 0.1
-DRAINS_PER_FLUSH = 10
+FLUSH_S = 0.7
+CLOSE_S = 5.0
+"""How long a hanging disk is waited for at the end."""
 CAPACITY = 20_000
 """Records that may wait for the disk: about a minute of a robot's traffic."""
 
@@ -40,14 +43,18 @@ class Recorder:
         *,
         capacity: int = CAPACITY,
         drain_period: float = DRAIN_S,
+        flush_period: float = FLUSH_S,
+        room: DiskRoom | None = None,
     ) -> None:
-        """Create the file, with its header, and start writing."""
+        """Create the file, with its header, and start writing; ``room`` bounds the disk's use."""
         self.path = path
         self.failed = ""
         self.lost = 0
         self._capacity = capacity
         self._period = drain_period
-        self._queue: deque[tuple[float, Event | Effect | Gap]] = deque()
+        self._flush_period = flush_period
+        self._room = room
+        self._queue: deque[tuple[float, Event | Effect | Gap | Note]] = deque()
         self._unmarked = 0  # lost since the last gap mark
         self._last_t = 0.0
         self._ending = threading.Event()
@@ -64,14 +71,20 @@ class Recorder:
         """Queue an effect of the event that happened at t."""
         self._put(t, effect)
 
+    def record_note(self, note: Note) -> None:
+        """Queue what the process says about itself."""
+        self._put(note.t, note)
+
     def close(self) -> None:
         """Write what is queued and finish the file; idempotent."""
         if self._unmarked:
             self._mark_gap(self._last_t)
         self._ending.set()
-        self._thread.join()
+        self._thread.join(CLOSE_S)
+        if self._thread.is_alive():
+            self.failed = f"{self.path}: the disk hangs: the recording's end is lost"
 
-    def _put(self, t: float, record: Event | Effect) -> None:
+    def _put(self, t: float, record: Event | Effect | Note) -> None:
         self._last_t = t
         if self.failed or len(self._queue) >= self._capacity:
             self.lost += 1
@@ -89,27 +102,36 @@ class Recorder:
         """Write until told to end; a refusal of the disk becomes ``failed``."""
         try:
             with self.path.open("wb") as file:
-                self._write_run(file, header)
+                trouble = self._write_run(file, header)
         except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or str(error)
-            self.failed = f"{self.path}: recording stopped: {reason}"
+            trouble = getattr(error, "strerror", None) or str(error)
+        if trouble:
+            self.failed = f"{self.path}: recording stopped: {trouble}"
             self._queue.clear()
 
-    def _write_run(self, file: BinaryIO, header: RunHeader) -> None:
-        """Write a whole recording; what was flushed is on the disk, not only on its way there."""
+    def _write_run(self, file: BinaryIO, header: RunHeader) -> str:
+        """Write a whole recording; return why it had to end early, empty if it had not.
+
+        What was flushed is on the disk, not only on its way there.
+        """
         writer = RecordingWriter(file, header)
-        ending = False
-        while not ending:
-            writer.flush()
-            os.fdatasync(file.fileno())
-            for _ in range(DRAINS_PER_FLUSH):
-                ending = self._ending.wait(self._period)
-                self._drain(writer)
-                if ending:
-                    break
+        trouble, ending = "", False
+        while not ending and not trouble:
+            _flush(writer, file)
+            trouble = self._room.make() if self._room else ""
+            ending = self._write_until(time.monotonic() + self._flush_period, writer)
         writer.finish()
         file.flush()
         os.fdatasync(file.fileno())
+        return trouble
+
+    def _write_until(self, flush_at: float, writer: RecordingWriter) -> bool:
+        """Empty the queue again and again until it is time to flush; tell whether all ends."""
+        ending = False
+        while not ending and time.monotonic() < flush_at:
+            ending = self._ending.wait(self._period)
+            self._drain(writer)
+        return ending
 
     def _drain(self, writer: RecordingWriter) -> None:
         """Write everything queued by now."""
@@ -117,7 +139,15 @@ class Recorder:
             t, record = self._queue.popleft()
             if isinstance(record, Gap):
                 writer.write_gap(record)
+            elif isinstance(record, Note):
+                writer.write_note(record)
             elif isinstance(record, Event):
                 writer.write_event(record)
             else:
                 writer.write_effect(t, record)
+
+
+def _flush(writer: RecordingWriter, file: BinaryIO) -> None:
+    writer.flush()
+    file.flush()
+    os.fdatasync(file.fileno())

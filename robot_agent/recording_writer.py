@@ -1,6 +1,6 @@
 """What a recording is made of, and the writer that puts it into an MCAP file.
 
-Layout of a recording:
+Layout 2 of a recording (``run_header.SCHEMA_VERSION``):
 
 - metadata record ``run``: the fields of ``RunHeader`` as text;
 - attachments: ``configuration`` (the effective configuration) and ``map/<file>`` (the map folder);
@@ -8,25 +8,25 @@ Layout of a recording:
   ``sequence`` a running counter and ``log_time`` the run's wall-clock start plus the agent time.
   Agent times are whole microseconds, so a reader gets back the very same float.
 
-=========================== ===================== =============================================
-topic                       encoding              one message is
-=========================== ===================== =============================================
-``base/rx``, ``laser/rx``   octet stream          bytes that arrived on a link
-``base/tx``, ``laser/tx``   octet stream          bytes the agent sent
-``link``                    json                  a link that went up or down
-``baud``                    json                  a change of a link's rate
-``tick``, ``shutdown``      json, empty object    those events
-``gap``                     json                  how many records were lost at this place
-``reference``               json                  where the robot truly was, if a log says so
-a stream's name             json                  one telemetry payload, as published
-=========================== ===================== =============================================
+============================ ================== ==============================================
+topic                        encoding           one message is
+============================ ================== ==============================================
+``base/rx``, ``laser/rx``    octet stream       bytes that arrived on a link
+``base/tx``, ``laser/tx``    octet stream       bytes the agent sent
+``link``                     json               a link that went up or down
+``baud``                     json               a change of a link's rate
+``tick``, ``shutdown``       json, empty object those events; further kinds: ``event_codec``
+``gap``                      json               how many records were lost at this place
+``reference``                json               where the robot truly was, if a log says so
+a stream's name              json               one telemetry payload, as published
+``process``, ``process_log`` json               what the process said about itself
+============================ ================== ==============================================
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import IO, get_args
+from dataclasses import dataclass
+from typing import IO
 
 import msgspec
 from mcap.well_known import MessageEncoding, SchemaEncoding
@@ -34,33 +34,18 @@ from mcap.writer import Writer
 
 from maps.pose import Pose
 from robot_agent.effects import ChangeBaud, Effect, Publish, Send
-from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
+from robot_agent.event_codec import CODECS, LINKS, encode_event
+from robot_agent.events import Event, LinkName
+from robot_agent.run_header import RunHeader
 from robot_agent.streams import STREAMS
 from robot_agent.viewer_schema import viewer_schema
 
-SCHEMA_VERSION = 1
 RUN_METADATA = "run"
 CONFIGURATION_ATTACHMENT = "configuration"
 MAP_ATTACHMENT_PREFIX = "map/"
 OCTET_STREAM = "application/octet-stream"
 CHUNK_BYTES = 256 * 1024
 SEQUENCE_MODULUS = 2**32
-
-
-@dataclass(frozen=True, slots=True)
-class RunHeader:
-    """What a run was: everything besides the events that its outcome depends on."""
-
-    robot: str
-    team: str
-    seed: int
-    software_version: str
-    start_wall_ns: int  # wall clock at agent time 0, a label only (ns since 1970)
-    start_monotonic_ns: int = 0  # the host's monotonic clock at agent time 0
-    source: str = "live"  # live, bench, or the log it was converted from
-    schema_version: int = SCHEMA_VERSION
-    configuration: bytes = b""  # effective configuration, TOML
-    map_files: Mapping[str, bytes] = field(default_factory=dict)  # the map folder's files
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,19 +57,20 @@ class Gap:
 
 
 @dataclass(frozen=True, slots=True)
+class Note:
+    """What the process said about itself at t: nothing of it comes from the agent."""
+
+    t: float
+    stream: str
+    payload: bytes
+
+
+@dataclass(frozen=True, slots=True)
 class Reference:
     """Where the robot was at t, as the source of a converted log gives it."""
 
     t: float
     pose: Pose  # map_from_base
-
-
-class LinkMessage(msgspec.Struct, frozen=True):
-    """A link that went up or down, and why."""
-
-    link: LinkName
-    up: bool
-    reason: str = ""
 
 
 class BaudMessage(msgspec.Struct, frozen=True):
@@ -108,21 +94,15 @@ class ReferenceMessage(msgspec.Struct, frozen=True):
     theta: float
 
 
-class EmptyMessage(msgspec.Struct, frozen=True):
-    """A message whose topic and time say all."""
-
-
 MESSAGES: dict[str, tuple[type[msgspec.Struct], str]] = {
-    "link": (LinkMessage, "patrol.Link"),
     "baud": (BaudMessage, "patrol.Baud"),
     "gap": (GapMessage, "patrol.Gap"),
     "reference": (ReferenceMessage, "patrol.Reference"),
-    "tick": (EmptyMessage, "patrol.Tick"),
-    "shutdown": (EmptyMessage, "patrol.Shutdown"),
+    **{codec.topic: (codec.message, codec.schema_name) for codec in CODECS},
 }
+"""What the JSON topics hold besides the telemetry streams."""
 
 _encode = msgspec.json.Encoder().encode
-_EMPTY = b"{}"
 
 
 class RecordingWriter:
@@ -158,7 +138,7 @@ class RecordingWriter:
 
     def _register_channels(self) -> dict[str, int]:
         """Register every topic, so that the first chunk describes them all."""
-        raw = [f"{link}/{way}" for link in get_args(LinkName) for way in ("rx", "tx")]
+        raw = [f"{link}/{way}" for link in LINKS for way in ("rx", "tx")]
         channels = {topic: self._writer.register_channel(topic, OCTET_STREAM, 0) for topic in raw}
         for topic, (message, name) in MESSAGES.items():
             schema = msgspec.json.encode(viewer_schema(message, name))
@@ -174,17 +154,8 @@ class RecordingWriter:
 
     def write_event(self, event: Event) -> None:
         """Write one event at its own time."""
-        match event:
-            case BytesReceived(t, link, data):
-                self._write(t, f"{link}/rx", data)
-            case Tick(t):
-                self._write(t, "tick", _EMPTY)
-            case LinkUp(t, link):
-                self._write(t, "link", _encode(LinkMessage(link, True)))
-            case LinkDown(t, link, reason):
-                self._write(t, "link", _encode(LinkMessage(link, False, reason)))
-            case Shutdown(t):
-                self._write(t, "shutdown", _EMPTY)
+        topic, data = encode_event(event)
+        self._write(event.t, topic, data)
 
     def write_effect(self, t: float, effect: Effect) -> None:
         """Write one effect at the time t of the event that caused it."""
@@ -195,6 +166,10 @@ class RecordingWriter:
                 self._write(t, stream, payload)
             case ChangeBaud(link, baud):
                 self._write(t, "baud", _encode(BaudMessage(link, baud)))
+
+    def write_note(self, note: Note) -> None:
+        """Write what the process said about itself."""
+        self._write(note.t, note.stream, note.payload)
 
     def write_reference(self, t: float, pose: Pose) -> None:
         """Write where the robot was at t (``map_from_base``), for logs that know."""

@@ -16,8 +16,12 @@ from drivers.link import Link
 from robot_agent.agent import Agent
 from robot_agent.effects import ChangeBaud, Effect, Publish, Send
 from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
+from robot_agent.foxglove import Log, LogLevel, timestamp_at
 from robot_agent.journal import Journal
+from robot_agent.process_watch import ProcessWatch
 from robot_agent.recorder import Recorder
+from robot_agent.recording_writer import Note
+from robot_agent.streams import encode
 from robot_agent.telemetry import Telemetry
 
 TICK_S = 0.05
@@ -74,6 +78,8 @@ class Runtime:
         self._recorder = recorder
         self._telemetry = telemetry
         self._journal = journal
+        self._watch = ProcessWatch(agent.config.robot.name, clock.start_wall_ns)
+        self._recorder_trouble = ""
         self._inbox: SimpleQueue[Event] = SimpleQueue()
         self._links: dict[LinkName, Link] = {
             "base": self._make_link("base", agent.config.base.url, agent.config.base.baud),
@@ -128,6 +134,32 @@ class Runtime:
             self._carry_out(effect)
             if self._recorder is not None:
                 self._recorder.record_effect(event.t, effect)
+        now = self._clock()
+        if self._watch.handled(event.t, now):
+            self._tell_of_process(now)
+
+    def _tell_of_process(self, t: float) -> None:
+        """Tell operator and recording how the process fares, and of a recorder in trouble."""
+        lost, trouble = 0, ""
+        if self._recorder is not None:
+            lost, trouble = self._recorder.lost, self._recorder.failed
+        report = encode(
+            self._watch.report(lost, trouble, self._telemetry.dropped, self._telemetry.connected)
+        )
+        self._note("process", "process", report, t)
+        if not trouble and lost:
+            trouble = "the disk is too slow: parts of the recording are lost"
+        if trouble and trouble != self._recorder_trouble:
+            stamp = timestamp_at(t, self._clock.start_wall_ns)
+            log = Log(timestamp=stamp, level=LogLevel.ERROR, message=trouble, name="recorder")
+            self._note("process_log", "event", encode(log), t)
+            self._journal.write(encode(log))
+        self._recorder_trouble = trouble
+
+    def _note(self, topic: str, stream: str, payload: bytes, t: float) -> None:
+        self._telemetry.publish(stream, payload)
+        if self._recorder is not None:
+            self._recorder.record_note(Note(t, topic, payload))
 
     def _carry_out(self, effect: Effect) -> None:
         match effect:

@@ -15,6 +15,10 @@ particles particles in ``map``                      2     foxglove.PosesInFrame
 tracks   teammates and strangers in ``map``         5     foxglove.SceneUpdate
 event    what the log says                          each  foxglove.Log
 ======== ========================================== ===== ============================
+
+Two more come from the process round the agent, and a replay has nothing to compare them with:
+``process`` (1 Hz, patrol.Process: load, lateness, losses) and ``process_log`` (each, foxglove.Log:
+troubles of the recorder; the operator hears them as ``event``).
 """
 
 from __future__ import annotations
@@ -124,6 +128,9 @@ class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=T
     action: Annotated[str, Meta(description="action in force")]
     direction: Annotated[int, Meta(description="+1 clockwise, -1 counter-clockwise")]
     distance_from_border: Annotated[float, Meta(description="m")]
+    way_to_border: Annotated[
+        float | None, Meta(description="m, round walls; absent if there is no way")
+    ] = None
     abscissa: Annotated[float, Meta(description="place along the border (m)")]
     distance_from_neighbor: Annotated[
         float | None, Meta(description="m; absent if no teammate is near")
@@ -148,10 +155,43 @@ class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=T
     gate_reason: Annotated[
         str | None, Meta(description="why the gate changed the wish; absent if it did not")
     ] = None
+    blocked: Annotated[
+        bool, Meta(description="gave up waiting for an object on its way, just now")
+    ] = False
+    holding: Annotated[
+        bool, Meta(description="stands still, caught between an end and a teammate")
+    ] = False
+
+
+class ProcessPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """How the process fared since its last report. Lateness: from an event to its effects."""
+
+    timestamp: Timestamp
+    robot: str
+    cpu: Annotated[float, Meta(description="share of one core, 0 to 1 and above")]
+    memory_mb: Annotated[float, Meta(description="resident memory (MB)")]
+    events: Annotated[int, Meta(description="events handled")]
+    lateness_median: Annotated[float, Meta(description="s")]
+    lateness_max: Annotated[float, Meta(description="s")]
+    deadline_misses: Annotated[int, Meta(description="events done more than 50 ms late")] = 0
+    longest_pause: Annotated[float, Meta(description="longest time without any event (s)")] = 0.0
+    recorder_lost: Annotated[int, Meta(description="records the disk was too slow for")] = 0
+    recorder_trouble: Annotated[str, Meta(description="why nothing is recorded any more")] = ""
+    telemetry_dropped: Annotated[int, Meta(description="payloads the network was too slow for")] = 0
+    operator: Annotated[
+        bool | None, Meta(description="whether the operator is connected; absent without telemetry")
+    ] = None
 
 
 Payload = (
-    StatusPayload | DecisionPayload | PoseInFrame | LaserScan | PosesInFrame | SceneUpdate | Log
+    StatusPayload
+    | DecisionPayload
+    | ProcessPayload
+    | PoseInFrame
+    | LaserScan
+    | PosesInFrame
+    | SceneUpdate
+    | Log
 )
 
 
@@ -178,8 +218,12 @@ STREAMS: dict[str, Stream] = {
         Stream("particles", PosesInFrame, "foxglove.PosesInFrame"),
         Stream("tracks", SceneUpdate, "foxglove.SceneUpdate"),
         Stream("event", Log, "foxglove.Log"),
+        Stream("process", ProcessPayload, "patrol.Process"),
+        Stream("process_log", Log, "foxglove.Log"),
     )
 }
+PROCESS_STREAMS = frozenset({"process", "process_log"})
+"""Streams that are not the agent's."""
 
 _encoder = msgspec.json.Encoder()
 _decoders: dict[str, msgspec.json.Decoder[Payload]] = {

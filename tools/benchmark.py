@@ -7,24 +7,22 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
-from typing import BinaryIO
 
 import numpy as np
 import psutil
 
 from maps.map_folder import MapFolder, load_map_folder
-from robot_agent.config import AgentConfig, find_map, format_config
+from robot_agent.config import find_map
 from robot_agent.effects import Effect
 from robot_agent.events import BytesReceived, Event, LinkName
 from robot_agent.patrol.rules import RULES_FILE, load_rules
 from robot_agent.patrol.settings import PatrolSettings
-from robot_agent.recording_writer import RecordingWriter, RunHeader
 from tools.bench.agent_stage import AgentStage
 from tools.bench.driver_load import driver_load
 from tools.bench.fleet import Fleet, run_bench
-from tools.convert import RecordingObserver
+from tools.bench.fleet_recorder import FleetRecorder
+from tools.color_trial import run_color_trial
 from tools.demo import Demo, DemoOptions, free_endpoint
 from tools.fault import chosen_faults
 from tools.fault_table import run_faults
@@ -38,6 +36,7 @@ SEED = 1
 SETTLED_S = 12.0
 """An agent has connected, localized and set off by then."""
 MEASURED_S = 20.0
+COLOR_PICTURES = 800
 
 
 @dataclass(frozen=True)
@@ -176,9 +175,7 @@ def replay_speed(folder_path: Path) -> Iterator[Figure]:
     """Record a robot in lockstep for three minutes and replay the recording."""
     folder = load_map_folder(folder_path)
     with tempfile.TemporaryDirectory() as parent:
-        path = Path(parent) / "robot1.mcap"
-        with path.open("wb") as file:
-            record_lockstep(folder, 180.0, file)
+        path = record_lockstep(folder, 180.0, Path(parent))
         result = Replay(read_recording(path)).run()
         size = path.stat().st_size
     yield Figure(
@@ -187,29 +184,14 @@ def replay_speed(folder_path: Path) -> Iterator[Figure]:
     yield Figure("recording of one hour", size * 3600 / result.duration / 2**20, "MB")
 
 
-def record_lockstep(folder: MapFolder, duration: float, file: BinaryIO) -> None:
-    """Record one robot of a lockstep run of a duration, s (virtual)."""
-    writers: list[RecordingWriter] = []
-
-    def observe(name: str, config: AgentConfig) -> RecordingObserver:
-        header = RunHeader(
-            robot=name,
-            team=config.robot.team,
-            seed=config.robot.seed,
-            software_version=version("border-patrol"),
-            start_wall_ns=0,
-            source="bench",
-            configuration=format_config(config).encode(),
-            map_files=folder.files,
-        )
-        writers.append(RecordingWriter(file, header))
-        return RecordingObserver(writers[-1])
-
-    fleet = Fleet(folder, 1, SEED, observer=observe)
-    while fleet.t < duration:
-        fleet.step()
-    fleet.shut_down()
-    writers[0].finish()
+def record_lockstep(folder: MapFolder, duration: float, target: Path) -> Path:
+    """Record one robot of a lockstep run of a duration, s (virtual), in a folder."""
+    with FleetRecorder(folder, target) as recorder:
+        fleet = Fleet(folder, 1, SEED, observer=recorder.observe)
+        while fleet.t < duration:
+            fleet.step()
+        fleet.shut_down()
+    return recorder.paths[0]
 
 
 def drivers(folder_path: Path) -> Iterator[Figure]:
@@ -263,6 +245,18 @@ def localization(_folder_path: Path) -> Iterator[Figure]:
     yield Figure("localization, map of 100 x 100 m at 0.05 m", large_map_mb(), "MB", 60.0)
 
 
+def color(_folder_path: Path) -> Iterator[Figure]:
+    """Look for bands in composed pictures, 10 to 2000 lux, half of them without any."""
+    trial = run_color_trial(COLOR_PICTURES, SEED)
+    yield Figure("bands at 2.5 m found", 100 * trial.recall, "%", 95.0, at_least=True)
+    yield Figure("bands at 0.6 to 2.5 m found", 100 * trial.recall_near, "%", 95.0, at_least=True)
+    yield Figure("false bands in 200 pictures", 200 * trial.false_share, "", 1.0)
+    yield Figure("bearing of a band at 2.5 m, sigma", math.degrees(trial.bearing_sigma), "deg")
+    yield Figure("range of a band at 2.5 m, bias", trial.range_bias, "m")
+    yield Figure("range of a band at 2.5 m, sigma", trial.range_sigma, "m")
+    yield Figure("colour detection, 320 x 240, processor time", trial.cpu_ms, "ms", 5.0)
+
+
 GROUPS: dict[str, Callable[[Path], Iterator[Figure]]] = {
     "agent": agent_process,
     "response": response_on_the_line,
@@ -273,6 +267,7 @@ GROUPS: dict[str, Callable[[Path], Iterator[Figure]]] = {
     "replay": replay_speed,
     "localization": localization,
     "drivers": drivers,
+    "color": color,
 }
 
 

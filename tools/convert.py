@@ -5,17 +5,17 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 
 import msgspec
 
 from maps.map_folder import MapFolder
 from robot_agent.agent import Agent
-from robot_agent.config import AgentConfig, MapSettings, RobotSettings, StartSettings, format_config
+from robot_agent.config import AgentConfig, MapSettings, RobotSettings, StartSettings
 from robot_agent.effects import Effect
 from robot_agent.events import Event
-from robot_agent.recording_writer import RecordingWriter, RunHeader
+from robot_agent.recording_writer import RecordingWriter
+from robot_agent.run_header import header_of_run
 from tools.bench.lockstep import LockstepAgent
 from tools.carmen import CarmenLog
 from tools.log_rig import BASE_BAUD, LASER_BAUD, LogRig, Moment, play
@@ -67,16 +67,7 @@ def convert(
     """
     config = configuration_for(log, folder)
     start_wall_ns = time.time_ns()
-    header = RunHeader(
-        robot=config.robot.name,
-        team=config.robot.team,
-        seed=config.robot.seed,
-        software_version=version("border-patrol"),
-        start_wall_ns=start_wall_ns,
-        source=log.path.name,
-        configuration=format_config(config).encode(),
-        map_files=folder.files,
-    )
+    header = header_of_run(config, folder, source=log.path.name, start_wall_ns=start_wall_ns)
     rig = LogRig(config.robot.name)
     with path.open("wb") as file:
         writer = RecordingWriter(file, header)

@@ -19,7 +19,7 @@ from drivers.line_faults import LineFaults, parse_faults
 from drivers.p2os.model import load_model
 from maps.map_folder import MapFolder
 from maps.pose import Pose
-from tools.bench.emulated_camera import CameraServer
+from tools.bench.emulated_camera import CameraServer, EmulatedCamera
 from tools.bench.real_time_rig import Pumped, RealTimeRig
 from tools.bench.rig import RobotRig
 from tools.bench.robot_body import Outline, RobotBody
@@ -140,7 +140,7 @@ def _open_port(
 def open_camera(port: int, world: World, body: RobotBody) -> CameraServer:
     """Serve what a robot sees; raises EmulateError if the port cannot be had."""
     try:
-        return CameraServer(world, lambda: body.pose, port)
+        return CameraServer(EmulatedCamera(world, body).take, port)
     except (OSError, OverflowError) as error:
         raise EmulateError(
             f"--camera {port}: cannot listen there ({error}); choose another port, or 0 for any"

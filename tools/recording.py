@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import struct
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from io import BytesIO
 from pathlib import Path
 from typing import BinaryIO
@@ -26,28 +26,31 @@ from mcap.writer import MCAP0_MAGIC
 
 from maps.pose import Pose
 from robot_agent.effects import ChangeBaud, Effect, Publish, Send
-from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
+from robot_agent.event_codec import CODECS
+from robot_agent.events import BytesReceived, Event, LinkName
 from robot_agent.recording_writer import (
     CONFIGURATION_ATTACHMENT,
     MAP_ATTACHMENT_PREFIX,
     OCTET_STREAM,
     RUN_METADATA,
-    SCHEMA_VERSION,
     SEQUENCE_MODULUS,
     BaudMessage,
     Gap,
     GapMessage,
-    LinkMessage,
+    Note,
     Reference,
     ReferenceMessage,
-    RunHeader,
 )
+from robot_agent.run_header import SCHEMA_VERSION, RunHeader
+from robot_agent.streams import PROCESS_STREAMS
+from tools.recording_upgrades import upgraded
 
 RECORD_HEAD = struct.Struct("<BQ")  # opcode, length of what follows
 MESSAGE_HEAD = struct.Struct("<BQHIQQ")  # record head, channel, sequence, log and publish time
 DATA_OPCODES = frozenset(
     {Opcode.HEADER, Opcode.METADATA, Opcode.ATTACHMENT, Opcode.CHUNK, Opcode.MESSAGE_INDEX}
 )
+CHUNK_END = struct.Struct("<8xQ")  # of a chunk: time of its first message, of its last
 PRIVATE_OPCODE = 0x80  # others may put their own records at and above it
 CHUNK_LIMIT_BYTES = 256 * 1024 * 1024
 """No recorder of ours makes chunks near this size: a larger one is damage, not data."""
@@ -61,25 +64,62 @@ class DamageError(ValueError):
     """A record that is cut short or does not hold what it should."""
 
 
-Item = Event | Effect | Gap | Reference
+Item = Event | Effect | Gap | Reference | Note
 Interpreter = Callable[[float, bytes], Item]
 
 
 class Recording:
     """One recording; make it with ``read_recording``."""
 
-    def __init__(self, path: Path, header: RunHeader, truncated: str | None) -> None:
+    def __init__(
+        self, path: Path, header: RunHeader, truncated: str | None, upgrades: list[str]
+    ) -> None:
         self.path = path
         self.header = header
+        self.upgrades = upgrades
+        """The steps that brought its header from an earlier layout to the present one."""
         self.truncated = truncated
         """None, or one line that says at which byte the readable part ends; final after ``items``
-        has come to its end."""
+        or ``messages`` has come to its end."""
 
     def items(self) -> Iterator[Item]:
         """Yield everything in the order in which it happened; every call reads the file afresh.
 
         An effect carries no time: it happened at the time of the event before it.
         """
+        interpreters: dict[int, Interpreter] = {}
+        for channel, t, data in self._raw():
+            interpret = interpreters.get(channel.id)
+            if interpret is None:
+                interpret = interpreters[channel.id] = _interpreter(channel)
+            try:
+                item = interpret(t, data)
+            except ValueError as error:
+                self.truncated = f"{self.path}: readable up to {t:.6f} s: {channel.topic}: {error}"
+                return
+            yield item
+
+    def messages(self, topics: Collection[str]) -> Iterator[tuple[str, float, bytes]]:
+        """Yield topic, agent time (s) and content of the messages of some topics only, in order."""
+        return (
+            (channel.topic, t, data) for channel, t, data in self._raw() if channel.topic in topics
+        )
+
+    def end(self) -> float:
+        """Return the agent time of the last whole chunk's end, s; reads little of the file."""
+        last = 0.0
+        with self.path.open("rb") as file:
+            records = _Records(file, shallow=True)
+            try:
+                for opcode, body in records:
+                    if opcode == Opcode.CHUNK:
+                        (end_ns,) = CHUNK_END.unpack_from(body)
+                        last = max(last, (end_ns - self.header.start_wall_ns) / 1e9)
+            except _DAMAGE:
+                pass
+        return last
+
+    def _raw(self) -> Iterator[tuple[Channel, float, bytes]]:
         self.truncated = None
         messages = _Messages(self.header.start_wall_ns)
         with self.path.open("rb") as file:
@@ -133,7 +173,8 @@ def _read_head(path: Path, file: BinaryIO) -> Recording:
                 break
     except _DAMAGE as error:
         truncated = _describe_damage(path, records.offset, error)
-    return Recording(path, _header(path, fields, attachments, truncated), truncated)
+    header, upgrades = _header(path, fields, attachments, truncated)
+    return Recording(path, header, truncated, upgrades)
 
 
 def _header(
@@ -141,8 +182,8 @@ def _header(
     fields: dict[str, str] | None,
     attachments: dict[str, bytes],
     truncated: str | None,
-) -> RunHeader:
-    """Assemble the run header, or say why there is none."""
+) -> tuple[RunHeader, list[str]]:
+    """Assemble the run header, with the upgrades it took, or say why there is none."""
     if fields is None:
         reason = truncated or f"{path}: has no `{RUN_METADATA}` record"
         raise RecordingError(f"{reason}; nothing to read: record again with `patrol agent`")
@@ -159,51 +200,55 @@ def _header(
     }
     configuration = attachments.get(CONFIGURATION_ATTACHMENT, b"")
     try:
-        return msgspec.convert(
+        fields, upgrades = upgraded(fields, map_files)
+        header = msgspec.convert(
             {**fields, "configuration": configuration, "map_files": map_files},
             RunHeader,
             strict=False,
             builtin_types=(bytes,),
         )
-    except msgspec.ValidationError as error:
+    except (msgspec.ValidationError, ValueError, KeyError) as error:
         raise RecordingError(
             f"{path}: its `{RUN_METADATA}` record does not fit ({error}); record again"
         ) from error
+    return header, upgrades
 
 
 class _Messages:
-    """Turns the messages of one chunk after the other into items."""
+    """Takes the messages out of one chunk after the other."""
 
     def __init__(self, start_wall_ns: int) -> None:
         self._start_ns = start_wall_ns
-        self._interpreters: dict[int, Interpreter] = {}
+        self._channels: dict[int, Channel] = {}
         self._sequence = 0
 
-    def of_chunk(self, data: bytes) -> Iterator[Item]:
-        """Yield the items of one chunk's records; raise DamageError where messages are missing."""
+    def of_chunk(self, data: bytes) -> Iterator[tuple[Channel, float, bytes]]:
+        """Yield a chunk's messages with their times; DamageError where some are missing."""
         offset = 0
         while offset < len(data):
             opcode, length = RECORD_HEAD.unpack_from(data, offset)
             end = offset + RECORD_HEAD.size + length
             if opcode == Opcode.MESSAGE:
-                _, _, channel, sequence, log_time, _ = MESSAGE_HEAD.unpack_from(data, offset)
-                interpret = self._interpreters.get(channel)
-                if sequence != self._sequence or interpret is None:
+                _, _, number, sequence, log_time, _ = MESSAGE_HEAD.unpack_from(data, offset)
+                channel = self._channels.get(number)
+                if sequence != self._sequence or channel is None:
                     raise DamageError(f"message {self._sequence} is missing there")
                 self._sequence = (sequence + 1) % SEQUENCE_MODULUS
                 t = (log_time - self._start_ns) // 1000 / 1e6
-                yield interpret(t, data[offset + MESSAGE_HEAD.size : end])
+                yield channel, t, data[offset + MESSAGE_HEAD.size : end]
             elif opcode == Opcode.CHANNEL:
                 found = Channel.read(_stream(data[offset + RECORD_HEAD.size : end]))
-                self._interpreters[found.id] = _interpreter(found)
+                self._channels[found.id] = found
             offset = end
 
 
 class _Records:
     """Iterates over the (opcode, body) records of an MCAP file's data section."""
 
-    def __init__(self, file: BinaryIO) -> None:
+    def __init__(self, file: BinaryIO, *, shallow: bool = False) -> None:
+        """``shallow`` reads only the head of each body."""
         self._file = file
+        self._shallow = shallow
         self._size = os.fstat(file.fileno()).st_size
         self.offset = len(MCAP0_MAGIC)
         """Byte at which the record in hand begins."""
@@ -223,11 +268,14 @@ class _Records:
             end = self.offset + RECORD_HEAD.size + length
             if end > self._size:
                 raise DamageError(f"a record there would end at byte {end}, the file does before")
-            body = self._file.read(length)
-            if len(body) < length:
+            wanted = min(length, CHUNK_END.size) if self._shallow else length
+            body = self._file.read(wanted)
+            if len(body) < wanted:
                 raise DamageError("the file ends inside a record there")
             yield opcode, body
             self.offset = end
+            if self._shallow:
+                self._file.seek(end)
 
 
 _DAMAGE = (ValueError, McapError, struct.error, zstandard.ZstdError, MemoryError)
@@ -259,15 +307,9 @@ def _chunk_data(body: bytes) -> bytes:
     return stream.read(size)
 
 
-_decode_link = msgspec.json.Decoder(LinkMessage).decode
 _decode_baud = msgspec.json.Decoder(BaudMessage).decode
 _decode_gap = msgspec.json.Decoder(GapMessage).decode
 _decode_reference = msgspec.json.Decoder(ReferenceMessage).decode
-
-
-def _link_event(t: float, data: bytes) -> Event:
-    message = _decode_link(data)
-    return LinkUp(t, message.link) if message.up else LinkDown(t, message.link, message.reason)
 
 
 def _baud_effect(_t: float, data: bytes) -> Effect:
@@ -281,18 +323,18 @@ def _reference(t: float, data: bytes) -> Reference:
 
 
 _INTERPRETERS: dict[str, Interpreter] = {
-    "link": _link_event,
     "baud": _baud_effect,
     "gap": lambda t, data: Gap(t, _decode_gap(data).lost),
     "reference": _reference,
-    "tick": lambda t, _data: Tick(t),
-    "shutdown": lambda t, _data: Shutdown(t),
+    **{codec.topic: codec.decode for codec in CODECS},
 }
 
 
 def _interpreter(channel: Channel) -> Interpreter:
     """Return what turns a channel's messages into items."""
-    topic = channel.topic
+    topic: str = channel.topic
+    if topic in PROCESS_STREAMS:
+        return lambda t, data: Note(t, topic, data)
     if channel.message_encoding != OCTET_STREAM:
         return _INTERPRETERS.get(topic) or (lambda _t, data: Publish(topic, data))
     name, _, way = topic.partition("/")

@@ -14,11 +14,14 @@ import numpy as np
 from maps.map_folder import MapFolder, map_folder_from_files
 from maps.pose import Pose
 from robot_agent.agent import Agent
-from robot_agent.config import parse_config
+from robot_agent.config import AgentConfig
 from robot_agent.effects import Effect, Publish, Send
 from robot_agent.events import Event
-from robot_agent.recording_writer import Gap, Reference
+from robot_agent.recording_writer import Gap, Note, Reference
+from robot_agent.run_header import versions
+from tools.recorded_config import recorded_config
 from tools.recording import Recording
+from tools.what_if import WhatIf
 
 SHOWN = 200
 """Characters of a differing effect that are printed."""
@@ -58,14 +61,22 @@ class ReplayResult:
 class Replay:
     """One recording, ready to run again."""
 
-    def __init__(self, recording: Recording, folder: MapFolder | None = None) -> None:
-        """Build the agent the recording was made with; ``folder`` replaces its map.
+    def __init__(
+        self,
+        recording: Recording,
+        folder: MapFolder | None = None,
+        config: AgentConfig | None = None,
+    ) -> None:
+        """Build the agent of the recording; ``folder`` and ``config`` replace what it carries.
 
         Raises:
             ConfigError, MapError, BorderError: what the recording carries cannot be used.
         """
         header = recording.header
-        config = parse_config(header.configuration, f"{recording.path} (configuration)")
+        self.left_out: list[str] = []
+        """Recorded settings that this program does not have any more."""
+        if config is None:
+            config, self.left_out = recorded_config(recording)
         if folder is None:
             name = Path(config.map.folder).name
             folder = map_folder_from_files(name, header.map_files, config.map.border)
@@ -80,8 +91,14 @@ class Replay:
         progress: Callable[[float], None] = lambda _: None,
         *,
         check: bool = True,
+        since: float = 0.0,
+        what_if: WhatIf | None = None,
     ) -> ReplayResult:
-        """Replay up to agent time ``until`` (s), or to the first difference when checking."""
+        """Replay up to agent time ``until`` (s), or to the first difference when checking.
+
+        Whatever is before ``since`` (s) is replayed, for an agent is made by all it has been
+        through, but neither compared nor counted. ``what_if`` is shown all decisions.
+        """
         result = ReplayResult()
         started = time.perf_counter()
         first_t: float | None = None
@@ -91,9 +108,13 @@ class Replay:
                 break
             first_t = t if first_t is None else first_t
             effects = self._agent.handle(step.event)
-            self._count(result, effects)
             result.duration = t - first_t
-            progress(result.duration)
+            progress(t)
+            if t < since:
+                continue
+            self._count(result, effects)
+            if what_if is not None and step.complete:
+                what_if.compare(t, step.effects, effects)
             if check and not _same(step, effects):
                 result.difference = _describe(step, effects)
                 break
@@ -107,6 +128,8 @@ class Replay:
         for item in self._recording.items():
             if isinstance(item, Effect):
                 effects.append(item)
+                continue
+            if isinstance(item, Note):
                 continue
             if isinstance(item, Reference):
                 self._references[_milliseconds(item.t)] = item.pose
@@ -183,6 +206,17 @@ def _describe(step: Step, effects: list[Effect]) -> str:
 def _shorten(value: object) -> str:
     text = repr(value)
     return text if len(text) <= SHOWN else f"{text[:SHOWN]}..."
+
+
+def notices(replay: Replay, recording: Recording) -> list[str]:
+    """Return what makes this replay another thing than the run, one line each."""
+    lines = [f"layout {step}" for step in recording.upgrades]
+    if replay.left_out:
+        lines.append(f"settings that exist no more are left out: {', '.join(replay.left_out)}")
+    recorded = recording.header.versions
+    if recorded and recorded != versions():
+        lines.append(f"recorded with {recorded}; this is {versions()}: numbers may differ")
+    return lines
 
 
 def report_lines(result: ReplayResult) -> list[str]:

@@ -8,6 +8,7 @@ A study file names what all runs share and what is varied:
     duration = 900.0         # s of each run
     seeds = 20               # runs of each case
     first_seed = 1
+    sensing = "bytes"        # or "ideal": the decision layer alone
 
     [vary]                   # every combination is a case
     robots = [3, 5]
@@ -34,7 +35,7 @@ import tomli_w
 from maps.border import BorderError
 from maps.map_folder import load_map_folder
 from robot_agent.config import AgentConfig, find_map, parse_config
-from tools.bench.fleet import Fleet, run_bench
+from tools.bench.sensing import Sensing, bench
 
 ROBOTS = "robots"
 RUNS_FOLDER = "runs"
@@ -55,6 +56,7 @@ class StudySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     """s, virtual, of each run."""
     seeds: Annotated[int, msgspec.Meta(ge=1)] = 20
     first_seed: Annotated[int, msgspec.Meta(ge=0)] = 1
+    sensing: Sensing = Sensing.BYTES
 
 
 class StudyFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -93,12 +95,14 @@ class Run:
     map_folder: str
     border: str
     duration: float
+    sensing: Sensing = Sensing.BYTES
 
     @property
     def file_name(self) -> str:
         """Name of the run's result file: a digest of all that the result depends on."""
-        content = repr((self.case.values, self.seed, self.map_folder, self.border, self.duration))
-        return f"{hashlib.sha256(content.encode()).hexdigest()[:16]}.json"
+        content = (self.case.values, self.seed, self.map_folder, self.border, self.duration)
+        digest = hashlib.sha256(repr((*content, str(self.sensing))).encode()).hexdigest()
+        return f"{digest[:16]}.json"
 
 
 @dataclass(frozen=True)
@@ -148,7 +152,14 @@ def read_study(path: Path) -> Study:
             raise StudyError(f"{path}: vary.{ROBOTS}: {case.robots} robots; give 1 or more")
     seeds = range(settings.first_seed, settings.first_seed + settings.seeds)
     runs = tuple(
-        Run(case, seed, str(folder.resolve()), settings.border, settings.duration)
+        Run(
+            case,
+            seed,
+            str(folder.resolve()),
+            settings.border,
+            settings.duration,
+            settings.sensing,
+        )
         for seed in seeds  # a study that is stopped has something of every case
         for case in cases
     )
@@ -206,8 +217,8 @@ def bench_run(run: Run) -> Result:
     """Carry out one run."""
     folder = load_map_folder(Path(run.map_folder), run.border)
     config = configuration(run.case, "study")
-    fleet = Fleet(folder, run.case.robots, run.seed, config)
-    return Result(run, run_bench(fleet, run.duration))
+    figures = bench(run.sensing, folder, run.case.robots, run.seed, run.duration, config=config)
+    return Result(run, figures)
 
 
 def _store(folder: Path, result: Result) -> None:

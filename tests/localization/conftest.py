@@ -13,14 +13,18 @@ from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap
 from maps.pose import Pose
 
 RESOLUTION = 0.05
+Ring = list[tuple[float, float]]
+
 # Corners of the room (8 x 5 m with a niche) and of two boxes in it, m, in the map frame.
-OUTLINE = [(0, 0), (8, 0), (8, 3.5), (6.5, 3.5), (6.5, 5), (0, 5)]
-BOXES = [[(1.5, 3.2), (2.6, 3.2), (2.6, 4.1), (1.5, 4.1)], [(5, 0), (5.4, 0), (5.4, 1.3), (5, 1.3)]]
+OUTLINE: Ring = [(0, 0), (8, 0), (8, 3.5), (6.5, 3.5), (6.5, 5), (0, 5)]
+BOXES: list[Ring] = [
+    [(1.5, 3.2), (2.6, 3.2), (2.6, 4.1), (1.5, 4.1)],
+    [(5, 0), (5.4, 0), (5.4, 1.3), (5, 1.3)],
+]
 
 
-def _walls() -> NDArray[np.float64]:
+def _walls(rings: list[Ring]) -> NDArray[np.float64]:
     """(n, 4) segments x1, y1, x2, y2."""
-    rings = [OUTLINE, *BOXES]
     return np.array(
         [(*a, *b) for ring in rings for a, b in zip(ring, ring[1:] + ring[:1], strict=True)],
         dtype=np.float64,
@@ -64,9 +68,31 @@ class Room:
 @pytest.fixture(scope="session")
 def room() -> Room:
     """The room, mapped by the cells its walls run through."""
-    walls = _walls()
+    return draw([OUTLINE, *BOXES], 8.0, 5.0)
+
+
+@pytest.fixture(scope="session")
+def twin_rooms() -> Room:
+    """Two rooms without a door that are the same, the second 9 m beside the first."""
+    return draw([ring for shift in (0.0, 9.0) for ring in shifted(shift)], 17.0, 5.0)
+
+
+@pytest.fixture(scope="session")
+def near_twin_rooms() -> Room:
+    """Two rooms without a door; the second, 9 m beside the first, lacks one of two boxes."""
+    return draw([*shifted(0.0), *shifted(9.0)[:-1]], 17.0, 5.0)
+
+
+def shifted(x: float) -> list[Ring]:
+    """The room's rings moved along x, m; a box on its right wall last."""
+    return [[(a + x, b) for a, b in ring] for ring in (OUTLINE, *BOXES)]
+
+
+def draw(rings: list[Ring], width: float, height: float) -> Room:
+    """Build a room and its map; width and height in m."""
+    walls = _walls(rings)
     margin = 0.5 + RESOLUTION / 2  # so that walls run through the middle of their cells
-    rows, cols = round((5 + 2 * margin) / RESOLUTION), round((8 + 2 * margin) / RESOLUTION)
+    rows, cols = round((height + 2 * margin) / RESOLUTION), round((width + 2 * margin) / RESOLUTION)
     cells = np.full((rows, cols), FREE, dtype=np.uint8)
     occupancy = OccupancyMap(cells, RESOLUTION, Pose(-margin, -margin, 0.0))
     for x1, y1, x2, y2 in walls:

@@ -118,3 +118,13 @@ def test_the_better_tail_of_a_run_counts_towards_the_next_step() -> None:
 def test_unordered_thresholds_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(ValueError, match="must"):
         HealthSettings(**wrong)
+
+
+def test_a_preview_tells_the_next_health_and_changes_nothing() -> None:
+    monitor = HealthMonitor(SETTINGS, Health.UNSURE)
+    for _ in range(4):
+        assert monitor.preview(GOOD) is Health.UNSURE
+        monitor.update(GOOD)
+    assert monitor.preview(GOOD) is Health.LOCALIZED
+    assert monitor.preview(CLOUDY) is monitor.health is Health.UNSURE
+    assert monitor.update(GOOD) is Health.LOCALIZED

@@ -15,9 +15,10 @@ from mcap.reader import make_reader
 from maps.pose import Pose
 from robot_agent.effects import ChangeBaud, Publish, Send
 from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
-from robot_agent.recorder import Recorder, RecordingWriter, RunHeader
-from robot_agent.recording_writer import Gap, Reference
-from robot_agent.streams import STREAMS
+from robot_agent.recorder import Recorder
+from robot_agent.recording_writer import Gap, Note, RecordingWriter, Reference
+from robot_agent.run_header import RunHeader
+from robot_agent.streams import PROCESS_STREAMS, STREAMS
 from tools.recording import Item, read_recording
 
 START_WALL_NS = 1_700_000_000_123_456_789
@@ -35,6 +36,7 @@ HEADER = RunHeader(
 
 LONGEST_RUN_US = 10**13  # four months
 times = st.integers(0, LONGEST_RUN_US).map(lambda us: us / 1e6)
+AGENT_STREAMS = sorted(STREAMS.keys() - PROCESS_STREAMS)
 links = st.sampled_from(get_args(LinkName))
 data = st.binary(max_size=80)
 events = st.one_of(
@@ -47,12 +49,13 @@ events = st.one_of(
 effects = st.one_of(
     st.builds(Send, links, data),
     st.builds(ChangeBaud, links, st.integers(0, 10**6)),
-    st.builds(Publish, st.sampled_from([*STREAMS, "a stream of tomorrow"]), data),
+    st.builds(Publish, st.sampled_from([*AGENT_STREAMS, "a stream of tomorrow"]), data),
 )
 numbers = st.floats(allow_nan=False, allow_infinity=False)
 marks = st.one_of(
     st.builds(Gap, times, st.integers(1, 10**9)),
     st.builds(Reference, times, st.builds(Pose, numbers, numbers, numbers)),
+    st.builds(Note, times, st.sampled_from(sorted(PROCESS_STREAMS)), data),
 )
 items = st.lists(st.one_of(events, effects, marks), max_size=30)
 
@@ -63,6 +66,8 @@ def write_items(writer: RecordingWriter, recorded: list[Item]) -> None:
         t = getattr(item, "t", t)
         if isinstance(item, Gap):
             writer.write_gap(item)
+        elif isinstance(item, Note):
+            writer.write_note(item)
         elif isinstance(item, Reference):
             writer.write_reference(item.t, item.pose)
         elif isinstance(item, Event):
@@ -242,9 +247,10 @@ ENDLESS_RUN = """
 import itertools, sys, time
 from pathlib import Path
 from robot_agent.events import Tick
-from robot_agent.recorder import Recorder, RunHeader
+from robot_agent.recorder import Recorder
+from robot_agent.run_header import RunHeader
 header = RunHeader(robot="r", team="t", seed=1, software_version="", start_wall_ns=0)
-recorder = Recorder(Path(sys.argv[1]), header, drain_period=0.02)
+recorder = Recorder(Path(sys.argv[1]), header, drain_period=0.02, flush_period=0.2)
 start = time.monotonic()
 for index in itertools.count():
     recorder.record_event(Tick(index / 100))

@@ -9,7 +9,8 @@ from mcap.writer import Writer
 
 from robot_agent.effects import Publish, Send
 from robot_agent.events import BytesReceived, LinkUp, Tick
-from robot_agent.recorder import RecordingWriter, RunHeader
+from robot_agent.recording_writer import RecordingWriter
+from robot_agent.run_header import RunHeader
 from tools.recording import Item, RecordingError, read_recording
 
 HEADER = RunHeader(
@@ -193,7 +194,7 @@ def write_foreign(path: Path, metadata: dict[str, str] | None) -> None:
     ("metadata", "reason"),
     [
         (None, "has no `run` record"),
-        ({"schema_version": "2"}, "is of layout 2, this program reads up to 1"),
+        ({"schema_version": "3"}, "is of layout 3, this program reads up to 2"),
         ({"schema_version": "one"}, "its `run` record does not fit"),
         ({"robot": "r"}, "its `run` record does not fit"),
     ],

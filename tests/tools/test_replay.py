@@ -49,10 +49,8 @@ def converted(
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Twenty seconds of a robot patrolling the bench."""
-    path = tmp_path_factory.mktemp("recording") / "robot1.mcap"
-    with path.open("wb") as file:
-        record_lockstep(load_map_folder(find_map("paper_lab", Path())), 20.0, file)
-    return path
+    folder = load_map_folder(find_map("paper_lab", Path()))
+    return record_lockstep(folder, 20.0, tmp_path_factory.mktemp("recording"))
 
 
 def test_moments_keep_every_scan_and_leave_no_gap(log: CarmenLog) -> None:

@@ -7,6 +7,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 
@@ -68,6 +69,28 @@ def parse_fault(text: str) -> BenchFault:
     if end <= start:
         raise BenchFaultError(f"fault {text!r} ends before it starts: {remedy}")
     return BenchFault(match["robot"], FaultKind(match["kind"]), start, end)
+
+
+def check_robots(faults: Sequence[BenchFault], names: Sequence[str]) -> None:
+    """Raise BenchFaultError for a fault of a robot that is not among the names of the team."""
+    for fault in faults:
+        if fault.robot not in names:
+            raise BenchFaultError(
+                f"fault of {fault.robot}: there is no such robot, the team is {', '.join(names)}"
+            )
+
+
+def fault_figures(faults: Sequence[BenchFault]) -> list[dict[str, Any]]:
+    """Return the faults as ``bench --json`` tells them; end None: for good."""
+    return [
+        {
+            "robot": fault.robot,
+            "kind": str(fault.kind),
+            "start": fault.start,
+            "end": fault.end if fault.end < math.inf else None,
+        }
+        for fault in faults
+    ]
 
 
 class FaultInjector:

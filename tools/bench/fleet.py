@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -15,7 +14,7 @@ from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, RobotSettings, StartSettings
-from tools.bench.bench_fault import BenchFault, BenchFaultError, FaultInjector
+from tools.bench.bench_fault import BenchFault, FaultInjector, check_robots, fault_figures
 from tools.bench.lockstep import LockstepAgent, Observer
 from tools.bench.metrics import RobotRun, bench_figures
 from tools.bench.perception_log import PerceptionLog
@@ -75,7 +74,7 @@ class Fleet:
             starts = free_start_poses(folder.map, folder.border, robots, rng)
         rigs = self._rigs = make_rigs(self.world, starts, self.t)
         self.faults = tuple(faults)
-        _check_robots(self.faults, [rig.name for rig in rigs])
+        check_robots(self.faults, [rig.name for rig in rigs])
         self.robots: list[FleetRobot] = []
         for number, rig in enumerate(rigs):
             settings = _configure(config or AgentConfig(), rig, seed * 1000 + number)
@@ -117,14 +116,6 @@ class Fleet:
         }
         bodies = [robot.rig.body for robot in self.robots if robot.rig.name in stopped]
         return [(body.pose.x, body.pose.y) for body in bodies]
-
-
-def _check_robots(faults: Sequence[BenchFault], names: list[str]) -> None:
-    for fault in faults:
-        if fault.robot not in names:
-            raise BenchFaultError(
-                f"fault of {fault.robot}: there is no such robot, the team is {', '.join(names)}"
-            )
 
 
 def _configure(config: AgentConfig, rig: RobotRig, seed: int) -> AgentConfig:
@@ -195,19 +186,12 @@ def run_bench(
     fleet.shut_down()
     assert fleet.folder.border is not None
     return {
+        "sensing": "bytes",
         "robots": len(fleet.robots),
         "seed": fleet.seed,
         "duration_s": duration,
         "wall_s": time.perf_counter() - started,
-        "faults": [
-            {
-                "robot": f.robot,
-                "kind": str(f.kind),
-                "start": f.start,
-                "end": f.end if f.end < math.inf else None,
-            }
-            for f in fleet.faults
-        ],
+        "faults": fault_figures(fleet.faults),
         **bench_figures(fleet.folder.border, log.runs(), fleet.world.contacts, fleet.wrecks()),
         "perception": log.perception(),
         "gate_stops": sum(robot.agent.gate_stops for robot in fleet.robots),

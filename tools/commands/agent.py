@@ -7,7 +7,6 @@ import ctypes
 import datetime
 import sys
 from contextlib import ExitStack
-from importlib.metadata import version
 from pathlib import Path
 
 import cv2
@@ -15,10 +14,15 @@ import cv2
 from maps.map_folder import MapFolder
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, ConfigError, format_config, load_config, load_map
+from robot_agent.disk_room import DiskRoom
 from robot_agent.journal import Journal
-from robot_agent.recorder import Recorder, RunHeader
+from robot_agent.recorder import Recorder
+from robot_agent.run_header import header_of_run
 from robot_agent.runtime import Clock, Runtime, end_on_signals
 from robot_agent.telemetry import Telemetry
+
+RUN_STAMP = "[0-9]" * 8 + "T" + "[0-9]" * 6 + "Z"
+"""Pattern of the time in a run's file name."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -45,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
     cv2.setNumThreads(1)
     clock = Clock()
     with ExitStack() as stack:
-        recorder = make_recorder(options.record or recording_path(config), config, folder, clock)
+        recorder = make_recorder(options.record, config, folder, clock)
         if recorder is not None:
             stack.callback(recorder.close)
         telemetry = Telemetry(config.telemetry, robot=config.robot.name, team=config.robot.team)
@@ -70,29 +74,22 @@ def give_memory_back() -> None:
         trim(0)
 
 
-def recording_path(config: AgentConfig) -> Path | None:
-    """Return where the configuration wants this run recorded; None if nowhere."""
-    if not config.recorder.folder:
-        return None
-    stamp = datetime.datetime.now(datetime.UTC).strftime("%Y%m%dT%H%M%SZ")
-    return Path(config.recorder.folder) / f"{config.robot.name}-{stamp}.mcap"
-
-
 def make_recorder(
-    path: Path | None, config: AgentConfig, folder: MapFolder, clock: Clock
+    wanted: Path | None, config: AgentConfig, folder: MapFolder, clock: Clock
 ) -> Recorder | None:
-    """Start the recorder of a run that shall be recorded."""
-    if path is None:
+    """Start the recorder of a run that shall be recorded, there or in the configured folder."""
+    if wanted is None and not config.recorder.folder:
         return None
-    header = RunHeader(
-        robot=config.robot.name,
-        team=config.robot.team,
-        seed=config.robot.seed,
-        software_version=version("border-patrol"),
+    header = header_of_run(
+        config,
+        folder,
+        source="live",
         start_wall_ns=clock.start_wall_ns,
         start_monotonic_ns=clock.start_monotonic_ns,
-        configuration=format_config(config).encode(),
-        map_files=folder.files,
     )
+    stamp = datetime.datetime.now(datetime.UTC).strftime("%Y%m%dT%H%M%SZ")
+    name = config.robot.name
+    path = wanted or Path(config.recorder.folder) / f"{name}-{stamp}.mcap"
     path.parent.mkdir(parents=True, exist_ok=True)
-    return Recorder(path, header)
+    older = "" if wanted else f"{name}-{RUN_STAMP}.mcap"
+    return Recorder(path, header, room=DiskRoom(path, config.recorder, older))

@@ -1,9 +1,11 @@
-"""``patrol bench``: emulated robots in lockstep, every byte encoded and decoded."""
+"""``patrol bench``: robots in lockstep, through every byte or by the decision layer alone."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import sys
+from contextlib import ExitStack
 from pathlib import Path
 
 import cv2
@@ -12,7 +14,8 @@ from maps.border import BorderError
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.bench.bench_fault import FaultKind, parse_fault
-from tools.bench.fleet import Fleet, run_bench
+from tools.bench.fleet_recorder import FleetRecorder
+from tools.bench.sensing import Sensing, bench
 from tools.progress import Progress
 
 
@@ -25,12 +28,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--duration", type=float, default=300.0, metavar="S", help="simulated time")
     parser.add_argument("--seed", type=int, default=1, metavar="N")
     parser.add_argument(
+        "--sensing",
+        choices=list(Sensing),
+        default=Sensing.BYTES,
+        help="bytes: the real agents, every byte; ideal: the decision layer alone, far faster",
+    )
+    parser.add_argument(
         "--fault",
         action="append",
         default=[],
         metavar="SPEC",
         help="robot2:dead@120 or robot1:blind@60-90 (s); kinds: " + ", ".join(FaultKind),
     )
+    parser.add_argument("--record", type=Path, metavar="DIR", help="keep a recording per robot")
     parser.add_argument("--json", type=Path, metavar="OUT", help="write the figures to this file")
 
 
@@ -42,9 +52,24 @@ def run(options: argparse.Namespace) -> int:
     if folder.border is None:
         raise BorderError(f"{path}: has no border.toml to patrol; add one")
     faults = [parse_fault(text) for text in options.fault]
-    fleet = Fleet(folder, options.robots, options.seed, faults=faults)
-    with Progress("bench", options.duration, "s") as progress:
-        figures = run_bench(fleet, options.duration, progress)
+    sensing = Sensing(options.sensing)
+    if options.record and sensing is Sensing.IDEAL:
+        print("patrol bench: --record keeps bytes, and --sensing ideal has none", file=sys.stderr)
+        return 2
+    with ExitStack() as stack:
+        recorder = None
+        if options.record:
+            recorder = stack.enter_context(FleetRecorder(folder, options.record))
+        figures = bench(
+            sensing,
+            folder,
+            options.robots,
+            options.seed,
+            options.duration,
+            faults=faults,
+            observer=recorder.observe if recorder else None,
+            progress=stack.enter_context(Progress("bench", options.duration, "s")),
+        )
     text = json.dumps(figures, indent=2)
     if options.json:
         options.json.write_text(text + "\n")

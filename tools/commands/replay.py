@@ -11,37 +11,74 @@ import cv2
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.progress import Progress
-from tools.recording import read_recording
-from tools.replay import Replay, report_lines
+from tools.recorded_config import changed_config
+from tools.recording import Recording, read_recording
+from tools.replay import Replay, ReplayResult, notices, report_lines
+from tools.what_if import WhatIf
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.epilog = "example: patrol replay out/robot1.mcap --check"
+    parser.epilog = """examples:
+  patrol replay out/robot1.mcap --check
+  patrol replay out/robot1.mcap --set gate.max_speed=0.2 --from 60 --until 120"""
     parser.add_argument("recording", type=Path, metavar="REC.mcap")
     parser.add_argument(
         "--check", action="store_true", help="compare every decision and byte with the recorded"
+    )
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="change a setting and print what would have been decided differently, "
+        "e.g. gate.max_speed=0.2",
+    )
+    parser.add_argument(
+        "--from", dest="since", type=float, default=0.0, metavar="T", help="report from T (s) on"
     )
     parser.add_argument("--until", type=float, metavar="T", help="stop at agent time T (s)")
     parser.add_argument("--map", metavar="DIR", help="use this map in place of the recorded one")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Replay one recording; print what it held, and with --check whether all was identical."""
+    """Replay one recording; print what it held, and how it compares."""
+    if options.check and (options.set or options.map):
+        _say(["--check compares with the recorded settings and map: leave out --set and --map"])
+        return 2
     cv2.setNumThreads(1)
     recording = read_recording(options.recording)
     folder = load_map_folder(find_map(options.map, Path.cwd())) if options.map else None
-    replay = Replay(recording, folder)
-    with Progress("replay", options.until, "s") as progress:
-        result = replay.run(options.until, progress, check=options.check)
+    config = None
+    if options.set:
+        config = changed_config(recording.header.configuration, str(options.recording), options.set)
+    replay = Replay(recording, folder, config)
+    _say(notices(replay, recording))
+    what_if = WhatIf() if options.set or options.map else None
+    with Progress("replay", options.until or recording.end(), "s") as progress:
+        result = replay.run(
+            options.until,
+            progress,
+            check=options.check,
+            since=options.since,
+            what_if=what_if,
+        )
     if recording.truncated:
-        print(f"patrol replay: {recording.truncated}; what is whole was replayed", file=sys.stderr)
-    for line in report_lines(result):
+        _say([f"{recording.truncated}; what is whole was replayed"])
+    for line in (*report_lines(result), *(what_if.lines() if what_if else ())):
         print(line)
-    if not options.check:
-        return 0
+    return _verdict(recording, result) if options.check else 0
+
+
+def _say(lines: list[str]) -> None:
+    for line in lines:
+        print(f"patrol replay: {line}", file=sys.stderr)
+
+
+def _verdict(recording: Recording, result: ReplayResult) -> int:
+    """Print whether all was identical; return the exit status."""
     if result.events == 0:
-        print("nothing to compare: the recording holds no event")
+        print(f"nothing to compare: {recording.path} holds no event there")
         return 1
     if result.difference is not None:
         print(result.difference)

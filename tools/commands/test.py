@@ -14,6 +14,8 @@ CHECKS = (
     ("ruff", "format", "--check", "."),
     ("mypy",),
 )
+SIDE_BY_SIDE = ("-n", "auto", "--dist", "worksteal")
+"""One worker per core: half of the tests wait for a device's real time."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -26,7 +28,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run all checks, then the tests; the first failure ends it."""
     chosen = ("-m", "long or not long") if options.long else ()
-    for check in (*CHECKS, ("pytest", *chosen, *options.pytest)):
+    for check in (*CHECKS, ("pytest", *SIDE_BY_SIDE, *chosen, *options.pytest)):
         print("+", *check, file=sys.stderr, flush=True)
         status = subprocess.run([sys.executable, "-m", *check], cwd=ROOT, check=False).returncode
         if status:

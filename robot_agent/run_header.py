@@ -1,0 +1,101 @@
+"""What a run was: everything besides the events that its outcome depends on."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from maps.map_folder import MapFolder
+from robot_agent.config import AgentConfig, format_config
+
+SCHEMA_VERSION = 2
+DEPENDENCIES = ("numpy", "scipy", "opencv-python-headless", "shapely", "filterpy", "scikit-fuzzy")
+"""Libraries whose arithmetic goes into decisions."""
+_BOOT_ID = Path("/proc/sys/kernel/random/boot_id")
+
+
+@dataclass(frozen=True, slots=True)
+class RunHeader:
+    """What is written once, at the head of a recording."""
+
+    robot: str
+    team: str
+    seed: int
+    software_version: str
+    start_wall_ns: int  # wall clock at agent time 0, a label only (ns since 1970)
+    start_monotonic_ns: int = 0  # the host's monotonic clock at agent time 0
+    source: str = "live"  # live, bench, or the log it was converted from
+    schema_version: int = SCHEMA_VERSION
+    map_hash: str = ""  # SHA-256 of the map's files, empty for no map
+    border_hash: str = ""  # SHA-256 of the border's file, empty for no border
+    versions: str = ""  # of Python and the libraries, e.g. "python 3.11.2, numpy 2.4.6"
+    boot: str = ""  # of the host: two runs with the same share the monotonic clock
+    configuration: bytes = b""  # effective configuration, TOML
+    map_files: Mapping[str, bytes] = field(default_factory=dict)  # the map folder's files
+
+
+def header_of_run(
+    config: AgentConfig,
+    folder: MapFolder,
+    *,
+    source: str,
+    start_wall_ns: int,
+    start_monotonic_ns: int | None = None,
+) -> RunHeader:
+    """Describe a run on this machine; without a monotonic start its times are not this host's."""
+    map_hash, border_hash = identity(folder.files)
+    return RunHeader(
+        robot=config.robot.name,
+        team=config.robot.team,
+        seed=config.robot.seed,
+        software_version=version("border-patrol"),
+        start_wall_ns=start_wall_ns,
+        start_monotonic_ns=start_monotonic_ns or 0,
+        source=source,
+        map_hash=map_hash,
+        border_hash=border_hash,
+        versions=versions(),
+        boot="" if start_monotonic_ns is None else boot_id(),
+        configuration=format_config(config).encode(),
+        map_files=folder.files,
+    )
+
+
+def identity(files: Mapping[str, bytes]) -> tuple[str, str]:
+    """Return the hashes of a map folder's map and of its border; empty for what it lacks."""
+    borders = {name: data for name, data in files.items() if name.endswith(".toml")}
+    rest = {name: data for name, data in files.items() if name not in borders}
+    return _hash(rest), _hash(borders)
+
+
+def _hash(files: Mapping[str, bytes]) -> str:
+    if not files:
+        return ""
+    digest = hashlib.sha256()
+    for name, data in sorted(files.items()):
+        digest.update(f"{name} {len(data)}\n".encode())
+        digest.update(data)
+    return digest.hexdigest()
+
+
+def versions() -> str:
+    """Return the versions of Python and of the libraries that decisions depend on."""
+    found = [f"python {platform.python_version()} {platform.machine()}"]
+    for name in DEPENDENCIES:
+        try:
+            found.append(f"{name} {version(name)}")
+        except PackageNotFoundError:
+            found.append(f"{name} missing")
+    return ", ".join(found)
+
+
+def boot_id() -> str:
+    """Return what tells one boot of one host from all others, empty where that is not known."""
+    try:
+        return _BOOT_ID.read_text().strip()
+    except OSError:
+        return ""

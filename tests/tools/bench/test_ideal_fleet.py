@@ -1,0 +1,89 @@
+"""The ideal bench: the agent's decision layer on true poses."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from maps.map_folder import MapFolder, load_map_folder
+from maps.pose import Pose
+from robot_agent.config import find_map
+from robot_agent.patrol.actions import Action
+from tools.bench.bench_fault import BenchFault, BenchFaultError, FaultKind
+from tools.bench.fleet import Fleet
+from tools.bench.ideal_fleet import IdealFleet, run_ideal_bench
+from tools.bench.sensing import Sensing, bench
+
+
+@pytest.fixture(scope="module")
+def folder() -> MapFolder:
+    return load_map_folder(find_map("paper_lab", Path.cwd()))
+
+
+@pytest.fixture(scope="module")
+def intel() -> MapFolder:
+    return load_map_folder(find_map("intel_lab", Path.cwd()))
+
+
+def head_on(folder: MapFolder, gap: float) -> list[Pose]:
+    """Return two robots on the border's northern side that look at each other."""
+    return [Pose(7.0, 13.75, 0.0), Pose(7.0 + gap, 13.75, math.pi)]
+
+
+def keys(figures: object) -> object:
+    """Return the keys of nested tables; of a list, of its first element."""
+    if isinstance(figures, dict):
+        return {key: keys(value) for key, value in figures.items()}
+    return None
+
+
+def test_figures_have_the_keys_of_the_byte_path(folder):
+    byte_path = bench(Sensing.BYTES, folder, 1, 1, 1.0)
+    ideal = bench(Sensing.IDEAL, folder, 1, 1, 1.0)
+    assert keys(ideal) == keys(byte_path)
+    assert (ideal["sensing"], byte_path["sensing"]) == ("ideal", "bytes")
+
+
+def test_robots_start_where_those_of_the_byte_path_do(folder):
+    ideal, byte_path = IdealFleet(folder, 3, 5), Fleet(folder, 3, 5)
+    assert [robot.body.pose for robot in ideal.robots] == [
+        robot.rig.body.pose for robot in byte_path.robots
+    ]
+
+
+def test_same_seed_same_run(folder):
+    one, other = (run_ideal_bench(IdealFleet(folder, 5, 2), 60.0) for _ in range(2))
+    assert one | {"wall_s": 0.0} == other | {"wall_s": 0.0}
+
+
+def test_robots_that_meet_turn_back_and_part(folder):
+    figures = run_ideal_bench(IdealFleet(folder, 2, 1, starts=head_on(folder, 5.0)), 14.0)
+    (meeting,) = figures["meetings"]
+    assert set(meeting["actions"]) == {Action.PATROL_CLOCKWISE, Action.PATROL_COUNTER_CLOCKWISE}
+    assert meeting["outcome"] == "turned back"
+    assert meeting["closest_m"] > 1.1
+    assert figures["contacts"] == 0
+    assert figures["action_share"][Action.AVOID_TEAMMATE] == 0.0
+
+
+def test_a_dead_robot_stands_and_is_turned_back_from(folder):
+    fault = BenchFault("robot2", FaultKind.DEAD, 0.0)
+    fleet = IdealFleet(folder, 2, 1, starts=head_on(folder, 5.0), faults=[fault])
+    figures = run_ideal_bench(fleet, 20.0)
+    assert fleet.robots[1].body.pose == Pose(12.0, 13.75, math.pi)
+    assert fleet.wrecks() == [(12.0, 13.75)]
+    assert fleet.robots[0].body.pose.x < 9.0
+    assert figures["contacts"] == 0
+    assert figures["faults"] == [{"robot": "robot2", "kind": "dead", "start": 0.0, "end": None}]
+
+
+def test_faults_of_devices_are_refused(folder):
+    with pytest.raises(BenchFaultError, match=r"robot1 is one of devices.*use dead or stuck"):
+        IdealFleet(folder, 1, 1, faults=[BenchFault("robot1", FaultKind.BLIND, 3.0)])
+
+
+def test_the_gate_keeps_a_robot_off_walls_and_bodies_while_many_reach_one_border(intel):
+    figures = run_ideal_bench(IdealFleet(intel, 20, 1), 40.0)
+    assert figures["contacts"] == 0
+    assert figures["gate_stops"] > 0
+    assert all(reached is not None for reached in figures["reach_s"][:10])

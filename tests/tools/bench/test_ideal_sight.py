@@ -1,0 +1,72 @@
+"""Ideal sight: range, field of view, what hides, what is remembered."""
+
+import math
+
+import numpy as np
+import pytest
+
+from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap
+from maps.pose import Pose
+from robot_agent.perception.settings import PerceptionSettings
+from tools.bench.ideal_sight import IdealSight
+from tools.bench.robot_body import Outline
+
+MIDDLE = Outline().middle  # of the body, ahead of base_link
+
+
+def room(*walls: tuple[float, float]) -> OccupancyMap:
+    """Return a room of 10 x 10 m whose only walls are cells at these places."""
+    cells = np.full((200, 200), FREE, dtype=np.uint8)
+    for x, y in walls:
+        cells[int(y / 0.05), int(x / 0.05)] = OCCUPIED
+    return OccupancyMap(cells, 0.05, Pose(0.0, 0.0, 0.0))
+
+
+def look(sight: IdealSight, t: float, *poses: tuple[float, float, float], speed: float = 0.0):
+    x, y, theta = np.array(poses).T
+    heading = np.array((np.cos(theta), np.sin(theta)))
+    base = np.array((x, y))
+    return sight.look(t, base, heading, base + MIDDLE * heading, np.full(len(poses), speed))
+
+
+def sight_of(occupancy: OccupancyMap, count: int = 2) -> IdealSight:
+    return IdealSight(PerceptionSettings(), occupancy, count)
+
+
+def test_the_middle_of_a_body_ahead_is_seen_within_visibility():
+    assert look(sight_of(room()), 0.0, (3.0, 5.0, 0.0), (5.4, 5.0, math.pi)) == [
+        pytest.approx((5.4 - MIDDLE, 5.0)),
+        pytest.approx((3.0 + MIDDLE, 5.0)),
+    ]
+    assert look(sight_of(room()), 0.0, (3.0, 5.0, 0.0), (5.6, 5.0, math.pi)) == [None, None]
+
+
+def test_nobody_is_seen_behind():
+    seen = look(sight_of(room()), 0.0, (3.0, 5.0, math.pi), (5.0, 5.0, math.pi))
+    assert seen == [None, pytest.approx((3.0 - MIDDLE, 5.0))]
+
+
+@pytest.mark.parametrize("y", [5.0, 5.02])
+def test_a_wall_of_one_cell_hides(y):
+    wall = room(*((4.0, row * 0.05 + 0.025) for row in range(60, 140)))
+    assert look(sight_of(wall), 0.0, (3.0, y, 0.0), (5.0, y, math.pi)) == [None, None]
+
+
+def test_a_body_hides_what_is_behind_it():
+    first, third = (3.0, 5.0, 0.0), (5.2, 5.0, math.pi)
+    between = look(sight_of(room(), 3), 0.0, first, (4.1, 5.0, 0.0), third)
+    assert between[0] == pytest.approx((4.1 + MIDDLE, 5.0))
+    assert between[2] == pytest.approx((4.1 + MIDDLE, 5.0))
+    sight = sight_of(room(), 3)
+    look(sight, 0.0, first, (4.1, 5.0, 0.0), third)
+    beside = look(sight, 10.0, first, (4.1, 9.0, math.pi / 2), third)
+    assert beside[0] == pytest.approx((5.2 - MIDDLE, 5.0))
+
+
+def test_a_teammate_out_of_view_is_remembered_for_a_while_where_it_must_have_got_to():
+    sight = sight_of(room())
+    look(sight, 0.0, (3.0, 5.0, 0.0), (4.5, 5.0, math.pi / 2), speed=0.3)
+    remembered, _ = look(sight, 1.0, (3.0, 5.0, math.pi), (9.0, 9.0, 0.0))
+    way = 0.3 * (1.0 - math.exp(-1.0))
+    assert remembered == pytest.approx((4.5, 5.0 + MIDDLE + way))
+    assert look(sight, 3.1, (3.0, 5.0, math.pi), (9.0, 9.0, 0.0)) == [None, None]

@@ -1,0 +1,38 @@
+"""An agent killed at any time leaves a recording that is whole but for its last second."""
+
+from __future__ import annotations
+
+import random
+import signal
+from pathlib import Path
+
+import pytest
+
+from tools.bench.agent_stage import AgentStage
+from tools.recording import read_recording
+from tools.replay import Replay
+
+LOST_S = 1.0
+STARTED_S = 4.0
+"""The process is up and records by then, unless the machine is very slow."""
+
+
+@pytest.mark.parametrize(
+    "number",
+    [pytest.param(n, marks=() if n == 0 else pytest.mark.long) for n in range(20)],
+)
+def test_killed_agent_loses_a_second_at_most(tmp_path: Path, number: int) -> None:
+    lives = STARTED_S + random.Random(number).uniform(0.0, 6.0)
+    with AgentStage(tmp_path, seed=number) as stage:
+        stage.start_agent()
+        started = now = stage.step().t
+        while now < started + lives:
+            now = stage.step().t
+        stage.signal_agent(signal.SIGKILL)
+    recording = read_recording(tmp_path / "robot1.mcap")
+    result = Replay(recording).run()
+    assert recording.truncated is not None, "nobody finished this file"
+    assert result.difference is None
+    assert result.events > 0
+    died = now - recording.header.start_monotonic_ns / 1e9
+    assert died - recording.end() <= LOST_S

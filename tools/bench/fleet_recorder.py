@@ -1,0 +1,46 @@
+"""Recordings of a lockstep fleet: one file per robot, as the live recorder writes them."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from maps.map_folder import MapFolder
+from robot_agent.config import AgentConfig
+from robot_agent.recording_writer import RecordingWriter
+from robot_agent.run_header import header_of_run
+from tools.convert import RecordingObserver
+
+
+class FleetRecorder:
+    """Makes the observer of each robot; the files are whole when the context is left."""
+
+    def __init__(self, folder: MapFolder, target: Path) -> None:
+        """Record to ``target``/<robot>.mcap."""
+        self._folder = folder
+        self._target = target
+        self._files = ExitStack()
+        self.paths: list[Path] = []
+
+    def __enter__(self) -> Self:
+        self._target.mkdir(parents=True, exist_ok=True)
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._files.close()
+
+    def observe(self, name: str, config: AgentConfig) -> RecordingObserver:
+        """Start the recording of one robot; its clock starts at 0."""
+        path = self._target / f"{name}.mcap"
+        header = header_of_run(config, self._folder, source="bench", start_wall_ns=0)
+        writer = RecordingWriter(self._files.enter_context(path.open("wb")), header)
+        self._files.callback(writer.finish)
+        self.paths.append(path)
+        return RecordingObserver(writer)

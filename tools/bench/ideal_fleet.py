@@ -1,0 +1,208 @@
+"""Many robots with ideal sensing: the decision layer alone, for large studies.
+
+Patrol, heading loop and gate are the agent's own; bodies and contacts are the world's. Poses are
+true, teammates are seen where they are (``IdealSight``), and no byte is encoded.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from maps.map_folder import MapFolder
+from maps.pose import Pose
+from robot_agent.config import AgentConfig, RobotSettings
+from tools.bench.bench_fault import (
+    BenchFault,
+    BenchFaultError,
+    FaultKind,
+    check_robots,
+    fault_figures,
+)
+from tools.bench.ideal_obstacles import IdealObstacles
+from tools.bench.ideal_robot import IdealRobot, along_arc, make_ideal_robot
+from tools.bench.ideal_sight import IdealSight
+from tools.bench.metrics import RobotRun, bench_figures
+from tools.bench.start_poses import free_start_poses
+from tools.bench.world import World
+from tools.bench.world_noise import NO_NOISE
+
+STEP_S = 0.1
+"""One control step: the base reports 10 times a second."""
+_STEP_WAY = 0.06  # m that nothing drives farther in one step
+_POSSIBLE = (FaultKind.DEAD, FaultKind.STUCK)
+
+
+class IdealFleet:
+    """A world of robots that sense ideally, under a virtual clock."""
+
+    def __init__(
+        self,
+        folder: MapFolder,
+        robots: int,
+        seed: int,
+        config: AgentConfig | None = None,
+        starts: Sequence[Pose] | None = None,
+        faults: Sequence[BenchFault] = (),
+    ) -> None:
+        """Place the robots, at the seeded random starts of ``Fleet`` unless given.
+
+        Raises BenchFaultError for a fault of a robot that is not there, or of devices.
+        """
+        assert folder.border is not None, "robots patrol a border"
+        config = config or AgentConfig()
+        rng = np.random.default_rng(seed)
+        self.folder, self.seed, self.t = folder, seed, 0.0
+        self.world = World(folder.map, rng, NO_NOISE)
+        if starts is None:
+            starts = free_start_poses(folder.map, folder.border, robots, rng)
+        self.robots = [
+            make_ideal_robot(self.world.add_body(start), _named(config, number, seed), folder)
+            for number, start in enumerate(starts)
+        ]
+        self.faults = tuple(faults)
+        _check_faults(self.faults, [robot.name for robot in self.robots])
+        self._sight = IdealSight(config.perception, folder.map, len(self.robots))
+        self._obstacles = IdealObstacles(config.gate, folder.map)
+
+    def step(self) -> None:
+        """Let STEP_S pass: wheels turn, robots look, robots decide."""
+        self.t = round(self.t + STEP_S, 6)
+        self._inject()
+        self._move()
+        teammates = self._look()
+        for index, robot in enumerate(self.robots):
+            if not robot.dead:
+                obstacles = self._obstacles.around(robot, self._near(index, self._obstacles.reach))
+                robot.decide(self.t, teammates[index], obstacles)
+
+    def wrecks(self) -> list[tuple[float, float]]:
+        """Return where robots stand, (x, y) m, that a fault has stopped for good by now."""
+        stopped = {
+            fault.robot for fault in self.faults if fault.makes_wreck and fault.holds(self.t)
+        }
+        return [(r.body.pose.x, r.body.pose.y) for r in self.robots if r.name in stopped]
+
+    def _inject(self) -> None:
+        """Begin and end faults."""
+        for robot in self.robots if self.faults else ():
+            on = {f.kind for f in self.faults if f.robot == robot.name and f.holds(self.t)}
+            robot.dead, robot.stuck = FaultKind.DEAD in on, FaultKind.STUCK in on
+
+    def _move(self) -> None:
+        """Turn all wheels; what may touch something is moved by the world, which looks."""
+        for index, robot in enumerate(self.robots):
+            body, motion = robot.body, robot.roll(STEP_S)
+            room = 2.0 * body.outline.reach + 4.0 * _STEP_WAY
+            if self._near(index, room) or not self._obstacles.free(body.pose, room / 2.0):
+                self.world.move(body, *motion)
+            elif motion != (0.0, 0.0):
+                body.pose = along_arc(body.pose, *motion)
+
+    def _near(self, index: int, distance: float) -> list[IdealRobot]:
+        """Return the robots that were within a distance, m, when last looked at."""
+        apart = self._sight.apart[index]
+        if apart.min(initial=math.inf) > distance:
+            return []
+        return [self.robots[other] for other in np.flatnonzero(apart <= distance).tolist()]
+
+    def _look(self) -> list[tuple[float, float] | None]:
+        poses = np.array([robot.body.pose for robot in self.robots]).T
+        heading = np.array((np.cos(poses[2]), np.sin(poses[2])))
+        ahead = np.array([robot.body.outline.middle for robot in self.robots])
+        speed = np.array([robot.v for robot in self.robots])
+        base = poses[:2]
+        return self._sight.look(self.t, base, heading, base + ahead * heading, speed)
+
+
+def _named(config: AgentConfig, number: int, seed: int) -> AgentConfig:
+    own = RobotSettings(
+        name=f"robot{number + 1}", team=config.robot.team, seed=seed * 1000 + number
+    )
+    return msgspec.structs.replace(config, robot=own)
+
+
+def _check_faults(faults: Sequence[BenchFault], names: list[str]) -> None:
+    check_robots(faults, names)
+    for fault in faults:
+        if fault.kind not in _POSSIBLE:
+            raise BenchFaultError(
+                f"fault {fault.kind} of {fault.robot} is one of devices, which ideal sensing has "
+                f"not: use {' or '.join(_POSSIBLE)}, or --sensing bytes"
+            )
+
+
+class IdealLog:
+    """Samples the truth and the decisions of an ideal fleet."""
+
+    def __init__(self, fleet: IdealFleet) -> None:
+        """Nothing is sampled before the first ``sample``."""
+        self._fleet = fleet
+        self._times: list[float] = []
+        self._places: list[list[tuple[float, float]]] = []
+        self._actions: list[list[str]] = [[] for _ in fleet.robots]
+        self._directions: list[list[int]] = [[] for _ in fleet.robots]
+
+    def sample(self) -> None:
+        """Take down where every robot truly is and what it has decided."""
+        robots = self._fleet.robots
+        self._times.append(self._fleet.t)
+        self._places.append([robot.body.pose[:2] for robot in robots])
+        for robot, actions, directions in zip(robots, self._actions, self._directions, strict=True):
+            decision = None if robot.dead else robot.decision
+            actions.append(decision.action.value if decision else "")
+            directions.append(decision.direction if decision else 0)
+
+    def runs(self) -> list[RobotRun]:
+        """Return what was sampled, one run per robot."""
+        t, places = np.array(self._times), _places(self._places, len(self._fleet.robots))
+        return [
+            RobotRun(
+                name=robot.name,
+                t=t,
+                position=places[index],
+                action=self._actions[index],
+                direction=np.array(self._directions[index], dtype=np.int8),
+            )
+            for index, robot in enumerate(self._fleet.robots)
+        ]
+
+
+def _places(rows: list[list[tuple[float, float]]], robots: int) -> NDArray[np.float64]:
+    """Return (robots, n, 2) contiguous places."""
+    return np.ascontiguousarray(np.array(rows).reshape(-1, robots, 2).swapaxes(0, 1))
+
+
+def run_ideal_bench(
+    fleet: IdealFleet, duration: float, progress: Callable[[float], None] = lambda _: None
+) -> dict[str, Any]:
+    """Run a fleet for a duration (s, virtual); return the figures of ``bench --json``."""
+    started = time.perf_counter()
+    log = IdealLog(fleet)
+    while fleet.t < duration:
+        fleet.step()
+        log.sample()
+        progress(fleet.t)
+    assert fleet.folder.border is not None
+    return {
+        "sensing": "ideal",
+        "robots": len(fleet.robots),
+        "seed": fleet.seed,
+        "duration_s": duration,
+        "wall_s": time.perf_counter() - started,
+        "faults": fault_figures(fleet.faults),
+        **bench_figures(fleet.folder.border, log.runs(), fleet.world.contacts, fleet.wrecks()),
+        "perception": {
+            "recall": None,
+            "class_right": None,
+            "false_teammate": None,
+            "position_error_m": {"p95": None},
+        },
+        "gate_stops": sum(robot.gate_stops for robot in fleet.robots),
+    }

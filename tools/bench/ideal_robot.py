@@ -1,0 +1,116 @@
+"""One robot of the ideal bench: the agent's decision layer on a body that does as it is told."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.p2os.motion_controller import ramp
+from drivers.p2os.settings import BaseSettings
+from maps.map_folder import MapFolder
+from maps.pose import Pose
+from robot_agent.agent import STOPPING
+from robot_agent.config import AgentConfig
+from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
+from robot_agent.motion.gate_reason import GateReason
+from robot_agent.motion.heading_loop import HeadingLoop
+from robot_agent.patrol.patrol import Patrol, PatrolDecision
+from tools.bench.robot_body import RobotBody
+
+_CRAWL = 0.05  # m/s; slower than this before an obstacle is as good as held by it (as the agent)
+_BATTERY = 13.0  # V; a full one, which lasts
+
+
+@dataclass(slots=True, eq=False)
+class IdealRobot:
+    """Patrol, heading loop and gate of the agent; v and w (m/s, rad/s) follow the base's ramps.
+
+    stuck: the wheels are held. dead: nobody decides, and the base stands.
+    """
+
+    name: str
+    body: RobotBody
+    base: BaseSettings
+    patrol: Patrol
+    heading_loop: HeadingLoop
+    gate: SafetyGate
+    v: float = 0.0
+    w: float = 0.0
+    stuck: bool = False
+    dead: bool = False
+    decision: PatrolDecision | None = None
+    gate_decision: GateDecision | None = None
+    gate_stops: int = 0
+    _order: tuple[float, float] = field(default=(0.0, 0.0))
+
+    def roll(self, dt: float) -> tuple[float, float]:
+        """Let the wheels turn for dt, s; return the distance, m, and rotation, rad."""
+        base = self.base
+        v, w = (0.0, 0.0) if self.dead else self._order
+        self.v, distance = ramp(self.v, v, base.acceleration, base.deceleration, dt)
+        self.w, rotation = ramp(self.w, w, base.turn_acceleration, base.turn_deceleration, dt)
+        if self.stuck:
+            self.v = self.w = distance = rotation = 0.0
+        return distance, rotation
+
+    def decide(
+        self, t: float, teammate: tuple[float, float] | None, obstacles: NDArray[np.float64]
+    ) -> None:
+        """Take one control step at t, s, as the agent does.
+
+        teammate: (x, y) of the closest one, map frame. obstacles: (n, 2) m in base_link.
+        """
+        pose = self.body.pose
+        decision = self.patrol.step(t, pose, teammate, held=self._held_by_obstacle())
+        wish = self.heading_loop.command(t, decision.velocity, pose.theta, decision.curvature)
+        inputs = GateInputs(
+            base_time=t,
+            scan_time=t,
+            health="localized",
+            motors_enabled=True,
+            stop_button=False,
+            stalled=False,
+            bumpers=0,
+            battery=_BATTERY,
+            obstacles=obstacles,
+            v=self.v,
+            w=self.w,
+        )
+        before, gate = self.gate_decision, self.gate.permit(t, wish, inputs)
+        if gate.reason in STOPPING and (before is None or before.reason not in STOPPING):
+            self.gate_stops += 1
+        self.decision, self.gate_decision = decision, gate
+        self._order = (gate.v, gate.w)
+
+    def _held_by_obstacle(self) -> bool:
+        gate = self.gate_decision
+        return gate is not None and gate.reason is GateReason.OBSTACLE and gate.v < _CRAWL
+
+
+def make_ideal_robot(body: RobotBody, config: AgentConfig, folder: MapFolder) -> IdealRobot:
+    """Return the robot of a body with a robot's configuration on a map with a border."""
+    assert folder.border is not None
+    rng = np.random.default_rng(config.robot.seed)
+    return IdealRobot(
+        name=config.robot.name,
+        body=body,
+        base=config.base,
+        patrol=Patrol(config.patrol, folder.border, rng, folder.approach_field),
+        heading_loop=HeadingLoop(config.heading),
+        gate=SafetyGate(config.gate),
+    )
+
+
+def along_arc(pose: Pose, distance: float, rotation: float) -> Pose:
+    """Return where an arc of distance, m, and rotation, rad, leads from a pose."""
+    half = rotation / 2.0
+    chord = distance * (math.sin(half) / half if half else 1.0)
+    heading = pose.theta + half
+    return Pose(
+        pose.x + chord * math.cos(heading),
+        pose.y + chord * math.sin(heading),
+        math.remainder(pose.theta + rotation, math.tau),
+    )

@@ -1,0 +1,45 @@
+"""Which bench runs: through every byte, or by the decision layer alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from enum import StrEnum
+from typing import Any
+
+from maps.map_folder import MapFolder
+from robot_agent.config import AgentConfig
+from tools.bench.bench_fault import BenchFault
+from tools.bench.fleet import Fleet, run_bench
+from tools.bench.ideal_fleet import IdealFleet, run_ideal_bench
+from tools.bench.lockstep import Observer
+
+
+class Sensing(StrEnum):
+    """How robots sense."""
+
+    BYTES = "bytes"  # the real agents; every byte encoded and decoded; noise
+    IDEAL = "ideal"  # true poses, teammates seen where they are
+
+
+def bench(
+    sensing: Sensing,
+    folder: MapFolder,
+    robots: int,
+    seed: int,
+    duration: float,
+    *,
+    config: AgentConfig | None = None,
+    faults: Sequence[BenchFault] = (),
+    observer: Callable[[str, AgentConfig], Observer] | None = None,
+    progress: Callable[[float], None] = lambda _: None,
+) -> dict[str, Any]:
+    """Run robots from seeded starts for a duration, s; return the figures of ``bench --json``.
+
+    observer: makes what is told every event and effect of a robot; ideal sensing has neither.
+    Raises BenchFaultError and StartPoseError.
+    """
+    if sensing is Sensing.IDEAL:
+        ideal = IdealFleet(folder, robots, seed, config, faults=faults)
+        return run_ideal_bench(ideal, duration, progress)
+    fleet = Fleet(folder, robots, seed, config, observer=observer, faults=faults)
+    return run_bench(fleet, duration, progress)
