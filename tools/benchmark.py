@@ -24,7 +24,7 @@ from tools.bench.fleet import Fleet, run_bench
 from tools.bench.fleet_recorder import FleetRecorder
 from tools.color_trial import run_color_trial
 from tools.demo import Demo, DemoOptions, free_endpoint
-from tools.fault import chosen_faults
+from tools.fault_list import chosen_faults
 from tools.fault_table import run_faults
 from tools.localize_benchmark import large_map_mb, update_costs
 from tools.monitor.operator import Operator
