@@ -27,7 +27,8 @@ from robot_agent.foxglove import (
     timestamp_at,
     track_entity,
 )
-from robot_agent.motion.gate import GateDecision, GateReason
+from robot_agent.motion.gate import GateDecision
+from robot_agent.motion.gate_reason import GateReason
 from robot_agent.patrol.patrol import PatrolDecision
 from robot_agent.streams import (
     DecisionPayload,

@@ -178,6 +178,9 @@ class ProcessPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=Tr
     recorder_lost: Annotated[int, Meta(description="records the disk was too slow for")] = 0
     recorder_trouble: Annotated[str, Meta(description="why nothing is recorded any more")] = ""
     telemetry_dropped: Annotated[int, Meta(description="payloads the network was too slow for")] = 0
+    operator: Annotated[
+        bool | None, Meta(description="whether the operator is connected; absent without telemetry")
+    ] = None
 
 
 Payload = (

@@ -109,6 +109,7 @@ PAYLOADS: dict[str, Payload] = {
         recorder_lost=3,
         recorder_trouble="disk full",
         telemetry_dropped=2,
+        operator=True,
     ),
     "process_log": Log(timestamp=NOON, level=LogLevel.ERROR, message="disk full", name="recorder"),
     "event": Log(timestamp=NOON, level=LogLevel.WARNING, message="laser silent", name="laser"),
