@@ -39,6 +39,7 @@ from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
 from robot_agent.motion.gate_reason import DENIALS, LATCHED, GateReason
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.motion.recovery_turn import RecoveryTurn
+from robot_agent.motion.trust import BASE, LASER, POSE, SONAR, TrustWatch
 from robot_agent.obstacles import Obstacles
 from robot_agent.odometry_history import OdometryHistory
 from robot_agent.patrol.actions import Action
@@ -96,6 +97,7 @@ class Agent:
         self.teleop = Teleop(config.teleop) if config.teleop.enabled else None
         self.recovery = RecoveryTurn(config.recovery)
         self.deadline = DeadlineWatch()
+        self._trust = TrustWatch()
         self.gate = SafetyGate(config.gate)
         self.reports = Reports(self, start_wall_ns)
         self.decision: PatrolDecision | None = None
@@ -129,6 +131,7 @@ class Agent:
             case Tick(t):
                 self.base.tick(t)
                 self.laser.tick(t)
+                self._miss_streams(t)
                 if self._publishes:
                     self._publish(self.reports.on_time(t))
             case LinkUp(t, link):
@@ -153,6 +156,9 @@ class Agent:
         self.reports.hear("base", t, data, understood=bool(states))
         for state in states:
             self.odometry.add(state)
+            self._trust.well(BASE, t)
+            if state.sonar:
+                self._trust.well(SONAR, t)
             at_report = Pose(state.x, state.y, state.theta)
             self._sonar_obstacles.hear(state, at_report, self.base.model)
             self._control_step(t, state)
@@ -162,6 +168,7 @@ class Agent:
         scans = self.laser.feed(data, t)
         self.reports.hear("laser", t, data, understood=bool(scans))
         for scan in scans:
+            self._trust.well(LASER, t)
             self._look(t, scan)
 
     def _look(self, t: float, scan: Scan) -> None:
@@ -247,10 +254,18 @@ class Agent:
         self.base.drive(t, gate.v, gate.w)
         return gate
 
+    def _miss_streams(self, t: float) -> None:
+        """Raise an alarm for each stream that is missed, and end it when the stream is back."""
+        for stream, well in self._trust.changes(t):
+            words = "is back" if well else f"none for {stream.max_age:g} s: {stream.reaction}"
+            level = LogLevel.INFO if well else stream.level
+            self._say(t, f"trust.{stream.name}", f"{stream.what}: {words}", level)
+
     def _trust_pose(self, health: Health) -> None:
         """Trust the pose once localized, until lost: unsure alone gives no trust and takes none."""
         if health is Health.LOCALIZED:
             self._pose_trusted = True
+            self._trust.well(POSE, self._now)
         elif health is Health.LOST:
             self._pose_trusted = False
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from robot_agent.motion.gate_reason import DENIALS, GateReason
 from robot_agent.streams import DecisionPayload
 from tools.monitor.robot_state import RobotState
 
@@ -13,30 +14,24 @@ GATE_WORDS = {
     "invalid": "a number that is none",
     "stale_base": "no fresh report of the base",
     "stale_laser": "no fresh laser scan",
+    "overloaded": "the agent cannot keep up",
     "not_localized": "not localized",
+    "bumped_again": "bumped twice: look at it, then press MOTORS off and on",
+    "stalled_again": "stalled again and again: look at it, then press MOTORS off and on",
+    "stop_button": "stop button",
+    "battery_low": "battery is low",
     "motors_off": "motors are off",
     "stalled": "a motor is stalled",
     "bumper": "a bumper is pressed",
     "overspeed": "the base is faster than it was told",
     "backing": "backwards is not allowed",
     "obstacle": "obstacle ahead",
+    "limited": "slow while it looks around",
     "unsure": "unsure of its pose",
     "speed_limit": "speed limit",
     "acceleration": "acceleration limit",
 }
-HOLDING_REASONS = frozenset(
-    {
-        "invalid",
-        "stale_base",
-        "stale_laser",
-        "not_localized",
-        "motors_off",
-        "stalled",
-        "bumper",
-        "overspeed",
-        "obstacle",
-    }
-)
+HOLDING_REASONS = frozenset(str(reason) for reason in (DENIALS | {GateReason.OBSTACLE}))
 """Reasons of the gate that can hold a robot, not merely slow it."""
 
 

@@ -5,20 +5,29 @@ import { colour, robotColour } from "./palette.js";
 const ELLIPSE_95 = 2.448; // radius in standard deviations that holds 95 % in two dimensions
 const CLOSE = 60; // px per m
 const SMALLEST_ELLIPSE = 4; // px
+const TRAIL_SECONDS = 600;
+const GAP = 3; // s without a sample that breaks the trail
 const FRESH = 1.5; // s after which a scan or a track says nothing of the present
 
+// Where it was in the last minutes, up to where it is; broken where nothing was heard.
 export function drawTrail(context, robot, scale) {
-  if (robot.trail.length < 2) return;
-  const oldest = robot.trail.length;
+  const points = robot.samples.slice(-TRAIL_SECONDS);
+  if (!points.length) return;
   context.strokeStyle = robotColour(robot.number);
   context.lineWidth = 2 / scale;
   context.lineJoin = "round";
   // Three pieces, each fainter than the one after: enough to see which way it came.
+  const third = Math.ceil(points.length / 3);
   for (let piece = 0; piece < 3; piece += 1) {
-    const [from, to] = [Math.floor((piece * oldest) / 3), Math.floor(((piece + 1) * oldest) / 3)];
     context.globalAlpha = 0.12 + 0.14 * piece;
     context.beginPath();
-    for (let at = from; at < Math.min(to + 1, oldest); at += 1) context.lineTo(...robot.trail[at]);
+    let before = -Infinity;
+    for (const [wall, x, y] of points.slice(piece * third, (piece + 1) * third + 1)) {
+      if (wall - before > GAP) context.moveTo(x, y);
+      else context.lineTo(x, y);
+      before = wall;
+    }
+    if (piece === 2 && robot.age("pose", robot.at.decision) < GAP) context.lineTo(robot.pose[0], robot.pose[1]);
     context.stroke();
   }
   context.globalAlpha = 1;
