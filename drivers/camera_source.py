@@ -41,6 +41,12 @@ class CameraSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     width, height: pixels asked for; the device takes the nearest it has
     exposure: in the device's unit (V4L2: 0.1 ms); None keeps what the device has, but fixed
     white_balance: colour temperature in K; None keeps what the device has, but fixed
+    mount: in base_link, (x m, y m, theta rad), of a camera that looks level
+    mount_height: of the lens above the floor, m
+    focal_length: in pixels of a picture ``width`` wide; `patrol calibrate camera` fits it
+    delay: s from taking a picture to its arrival
+    rate: pictures looked at each second; others are let pass
+    silence: s without a picture after which it is said to be stale
     """
 
     url: str = ""
@@ -48,6 +54,12 @@ class CameraSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     height: Annotated[int, msgspec.Meta(ge=16, le=4096)] = 240
     exposure: Annotated[float, msgspec.Meta(gt=0.0)] | None = None
     white_balance: Annotated[int, msgspec.Meta(ge=2000, le=10000)] | None = None
+    mount: tuple[float, float, float] = (0.10, 0.0, 0.0)
+    mount_height: Annotated[float, msgspec.Meta(gt=0.0, le=3.0)] = 0.30
+    focal_length: Annotated[float, msgspec.Meta(gt=10.0)] = 200.0
+    delay: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] = 0.1
+    rate: Annotated[float, msgspec.Meta(gt=0.0, le=60.0)] = 5.0
+    silence: Annotated[float, msgspec.Meta(gt=0.0)] = 1.0
 
 
 class Adjustable(Protocol):

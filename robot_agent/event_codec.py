@@ -12,7 +12,16 @@ from typing import Any, get_args, get_type_hints
 
 import msgspec
 
-from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
+from robot_agent.events import (
+    BytesReceived,
+    Event,
+    LinkDown,
+    LinkName,
+    LinkUp,
+    OperatorKey,
+    Shutdown,
+    Tick,
+)
 
 LINKS: tuple[LinkName, ...] = get_args(LinkName)
 
@@ -82,6 +91,7 @@ def _decode_link(t: float, data: bytes) -> Event:
 CODECS: tuple[EventCodec, ...] = (
     plain_event("tick", Tick, "patrol.Tick"),
     plain_event("shutdown", Shutdown, "patrol.Shutdown"),
+    plain_event("key", OperatorKey, "patrol.OperatorKey"),
     EventCodec("link", "patrol.Link", LinkMessage, (LinkUp, LinkDown), _encode_link, _decode_link),
 )
 

@@ -52,4 +52,16 @@ class Shutdown:
     t: float
 
 
-Event = BytesReceived | LinkUp | LinkDown | Tick | Shutdown
+@dataclass(frozen=True, slots=True)
+class OperatorKey:
+    """A key typed at the robot's own terminal: where to drive, for a moment.
+
+    ahead: 1 forwards, 0 not; left: 1 turn left, -1 right, 0 straight.
+    """
+
+    t: float
+    ahead: int
+    left: int
+
+
+Event = BytesReceived | LinkUp | LinkDown | Tick | Shutdown | OperatorKey

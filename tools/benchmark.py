@@ -22,6 +22,7 @@ from tools.bench.agent_stage import AgentStage
 from tools.bench.driver_load import driver_load
 from tools.bench.fleet import Fleet, run_bench
 from tools.bench.fleet_recorder import FleetRecorder
+from tools.color_trial import run_color_trial
 from tools.demo import Demo, DemoOptions, free_endpoint
 from tools.fault import chosen_faults
 from tools.fault_table import run_faults
@@ -35,6 +36,7 @@ SEED = 1
 SETTLED_S = 12.0
 """An agent has connected, localized and set off by then."""
 MEASURED_S = 20.0
+COLOR_PICTURES = 800
 
 
 @dataclass(frozen=True)
@@ -243,6 +245,18 @@ def localization(_folder_path: Path) -> Iterator[Figure]:
     yield Figure("localization, map of 100 x 100 m at 0.05 m", large_map_mb(), "MB", 60.0)
 
 
+def color(_folder_path: Path) -> Iterator[Figure]:
+    """Look for bands in composed pictures, 10 to 2000 lux, half of them without any."""
+    trial = run_color_trial(COLOR_PICTURES, SEED)
+    yield Figure("bands at 2.5 m found", 100 * trial.recall, "%", 95.0, at_least=True)
+    yield Figure("bands at 0.6 to 2.5 m found", 100 * trial.recall_near, "%", 95.0, at_least=True)
+    yield Figure("false bands in 200 pictures", 200 * trial.false_share, "", 1.0)
+    yield Figure("bearing of a band at 2.5 m, sigma", math.degrees(trial.bearing_sigma), "deg")
+    yield Figure("range of a band at 2.5 m, bias", trial.range_bias, "m")
+    yield Figure("range of a band at 2.5 m, sigma", trial.range_sigma, "m")
+    yield Figure("colour detection, 320 x 240, processor time", trial.cpu_ms, "ms", 5.0)
+
+
 GROUPS: dict[str, Callable[[Path], Iterator[Figure]]] = {
     "agent": agent_process,
     "response": response_on_the_line,
@@ -253,6 +267,7 @@ GROUPS: dict[str, Callable[[Path], Iterator[Figure]]] = {
     "replay": replay_speed,
     "localization": localization,
     "drivers": drivers,
+    "color": color,
 }
 
 

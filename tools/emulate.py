@@ -19,7 +19,7 @@ from drivers.line_faults import LineFaults, parse_faults
 from drivers.p2os.model import load_model
 from maps.map_folder import MapFolder
 from maps.pose import Pose
-from tools.bench.emulated_camera import CameraServer
+from tools.bench.emulated_camera import CameraServer, EmulatedCamera
 from tools.bench.real_time_rig import Pumped, RealTimeRig
 from tools.bench.rig import RobotRig
 from tools.bench.robot_body import Outline, RobotBody
@@ -114,15 +114,19 @@ def open_emulated_port(option: str, place: str, line: LineFaults, name: Path) ->
 
     A pty that is to be cut gets a name that outlives it. Raises EmulateError naming ``option``.
     """
-    port = _open_port(option, place, line, name if line.plan.cuts else None)
+    port = open_port(option, place, line, name if line.plan.cuts else None)
     line.on_cut = lambda _: port.unplug()
     line.on_restored = lambda _: port.plug_in()
     return port
 
 
-def _open_port(
+def open_port(
     option: str, place: str, device: EmulatedDevice, name: Path | None
 ) -> PtyPort | TcpPort:
+    """Put a device behind ``pty`` or ``tcp:PORT``; a pty gets the ``name``, if any.
+
+    Raises EmulateError naming ``option``.
+    """
     if place == "pty":
         return PtyPort(device, name)
     kind, _, number = place.partition(":")
@@ -140,7 +144,7 @@ def _open_port(
 def open_camera(port: int, world: World, body: RobotBody) -> CameraServer:
     """Serve what a robot sees; raises EmulateError if the port cannot be had."""
     try:
-        return CameraServer(world, lambda: body.pose, port)
+        return CameraServer(EmulatedCamera(world, body).take, port)
     except (OSError, OverflowError) as error:
         raise EmulateError(
             f"--camera {port}: cannot listen there ({error}); choose another port, or 0 for any"

@@ -6,6 +6,8 @@ from typing import Annotated
 
 import msgspec
 
+from robot_agent.perception.color_settings import ColorSettings
+
 Positive = Annotated[float, msgspec.Meta(gt=0.0)]
 NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]
 
@@ -54,6 +56,9 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     # What the patrol is told.
     visibility: Positive = 2.5  # m; the paper's visibility range (section III)
     visibility_margin: NotNegative = 0.1  # m; a teammate in view is kept this much farther
+
+    # What teammates wear, where there is a camera.
+    color: ColorSettings = ColorSettings()
 
     def __post_init__(self) -> None:
         """Check the order of limits."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -11,10 +12,15 @@ from typing import Any
 
 import numpy as np
 
+from maps.pose import Pose
 from tools.bench.faulty_line import FaultyLine
 from tools.bench.rig import RobotRig
 
 CARRIED_M = 0.5
+CARRY_ROOM_M = 0.5
+"""Left free beside the place where a robot is put down, if it is carried at all."""
+NOISE = 0.2
+"""Share of corrupt packets on a noisy line."""
 
 _SPEC = re.compile(r"(?P<robot>\w+):(?P<kind>\w+)@(?P<start>\d+\.?\d*)(?:-(?P<end>\d+\.?\d*))?")
 
@@ -30,7 +36,8 @@ class FaultKind(StrEnum):
     BLIND = "blind"  # nothing of what the laser sends arrives
     DEAF = "deaf"  # nothing of what the base sends arrives
     STUCK = "stuck"  # the wheels do not turn
-    CARRIED = "carried"  # once, somebody puts the robot half a metre to its left
+    NOISY = "noisy"  # a share of the packets and telegrams of both devices is corrupt
+    CARRIED = "carried"  # once, half a metre to its left, if there is room
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,21 +109,36 @@ class FaultInjector:
         self.base = FaultyLine(rig.base, rng)
         self.laser = FaultyLine(rig.laser, rng)
         self._rig = rig
-        self._faults = list(faults)
-        self._carries = [fault for fault in faults if fault.kind is FaultKind.CARRIED]
+        self._to_come = deque(sorted(faults, key=lambda fault: fault.start))
+        self._present: list[BenchFault] = []
         self.agent_dead = False
         """Whether nobody is there to hear the devices."""
 
     def advance(self, t: float) -> None:
         """Begin and end faults at t, s."""
-        on = {fault.kind for fault in self._faults if fault.holds(t)}
+        while self._to_come and self._to_come[0].start <= t:
+            fault = self._to_come.popleft()
+            self._present.append(fault)
+            if fault.kind is FaultKind.CARRIED:
+                self._carry()
+        self._present = [fault for fault in self._present if fault.holds(t)]
+        on = {fault.kind for fault in self._present}
         self.agent_dead = FaultKind.DEAD in on
         self.base.mute = self.agent_dead or FaultKind.DEAF in on
         self.laser.mute = self.agent_dead or FaultKind.BLIND in on
+        self.base.corrupt = self.laser.corrupt = NOISE if FaultKind.NOISY in on else 0.0
         self._rig.stuck = FaultKind.STUCK in on
-        for fault in [fault for fault in self._carries if fault.holds(t)]:
+
+    def _carry(self) -> None:
+        pose = self._rig.body.pose
+        left = pose.compose(Pose(0.0, CARRIED_M, 0.0))
+        directions = np.linspace(0.0, math.tau, 16, endpoint=False)
+        walls = self._rig.world.free_ways(left.x, left.y, directions).min()
+        way = self._rig.world.free_way(pose.x, pose.y, pose.theta + math.pi / 2.0)
+        others = [body for body in self._rig.world.bodies if body is not self._rig.body]
+        apart = min((math.dist(left[:2], body.pose[:2]) for body in others), default=math.inf)
+        if min(walls, way - CARRIED_M) > CARRY_ROOM_M and apart > 2.0 * CARRY_ROOM_M:
             self._rig.carry_left(CARRIED_M)
-            self._carries.remove(fault)
 
     def lose_output(self, t: float) -> None:
         """Let go what the devices have sent by t to nobody."""

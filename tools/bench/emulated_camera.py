@@ -1,8 +1,4 @@
-"""What a camera on an emulated robot would show, as pictures and as an MJPEG stream.
-
-One ray a column: walls as high as their distance makes them, shaded by it. No robots, no colours
-to tell them by.
-"""
+"""The camera of an emulated robot as an MJPEG stream: what it sees, in a light that changes."""
 
 from __future__ import annotations
 
@@ -16,38 +12,58 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from drivers.camera_source import CameraSettings
 from maps.pose import Pose
+from robot_agent.perception.color_settings import ColorSettings
+from tools.bench.camera_light import Light, LitCamera
+from tools.bench.camera_view import CameraView, posters_on_walls
+from tools.bench.robot_body import RobotBody
 from tools.bench.world import World
 
-WIDTH, HEIGHT = 320, 240  # pixels
-FIELD_OF_VIEW = math.radians(50.0)  # horizontally
-CAMERA_HEIGHT = 0.35  # m above the floor
-WALL_HEIGHT = 2.5  # m
 PICTURE_PERIOD_S = 0.1
 PATH = "/camera.mjpeg"
 _BOUNDARY = "picture"
+_DAYLIGHT_PERIOD_S = 240.0
+_STRENGTHS = (60.0, 1200.0)  # lux, darkest and brightest of a period
+_LAMPS = (3200.0, 6200.0)  # K, likewise
 
-_FLOOR, _CEILING, _WALL = (70, 80, 90), (225, 225, 215), np.array((150.0, 190.0, 205.0))
-_FADING = 6.0  # m over which a wall's brightness falls to 1/e
-_LEAST_BRIGHTNESS = 0.25
+
+class EmulatedCamera:
+    """Takes pictures from a robot; light and noise are deterministic under a seed."""
+
+    def __init__(
+        self,
+        world: World,
+        body: RobotBody,
+        camera: CameraSettings | None = None,
+        color: ColorSettings | None = None,
+        seed: int = 0,
+    ) -> None:
+        posters = posters_on_walls(world)
+        self._body = body
+        self._view = CameraView(
+            world, camera or CameraSettings(), color or ColorSettings(), posters
+        )
+        self._lit = LitCamera(np.random.default_rng((seed, body.index)))
+
+    def take(self, t: float, pose: Pose | None = None) -> NDArray[np.uint8]:
+        """Return the picture (height, width, 3; blue, green, red) taken at t, s.
+
+        pose: map_from_base then, instead of the body's present one.
+        """
+        scene = self._view.scene(pose or self._body.pose, self._body)
+        return self._lit.expose(scene, light_at(t))
 
 
-def render_view(world: World, pose: Pose) -> NDArray[np.uint8]:
-    """Return the picture (height, width, 3; blue, green, red) seen from a pose, map_from_base."""
-    focal = WIDTH / 2 / math.tan(FIELD_OF_VIEW / 2)
-    columns = np.arange(WIDTH) - (WIDTH - 1) / 2
-    bearings = -np.arctan(columns / focal)  # left of the picture is left of the robot
-    ranges = world.free_ways(pose.x, pose.y, pose.theta + bearings)
-    depth = np.maximum(ranges * np.cos(bearings), 0.05)
-    top = HEIGHT / 2 - focal * (WALL_HEIGHT - CAMERA_HEIGHT) / depth
-    bottom = HEIGHT / 2 + focal * CAMERA_HEIGHT / depth
-    rows = np.arange(HEIGHT)[:, None]
-    picture = np.where((rows < HEIGHT / 2)[..., None], _CEILING, _FLOOR)
-    picture = np.broadcast_to(picture, (HEIGHT, WIDTH, 3)).astype(np.float64)
-    brightness = np.clip(np.exp(-depth / _FADING), _LEAST_BRIGHTNESS, 1.0)
-    walls = (rows >= top) & (rows < bottom)
-    picture = np.where(walls[..., None], brightness[None, :, None] * _WALL, picture)
-    return picture.astype(np.uint8)
+def light_at(t: float) -> Light:
+    """Return the light in the building at t, s: clouds pass and lamps are switched."""
+    phase = 0.5 - 0.5 * math.cos(math.tau * t / _DAYLIGHT_PERIOD_S)
+    darkest, brightest = _STRENGTHS
+    return Light(
+        lux=darkest * (brightest / darkest) ** phase,
+        kelvin=_LAMPS[0] + (_LAMPS[1] - _LAMPS[0]) * phase,
+        exposure=1.0 + 0.2 * math.sin(math.tau * t / 17.0),
+    )
 
 
 class Feed:
@@ -134,13 +150,12 @@ class _Handler(BaseHTTPRequestHandler):
 class CameraServer:
     """Serves pictures as an MJPEG stream on this machine; ``port`` 0 takes any free one.
 
-    ``pump`` renders a picture when one is due and somebody watches. Raises OSError if the port is
+    ``pump`` takes a picture when one is due and somebody watches. Raises OSError if the port is
     taken.
     """
 
-    def __init__(self, world: World, pose_now: Callable[[], Pose], port: int = 0) -> None:
-        self._world = world
-        self._pose_now = pose_now
+    def __init__(self, take: Callable[[float], NDArray[np.uint8]], port: int = 0) -> None:
+        self._take = take
         self._feed = Feed()
         self._next = -math.inf
         self._server = _Server(("127.0.0.1", port), self._feed)
@@ -153,7 +168,7 @@ class CameraServer:
         if t < self._next or not self._feed.watchers:
             return
         self._next = t + PICTURE_PERIOD_S
-        done, jpeg = cv2.imencode(".jpg", render_view(self._world, self._pose_now()))
+        done, jpeg = cv2.imencode(".jpg", self._take(t))
         assert done, "a picture of ours can be coded"
         self._feed.show(jpeg.tobytes())
 

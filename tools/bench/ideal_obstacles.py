@@ -12,7 +12,7 @@ from maps.border import Border
 from maps.clearance import border_clearance
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose
-from robot_agent.motion.gate import GateSettings
+from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.patrol.actions import PATROLLING
 from tools.bench.ideal_robot import STEP_S, IdealRobot
 from tools.bench.robot_body import Outline

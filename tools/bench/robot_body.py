@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from enum import Enum, auto
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,14 +56,24 @@ class Outline:
         return np.concatenate(sides + ends)
 
 
+class BodyKind(Enum):
+    """What moves about in the world: a robot of the team, or a stranger of one kind."""
+
+    ROBOT = auto()
+    PERSON = auto()
+    BOX = auto()
+
+
 @dataclass(slots=True, eq=False)
 class RobotBody:
-    """One robot. pose: true map_from_base. wheel_scales: odometer's error (left, right wheel)."""
+    """One robot or stranger. pose: true map_from_base. wheel_scales: odometer's error (left, right
+    wheel)."""
 
     index: int
     pose: Pose
     outline: Outline = field(default_factory=Outline)
     wheel_scales: tuple[float, float] = (1.0, 1.0)
+    kind: BodyKind = BodyKind.ROBOT
     reach: float = field(init=False)
     """Distance of the outline's farthest corner from base_link, m."""
 

@@ -1,0 +1,147 @@
+"""The band detector: a picture in, the bands of the team's colour in it out."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.camera_source import CameraSettings
+from robot_agent.perception.blob import Blob, Sight
+from robot_agent.perception.color_model import ColorTable
+from robot_agent.perception.color_settings import ColorSettings
+
+_LEAST_AREA = 12  # pixels
+_MOST_BLOBS = 8  # largest ones looked at: a picture full of the colour must not cost time
+_EDGE_SIGMA = 1.0  # pixels by which an apparent height is off
+_GROWTH = 0.6  # pixels by which blur and coding make a strong colour higher than it is
+_CLOSING = cv2.getStructuringElement(cv2.MORPH_RECT, (5, 3))
+_THINNED = 8  # every so many rows and columns are looked at to judge a picture
+_DARK, _GLARE = 10.0, 245.0  # counts of the mean
+_LEAST_CONTRAST = 2.5  # counts, one sigma over the picture
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What a picture shows: whether it can be trusted, and its bands, most confident first."""
+
+    sight: Sight
+    blobs: tuple[Blob, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Region:
+    """A connected patch of the mask: its box, pixels, and mean height over its columns (pixels)."""
+
+    left: int
+    top: int
+    width: int
+    height: int
+    area: int
+    column_height: float
+
+
+class BandDetector:
+    """Finds bands; needs no more than the picture, so that it can run on any thread."""
+
+    def __init__(self, camera: CameraSettings, color: ColorSettings) -> None:
+        self._camera = camera
+        self._color = color
+        self._table = ColorTable(color)
+
+    def look(self, picture: NDArray[np.uint8]) -> Look:
+        """Return what a picture (height, width, 3; blue, green, red) shows."""
+        sight = judge_sight(picture)
+        if sight != "clear":
+            return Look(sight, ())
+        mask = self.mask(picture)
+        blobs = [
+            blob
+            for region in _regions(mask)
+            if (blob := self._blob(region, mask.shape[1], mask.shape[0])) is not None
+        ]
+        blobs.sort(key=lambda blob: -blob.confidence)
+        return Look(sight, tuple(blobs))
+
+    def mask(self, picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Return (height, width), 255 where the team's colour is, small gaps closed."""
+        smooth = np.asarray(cv2.blur(picture, (3, 3)), dtype=np.uint8)
+        closed = cv2.morphologyEx(self._table.mask(smooth), cv2.MORPH_CLOSE, _CLOSING)
+        return np.asarray(closed, dtype=np.uint8)
+
+    def _blob(self, region: _Region, columns: int, rows: int) -> Blob | None:
+        """Return what a region is if it may be a band, else None."""
+        focal = self._camera.focal_length * columns / self._camera.width
+        height = max(region.column_height - _GROWTH, 1.0)
+        distance = self._color.band_height * focal / height
+        if distance > self._color.range:
+            return None
+        across = region.left + (region.width - 1) / 2 - (columns - 1) / 2
+        down = region.top + (region.height - 1) / 2 - (rows - 1) / 2
+        bearing = -math.atan(across / focal)
+        # The picture plane is flat: away from its middle everything is drawn larger.
+        distance /= math.cos(bearing)
+        elevation = -math.atan(down / math.hypot(focal, across))
+        confidence = self._confidence(region, columns, distance, elevation, focal)
+        if confidence < self._color.least_confidence:
+            return None
+        return Blob(
+            bearing=round(bearing, 6),
+            elevation=round(elevation, 6),
+            width=round(region.width / focal, 6),
+            height=round(height / focal, 6),
+            range=round(distance, 6),
+            range_sigma=round(0.03 + distance * _EDGE_SIGMA / height, 6),
+            confidence=round(confidence, 6),
+        )
+
+    def _confidence(
+        self, region: _Region, columns: int, distance: float, elevation: float, focal: float
+    ) -> float:
+        """Return 0 to 1: how well a region fits a band at its range."""
+        fill = region.area / (region.width * region.height)
+        cut = region.left == 0 or region.left + region.width == columns
+        depth = distance * math.cos(math.atan(abs(region.left - columns / 2) / focal))
+        width = region.width / focal * depth
+        relative = width / self._color.band_width
+        # Wider than any band is worse than narrower: something may stand before it.
+        shape = _bell(math.log(relative), 0.35 if relative > 1.0 else 0.9 if cut else 0.6)
+        expected = math.atan((self._color.band_middle - self._camera.mount_height) / distance)
+        place = _bell(elevation - expected, self._color.tilt_allowance)
+        return min(fill / 0.8, 1.0) * shape * place
+
+
+def judge_sight(picture: NDArray[np.uint8]) -> Sight:
+    """Return whether a picture can tell anything at all."""
+    sample = picture[::_THINNED, ::_THINNED].max(axis=2)
+    mean = float(sample.mean())
+    if mean < _DARK:
+        return "dark"
+    if mean > _GLARE:
+        return "glare"
+    return "clear" if float(sample.std()) >= _LEAST_CONTRAST else "covered"
+
+
+def _regions(mask: NDArray[np.uint8]) -> list[_Region]:
+    """Return the largest connected patches of a mask."""
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
+    areas = stats[1:count, cv2.CC_STAT_AREA]
+    largest = np.argsort(-areas, kind="stable")[:_MOST_BLOBS] + 1
+    regions = []
+    for label in largest.tolist():
+        left, top, width, height, area = stats[label].tolist()
+        if area < _LEAST_AREA:
+            break
+        part = labels[top : top + height, left : left + width] == label
+        heights = np.count_nonzero(part, axis=0)
+        # The ends of a band are ragged, its middle is not.
+        solid = heights[heights >= 0.5 * heights.max()]
+        regions.append(_Region(left, top, width, height, area, float(solid.mean())))
+    return regions
+
+
+def _bell(error: float, sigma: float) -> float:
+    return math.exp(-0.5 * (error / sigma) ** 2)

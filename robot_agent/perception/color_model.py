@@ -1,0 +1,88 @@
+"""The colour model: which pixels have the team's colour, whatever the light's strength.
+
+Brightness cancels in the ratios of the three channels; their logarithms make a lamp's colour a
+shift and the sensor's noise Gaussian, of a variance that grows as a pixel gets darker. A pixel is
+the team's when that is likelier than grey surroundings and than every other team's colour. As that
+depends on the pixel alone, the answer for each of 64 x 64 x 64 colours is worked out beforehand.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robot_agent.perception.color_settings import ColorModelSettings, ColorSettings
+
+_BITS = 6  # of each channel that count
+_SHIFT = 8 - _BITS
+_FLOOR = 6.0  # counts added to each channel: keeps the logarithms of dark pixels tame
+_NOISE = 1.5  # counts; one sigma of noise, coding and quantization in a channel
+_GREY_VARIANCE = 0.12  # of either coordinate over walls, floors, furniture and skin
+_LEAST_BRIGHTNESS = 18.0  # counts of the brightest channel
+_ADVANTAGE = 1.5  # of the log likelihood over that of grey: such colours are rare
+
+
+def log_chromaticity(pixels: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Return (n, 2): ln(red / green), ln(blue / green) of pixels (n, 3), blue, green, red."""
+    logs = np.log(pixels.astype(np.float64) + _FLOOR)
+    return np.column_stack((logs[:, 2] - logs[:, 1], logs[:, 0] - logs[:, 1]))
+
+
+class ColorTable:
+    """Tells the team's pixels from all others by one look-up each."""
+
+    def __init__(self, settings: ColorSettings) -> None:
+        self._table = _table(settings).astype(np.uint8) * 255
+
+    def mask(self, picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Return (height, width), 255 where a picture's pixel is the team's, else 0.
+
+        picture: (height, width, 3), blue, green, red.
+        """
+        coarse = picture >> _SHIFT
+        index = coarse[..., 0].astype(np.int32)
+        index <<= _BITS
+        index |= coarse[..., 1]
+        index <<= _BITS
+        index |= coarse[..., 2]
+        return self._table[index]
+
+
+def _table(settings: ColorSettings) -> NDArray[np.bool_]:
+    """Return (64^3,) whether each colour is the team's; index: blue, green, red, coarsest first."""
+    steps = np.arange(1 << _BITS) * float(1 << _SHIFT) + 0.5 * ((1 << _SHIFT) - 1)
+    blue, green, red = (axis.ravel() for axis in np.meshgrid(steps, steps, steps, indexing="ij"))
+    place = log_chromaticity(np.column_stack((blue, green, red)))
+    noise = _noise(blue, green, red)
+    distance, likelihood = _fit(place, noise, settings.band)
+    grey = ColorModelSettings(mean=(0.0, 0.0), covariance=(_GREY_VARIANCE, 0.0, _GREY_VARIANCE))
+    mine = likelihood > _fit(place, noise, grey)[1] + _ADVANTAGE
+    mine &= distance < settings.gate
+    mine &= np.maximum(np.maximum(blue, green), red) >= _LEAST_BRIGHTNESS
+    for other in settings.others:
+        mine &= likelihood > _fit(place, noise, other)[1]
+    return np.asarray(mine)
+
+
+_Covariance = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+
+
+def _noise(
+    blue: NDArray[np.float64], green: NDArray[np.float64], red: NDArray[np.float64]
+) -> _Covariance:
+    """Return what a channel's noise does to both coordinates: var, covariance, var."""
+    of_blue, of_green, of_red = (
+        (_NOISE / (channel + _FLOOR)) ** 2 for channel in (blue, green, red)
+    )
+    return of_red + of_green, of_green, of_blue + of_green
+
+
+def _fit(
+    place: NDArray[np.float64], noise: _Covariance, model: ColorModelSettings
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return squared Mahalanobis distances of colours to a model, and their log likelihoods."""
+    xx, xy, yy = (own + added for own, added in zip(model.covariance, noise, strict=True))
+    determinant = xx * yy - xy * xy
+    dx, dy = place[:, 0] - model.mean[0], place[:, 1] - model.mean[1]
+    distance = (yy * dx * dx - 2.0 * xy * dx * dy + xx * dy * dy) / determinant
+    return distance, -0.5 * (distance + np.log(determinant))
