@@ -285,7 +285,7 @@ def telemetry(_folder_path: Path) -> Iterator[Figure]:
         yield Figure(f"{name}: payloads dropped", timing.dropped, "")
 
 
-def page(_folder_path: Path) -> Iterator[Figure]:
+def operator_page(_folder_path: Path) -> Iterator[Figure]:
     """Load the monitor and its page with many robots at full telemetry."""
     load = measure_load(50, MEASURED_S)
     yield Figure("50 robots: payloads", load.messages_per_s, "1/s")
@@ -324,7 +324,7 @@ GROUPS: dict[str, Callable[[Path], Iterator[Figure]]] = {
     "localization": localization,
     "drivers": drivers,
     "telemetry": telemetry,
-    "page": page,
+    "page": operator_page,
     "color": color,
 }
 
