@@ -25,6 +25,7 @@ _GAP_TOLERANCE = 1e-3  # m between the end of a primitive and the start of the n
 _KINK_TOLERANCE = 0.02  # rad between their headings
 _BRANCH_MARGIN = 0.02  # m by which another branch must be nearer to leave the present one
 _BRANCH_REACH = 0.5  # m of abscissa around the previous projection that count as its branch
+_CELL = 0.5  # m; side of the cells for which the pieces near by are kept
 _DRAWING_STEP = 0.02  # m, for the area and the crossing check
 
 
@@ -78,6 +79,7 @@ class Border:
             SegmentFoot(piece, s) if isinstance(piece, Segment) else ArcFoot(piece, s)
             for piece, s in zip(self.primitives, self._starts, strict=True)
         )
+        self._feet_of_cell: dict[tuple[float, float], tuple[SegmentFoot | ArcFoot, ...]] = {}
 
     @property
     def tightest_radius(self) -> float:
@@ -101,7 +103,7 @@ class Border:
         """
         best_distance, best_s = math.inf, 0.0
         kept_distance, kept_s = math.inf, 0.0
-        for foot in self._feet:
+        for foot in self._feet_near(x, y):
             distance, s = foot.nearest(x, y)
             if distance < best_distance:
                 best_distance, best_s = distance, s
@@ -118,6 +120,25 @@ class Border:
         foot_x, foot_y, tx, ty, curvature = self.at(best_s)
         side = 1 if tx * (y - foot_y) - ty * (x - foot_x) >= 0.0 else -1
         return BorderProjection(best_s, foot_x, foot_y, best_distance, (tx, ty), curvature, side)
+
+    def _feet_near(self, x: float, y: float) -> tuple[SegmentFoot | ArcFoot, ...]:
+        """Return the pieces that can matter to a projection from anywhere in the cell of (x, y).
+
+        Kept by cell: within one, a piece's distance changes by no more than half its diagonal.
+        """
+        cell = (x // _CELL, y // _CELL)
+        feet = self._feet_of_cell.get(cell)
+        if feet is None:
+            middle = ((cell[0] + 0.5) * _CELL, (cell[1] + 0.5) * _CELL)
+            distances = [foot.nearest(*middle)[0] for foot in self._feet]
+            farthest = min(distances) + math.sqrt(2.0) * _CELL + 2.0 * _BRANCH_MARGIN
+            feet = tuple(
+                foot
+                for foot, distance in zip(self._feet, distances, strict=True)
+                if not distance > farthest  # of no number at all: every piece
+            )
+            self._feet_of_cell[cell] = feet
+        return feet
 
     def project_many(self, points: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return (abscissae (n,), distances (n,)), m, of points (n, 2) in the map frame."""

@@ -14,6 +14,7 @@ from drivers.lms200.session import Lms200Session
 from drivers.lms200.session import SessionState as LaserState
 from drivers.p2os.base_state import BaseState
 from drivers.p2os.model import load_model
+from drivers.p2os.motor_watch import MotorState
 from drivers.p2os.session import P2osSession, SessionState
 from drivers.requests import Request, Write
 from localization.health import Health
@@ -37,8 +38,11 @@ from robot_agent.events import (
 )
 from robot_agent.evidence import cut_out, points_near
 from robot_agent.foxglove import LogLevel
-from robot_agent.motion.gate import GateDecision, GateInputs, GateReason, SafetyGate
+from robot_agent.motion.deadline_watch import DeadlineWatch
+from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
+from robot_agent.motion.gate_reason import DENIALS, LATCHED, GateReason
 from robot_agent.motion.heading_loop import HeadingLoop
+from robot_agent.motion.recovery_turn import RecoveryTurn
 from robot_agent.obstacles import Obstacles
 from robot_agent.odometry_history import OdometryHistory
 from robot_agent.patrol.actions import Action
@@ -50,21 +54,11 @@ from robot_agent.scan_points import ScanProjector, hits
 from robot_agent.sonar_obstacles import SonarObstacles
 from robot_agent.streams import Payload, encode
 
-STOPPING = frozenset(
-    {
-        GateReason.STALE_BASE,
-        GateReason.STALE_LASER,
-        GateReason.NOT_LOCALIZED,
-        GateReason.STALLED,
-        GateReason.BUMPER,
-        GateReason.OVERSPEED,
-        GateReason.OBSTACLE,
-        GateReason.INVALID,
-    }
-)
+STOPPING = DENIALS - {GateReason.MOTORS_OFF, GateReason.BACKING} | {GateReason.OBSTACLE}
 """Reasons of the gate that mean the robot is being held, not merely kept to its limits."""
 
 _CRAWL = 0.05  # m/s; slower than this before an obstacle is as good as held by it
+_REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
 
 _LEVELS = {
     Health.LOCALIZED: LogLevel.INFO,
@@ -76,10 +70,18 @@ _LEVELS = {
 class Agent:
     """One robot's whole onboard reasoning."""
 
-    def __init__(self, config: AgentConfig, folder: MapFolder, start_wall_ns: int = 0) -> None:
+    def __init__(
+        self,
+        config: AgentConfig,
+        folder: MapFolder,
+        start_wall_ns: int = 0,
+        *,
+        publishes: bool = True,
+    ) -> None:
         """Build every stage; nothing happens before the first event.
 
-        A folder without a border gives an agent that localizes and sees, but never moves.
+        A folder without a border gives an agent that localizes and sees, but never moves. An agent
+        that publishes nothing decides and sends the same, in less time: for benches.
         """
         rng = np.random.default_rng(config.robot.seed)
         model = load_model(config.base.model)
@@ -99,6 +101,8 @@ class Agent:
             else None
         )
         self.heading_loop = HeadingLoop(config.heading)
+        self.recovery = RecoveryTurn(config.recovery)
+        self.deadline = DeadlineWatch()
         self.gate = SafetyGate(config.gate)
         self.reports = Reports(self, start_wall_ns)
         self.decision: PatrolDecision | None = None
@@ -109,6 +113,8 @@ class Agent:
         self._sonar_obstacles = SonarObstacles(model)
         self._pose_trusted = False
         self._ending = False
+        self._now = 0.0  # s: what is handled late happens now
+        self._publishes = publishes
         self._effects: list[Effect] = []
         if config.start is None:
             self.localizer.start_anywhere()
@@ -121,6 +127,7 @@ class Agent:
     def handle(self, event: Event) -> list[Effect]:
         """Take one event; return what to do about it, in order."""
         self._effects = []
+        self._now = max(self._now, event.t)
         match event:
             case BytesReceived(t, "base", data):
                 self._take_base_bytes(t, data)
@@ -130,7 +137,8 @@ class Agent:
                 self.base.tick(t)
                 self.laser.tick(t)
                 self._tell_degraded(t)
-                self._publish(self.reports.on_time(t))
+                if self._publishes:
+                    self._publish(self.reports.on_time(t))
             case BlobsSeen():
                 self._take_blobs(event)
             case PictureTaken():
@@ -187,7 +195,8 @@ class Agent:
             self.tracker.update(scan.t, estimate.pose, points, reflectors)
         if estimate.health is Health.LOCALIZED:
             self._watch_intruders(t, scan.t, estimate.pose, points)
-        self._publish(self.reports.on_scan(t, scan))
+        if self._publishes:
+            self._publish(self.reports.on_scan(t, scan))
 
     def _take_blobs(self, event: BlobsSeen) -> None:
         """Take in what a picture shows of the team's colour."""
@@ -219,7 +228,8 @@ class Agent:
             if self.camera.state(t) == "clear":
                 self._pictured = new
                 self._effects.append(TakePicture())
-        self._publish(self.reports.on_intruders(t, self.intruders.known))
+        if self._publishes:
+            self._publish(self.reports.on_intruders(t, self.intruders.known))
 
     def _take_picture(self, event: PictureTaken) -> None:
         """Add a picture to the report of the intruder it was taken of."""
@@ -244,11 +254,17 @@ class Agent:
     # --- one control step ----------------------------------------------------------------------
 
     def _control_step(self, t: float, state: BaseState) -> None:
-        """Decide and act, once per base report."""
-        pose = self._pose_now(t)
-        if pose is None or self.patrol is None or self._ending:
+        """Decide and act, once per base report; t: its arrival, s."""
+        self.deadline.note(self._now - t)
+        if self.patrol is None or self._ending:
             self.base.drive(t, 0.0, 0.0)
             return
+        pose = self._pose_now(t)
+        if pose is None:
+            self._look_around(t, state)
+            return
+        if self.recovery.end():
+            self._say(t, "recovery", "goes on: the pose is known", LogLevel.INFO)
         # 1. Decide: closest teammate, action, velocity in the map.
         track = self.tracker.closest(t, pose)
         teammate = None if track is None else (track.x, track.y)
@@ -256,16 +272,30 @@ class Agent:
         # 2. Act: turn that velocity into wheel speeds.
         wish = self.heading_loop.command(t, decision.velocity, pose.theta, decision.curvature)
         # 3. Gate: nothing moves the robot but what leaves here.
-        gate = self.gate.permit(t, wish, self._gate_inputs(t, state))
-        if gate.reason is GateReason.MOTORS_OFF:
-            self.base.enable_motors(t)  # all else permits motion
-        self.base.drive(t, gate.v, gate.w)
+        gate = self._drive(t, wish, self._gate_inputs(t, state))
         # 4. Tell.
         self._note_gate(t, gate)
         if decision.blocked:
             self._say(t, "patrol", _blocked_words(decision), LogLevel.WARNING)
-        self.decision, self.gate_decision = decision, gate
-        self._publish(self.reports.on_decision(t, pose, decision, wish, gate, track))
+        self.decision = decision
+        if self._publishes:
+            self._publish(self.reports.on_decision(t, pose, decision, wish, gate, track))
+
+    def _look_around(self, t: float, state: BaseState) -> None:
+        """Stand, and turn slowly where that is clear, until the pose is known."""
+        wish = self.recovery.wish(t)
+        gate = self._drive(t, wish, self._gate_inputs(t, state, limited=True))
+        if wish != (0.0, 0.0):
+            self._note_gate(t, gate)
+            self._say(t, "recovery", "turns to look around", LogLevel.WARNING)
+
+    def _drive(self, t: float, wish: tuple[float, float], inputs: GateInputs) -> GateDecision:
+        """Let the gate have its say and the base have the rest."""
+        gate = self.gate.permit(self._now, wish, inputs)
+        if gate.reason is GateReason.MOTORS_OFF and wish != (0.0, 0.0):
+            self.base.enable_motors(t)  # all else permits motion
+        self.base.drive(t, gate.v, gate.w)
+        return gate
 
     def _trust_pose(self, health: Health) -> None:
         """Trust the pose once localized, until lost: unsure alone gives no trust and takes none."""
@@ -293,23 +323,26 @@ class Agent:
             return None
         return estimate.pose_at(odometry)
 
-    def _gate_inputs(self, t: float, state: BaseState) -> GateInputs:
+    def _gate_inputs(self, t: float, state: BaseState, *, limited: bool = False) -> GateInputs:
         odometry = self.odometry.at(t)
         estimate = self.localizer.estimate
         assert odometry is not None
-        assert estimate is not None
         return GateInputs(
             base_time=state.t,
             scan_time=self._obstacles.seen_at,
-            health=estimate.health,
+            health=None if estimate is None else estimate.health,
             motors_enabled=state.motors_enabled,
+            stop_button=state.stop_button or self.base.motors is MotorState.STOP_BUTTON,
             stalled=state.stall_left or state.stall_right,
             bumpers=state.front_bumpers | state.rear_bumpers,
+            battery=state.battery,
             obstacles=np.concatenate(
                 (self._obstacles.around(odometry), self._sonar_obstacles.around(t, odometry))
             ),
             v=state.v,
             w=state.w,
+            overloaded=self.deadline.overloaded,
+            limited=limited,
         )
 
     def _held_by_obstacle(self) -> bool:
@@ -323,9 +356,11 @@ class Agent:
         if gate.reason in STOPPING and (before is None or before.reason not in STOPPING):
             self.gate_stops += 1
         if gate.reason in STOPPING:
-            self._say(t, "gate", f"holds the robot: {gate.reason}", LogLevel.WARNING)
+            remedy = f" ({_REMEDY})" if gate.reason in LATCHED else ""
+            self._say(t, "gate", f"holds the robot: {gate.reason}{remedy}", LogLevel.WARNING)
         else:
             self._say(t, "gate", "lets the robot move", LogLevel.INFO)
+        self.gate_decision = gate
 
     # --- links and output --------------------------------------------------------------------
 
@@ -351,7 +386,8 @@ class Agent:
         return self.base if link == "base" else self.laser
 
     def _say(self, t: float, part: str, words: str, level: LogLevel) -> None:
-        self._publish(self.reports.on_news(t, part, words, level))
+        if self._publishes:
+            self._publish(self.reports.on_news(t, part, words, level))
 
     def _publish(self, payloads: list[tuple[str, Payload]]) -> None:
         self._effects += [Publish(stream, encode(payload)) for stream, payload in payloads]

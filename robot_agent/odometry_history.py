@@ -10,6 +10,8 @@ from drivers.p2os.base_state import BaseState
 from maps.pose import Pose, wrap_angle
 
 KEPT_S = 3.0
+CARRIED_S = 0.5
+"""How far past the newest report the robot may be thought to go on as it did: five reports."""
 
 
 class OdometryHistory:
@@ -34,11 +36,14 @@ class OdometryHistory:
     def at(self, t: float) -> Pose | None:
         """Return ``odom_from_base`` at t: interpolated, or carried past the newest report.
 
-        None before the first report and for times older than what is kept.
+        None before the first report, for times older than what is kept, and more than CARRIED_S
+        past the newest: nobody knows then what the robot has done.
         """
         if not self._states or t < self._states[0].t:
             return None
         newest = self._states[-1]
+        if t - newest.t > CARRIED_S:
+            return None
         if t >= newest.t:
             return _carried_forward(newest, t - newest.t)
         after = bisect_left(self._states, t, key=lambda state: state.t)
@@ -48,7 +53,11 @@ class OdometryHistory:
         """Return the speeds v, m/s, and w, rad/s, reported nearest to t; zero without reports."""
         if not self._states:
             return 0.0, 0.0
-        nearest = min(self._states, key=lambda state: abs(state.t - t))
+        nearest = self._states[-1]
+        for state in reversed(self._states):  # what is asked for lies near the end
+            if abs(state.t - t) > abs(nearest.t - t):
+                break
+            nearest = state
         return nearest.v, nearest.w
 
 

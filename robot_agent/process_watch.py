@@ -40,10 +40,13 @@ class ProcessWatch:
         self._last_done = done
         return done - self._reported >= PERIOD_S
 
-    def report(self, lost: int, trouble: str, dropped: int) -> ProcessPayload:
+    def report(
+        self, lost: int, trouble: str, dropped: int, operator: bool | None = None
+    ) -> ProcessPayload:
         """Return what was seen since the last report, and start anew.
 
-        lost, trouble: of the recorder; dropped: by the network, both since the start.
+        lost, trouble: of the recorder; dropped: by the network, both since the start; operator:
+        whether the operator is connected.
         """
         now, cpu = self._last_done, time.process_time()
         lateness = sorted(self._lateness)
@@ -60,6 +63,7 @@ class ProcessWatch:
             recorder_lost=lost,
             recorder_trouble=trouble,
             telemetry_dropped=dropped,
+            operator=operator,
         )
         self._lateness.clear()
         self._pause, self._cpu, self._reported = 0.0, cpu, now

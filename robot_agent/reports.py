@@ -28,7 +28,8 @@ from robot_agent.foxglove import (
     timestamp_at,
     track_entity,
 )
-from robot_agent.motion.gate import GateDecision, GateReason
+from robot_agent.motion.gate import GateDecision
+from robot_agent.motion.gate_reason import GateReason
 from robot_agent.patrol.patrol import PatrolDecision
 from robot_agent.perception.intruders import Intruder
 from robot_agent.perception.track import Track
@@ -143,6 +144,7 @@ class Reports:
             action=decision.action,
             direction=decision.direction,
             distance_from_border=decision.distance_from_border,
+            way_to_border=_finite(decision.way_to_border),
             abscissa=decision.abscissa,
             distance_from_neighbor=_finite(decision.distance_from_neighbor),
             neighbor=_bearing_pose(pose, neighbor),
@@ -156,6 +158,8 @@ class Reports:
             wish=Twist(*wish),
             command=Twist(gate.v, gate.w),
             gate_reason=None if gate.reason is GateReason.NONE else str(gate.reason),
+            blocked=decision.blocked,
+            holding=decision.holding,
         )
         in_frame = PoseInFrame(timestamp=stamp, frame_id="map", pose=pose3(pose))
         return [("pose", in_frame), ("decision", payload)]

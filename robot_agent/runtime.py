@@ -155,7 +155,9 @@ class Runtime:
         lost, trouble = 0, ""
         if self._recorder is not None:
             lost, trouble = self._recorder.lost, self._recorder.failed
-        report = encode(self._watch.report(lost, trouble, self._telemetry.dropped))
+        report = encode(
+            self._watch.report(lost, trouble, self._telemetry.dropped, self._telemetry.connected)
+        )
         self._note("process", "process", report, t)
         if not trouble and lost:
             trouble = "the disk is too slow: parts of the recording are lost"

@@ -14,10 +14,9 @@ from drivers.p2os.base_state import BaseState
 from drivers.p2os.model import RobotModel
 from drivers.sonar import SonarRing
 from maps.pose import Pose
+from robot_agent.motion.trust import SONAR
 from robot_agent.scan_points import move_points
 
-MAX_AGE = 0.5
-"""s; a ring of eight is fired through in 0.32 s and reported up to 0.1 s later."""
 ABEAM = math.radians(89.0)
 """Transducers that point less far from straight ahead are left to the laser."""
 
@@ -43,7 +42,9 @@ class SonarObstacles:
     def around(self, t: float, odometry: Pose) -> NDArray[np.float64]:
         """Return the echoes heard lately, (n, 2) m, in base_link where odometry is odom_from_base
         at ``t`` (s)."""
-        heard = self._beside & (self._ring.ages(t) <= MAX_AGE) & np.isfinite(self._echoes[:, 0])
+        heard = (
+            self._beside & (self._ring.ages(t) <= SONAR.max_age) & np.isfinite(self._echoes[:, 0])
+        )
         return move_points(self._echoes[heard], odometry.between(Pose(0.0, 0.0, 0.0)))
 
     def _take_model(self, model: RobotModel) -> None:

@@ -163,6 +163,9 @@ class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=T
     action: Annotated[str, Meta(description="action in force")]
     direction: Annotated[int, Meta(description="+1 clockwise, -1 counter-clockwise")]
     distance_from_border: Annotated[float, Meta(description="m")]
+    way_to_border: Annotated[
+        float | None, Meta(description="m, round walls; absent if there is no way")
+    ] = None
     abscissa: Annotated[float, Meta(description="place along the border (m)")]
     distance_from_neighbor: Annotated[
         float | None, Meta(description="m; absent if no teammate is near")
@@ -197,6 +200,12 @@ class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=T
     gate_reason: Annotated[
         str | None, Meta(description="why the gate changed the wish; absent if it did not")
     ] = None
+    blocked: Annotated[
+        bool, Meta(description="gave up waiting for an object on its way, just now")
+    ] = False
+    holding: Annotated[
+        bool, Meta(description="stands still, caught between an end and a teammate")
+    ] = False
 
 
 class ProcessPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
@@ -214,6 +223,9 @@ class ProcessPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=Tr
     recorder_lost: Annotated[int, Meta(description="records the disk was too slow for")] = 0
     recorder_trouble: Annotated[str, Meta(description="why nothing is recorded any more")] = ""
     telemetry_dropped: Annotated[int, Meta(description="payloads the network was too slow for")] = 0
+    operator: Annotated[
+        bool | None, Meta(description="whether the operator is connected; absent without telemetry")
+    ] = None
 
 
 Payload = (

@@ -8,8 +8,10 @@ a slow, absent or hanging network never holds the agent up.
 from __future__ import annotations
 
 import json
+import math
 import re
 import threading
+import time
 from collections import deque
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
     import zenoh
 
 CLOSE_S = 1.0
+LOOK_S = 1.0
+"""How often it is looked whether the operator is connected."""
 RECONNECT_MS = {"period_init_ms": 250, "period_max_ms": 2000, "period_increase_factor": 2}
 LEASE_MS = 4000
 """A peer that was silent this long is gone; both ends send a sign of life every quarter of it."""
@@ -49,6 +53,8 @@ class Telemetry:
         self.sent = 0
         self.dropped = 0
         self.failed = ""
+        self.connected: bool | None = None
+        """Whether the operator was there at the last look, once a second; None: no telemetry."""
         self._operator = settings.operator
         self._robot = robot
         self._team = team
@@ -95,9 +101,13 @@ class Telemetry:
         import zenoh
 
         token = session.liveliness().declare_token(key_of(self._team, self._robot))
+        looked_at = -math.inf
         while not self._ending:
-            self._waiting.wait()
+            self._waiting.wait(LOOK_S)
             self._waiting.clear()
+            if (now := time.monotonic()) - looked_at >= LOOK_S:
+                self.connected = bool(session.info.routers_zid() or session.info.peers_zid())
+                looked_at = now
             while self._queue:
                 stream, payload = self._queue.popleft()
                 # Not a declared publisher: that one sends only to subscribers it was told of, and

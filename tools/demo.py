@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import math
 import signal
 import socket
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,7 +22,8 @@ from robot_agent.config import (
     StartSettings,
     format_config,
 )
-from tools.monitor.operator import Operator
+from tools.monitor.monitor import Monitor, MonitorOptions, until
+from tools.monitor.site import Site
 from tools.monitor.text_view import show_team
 from tools.progress import Progress
 
@@ -96,29 +97,33 @@ class Demo:
         """Stop everything."""
         self.stop()
 
-    def watch(self, duration: float | None, *, headless: bool) -> bool:
-        """Run the demo with its operator until the duration (s) is over or Ctrl-C.
+    def watch(
+        self, duration: float | None, site: Site, *, http: str | None, headless: bool
+    ) -> bool:
+        """Run the demo with its monitor until the duration (s) is over or Ctrl-C.
 
         Returns whether every process was still running at the end; raises DemoError when the demo
-        cannot be started.
+        cannot be started, WebError when the page cannot be served at ``http``.
         """
-        end = math.inf if duration is None else time.monotonic() + duration
-        with Operator(self.options.operator) as operator, self:
+        with Monitor(MonitorOptions(self.options.operator, http, site)) as monitor, self:
+            going_on = until(duration)
+            if monitor.url:
+                print(f"patrol demo: the team is shown at {monitor.url}", file=sys.stderr)
             try:
                 if headless:
-                    self._wait_until(end)
+                    self._wait_while(going_on)
                 else:
-                    show_team(operator, lambda: self.alive() and time.monotonic() < end)
+                    show_team(monitor.watch, lambda: self.alive() and going_on())
             except KeyboardInterrupt:
                 print("patrol demo: stopping the robots", file=sys.stderr)
             return self.alive()
 
-    def _wait_until(self, end: float) -> None:
+    def _wait_while(self, going_on: Callable[[], bool]) -> None:
         with Progress("demo", None, "s") as progress:
             started = time.monotonic()
-            while self.alive() and (now := time.monotonic()) < end:
+            while self.alive() and going_on():
                 time.sleep(POLL_S)
-                progress(now - started)
+                progress(time.monotonic() - started)
 
     def alive(self) -> bool:
         """Tell whether every process still runs."""

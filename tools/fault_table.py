@@ -7,6 +7,7 @@ was under, how its wheels turned. Only detection and the laser's return come fro
 
 from __future__ import annotations
 
+import shutil
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -88,15 +89,28 @@ def _watch(
 
 
 def run_faults(
-    faults: Sequence[Fault], tell: Callable[[Reaction], None] = lambda _: None
+    faults: Sequence[Fault],
+    tell: Callable[[Reaction], None] = lambda _: None,
+    keep: Path | None = None,
 ) -> list[Reaction]:
-    """Run faults one after the other; ``tell`` hears of each as it is done."""
+    """Run faults one after the other; ``tell`` hears of each as it is done.
+
+    With ``keep`` each fault's recordings stay in a folder of its name there.
+    """
     reactions = []
     for fault in faults:
         with tempfile.TemporaryDirectory(prefix="patrol-fault-") as folder:
             reactions.append(run_fault(fault, Path(folder)))
+            if keep is not None:
+                _keep_recordings(Path(folder), keep / fault.name)
         tell(reactions[-1])
     return reactions
+
+
+def _keep_recordings(source: Path, target: Path) -> None:
+    target.mkdir(parents=True, exist_ok=True)
+    for recording in sorted(source.glob("*.mcap")):
+        shutil.copy(recording, target)
 
 
 HEADINGS = (

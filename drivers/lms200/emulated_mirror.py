@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,16 @@ class Sweep:
     ranges: NDArray[np.float64]
     end: float
     quarter: int | None
+
+
+class Turn(NamedTuple):
+    """A mirror turn that is used: its middle and the end of its sweep (s), the scan's beams and the
+    angle between them (rad)."""
+
+    middle: float
+    beams: int
+    increment: float
+    sweep_end: float
 
 
 class EmulatedMirror:
@@ -65,21 +76,30 @@ class EmulatedMirror:
 
         A sweep that would end before the wire is free is not measured.
         """
+        while (turn := self.due(variant, wire_free, t)) is not None:
+            if turn.sweep_end != self._under_way:  # none under way, or the wire was taken meanwhile
+                self._under_way, self._fans = turn.sweep_end, []
+            self._fans.append(self._source(turn.middle, turn.beams, turn.increment))
+            if len(self._fans) == self._turns(variant):
+                return self._finish(variant, turn.sweep_end)
+        return None
+
+    def due(self, variant: Variant, wire_free: float, t: float) -> Turn | None:
+        """Return the next turn to be measured, if its middle is not after ``t``."""
         if t < self._idle_until:
             return None
-        while (end := self._next_end(variant, wire_free)) is not None:
-            if end != self._under_way:  # none under way, or the wire was taken meanwhile
-                self._under_way, self._fans = end, []
-            turns = 1 if self._partial else variant.mirror_turns
-            middle = end - (turns - len(self._fans) - 0.5) * TURN
-            if middle > t:
-                self._idle_until = middle
-                return None
-            increment = math.radians(variant.resolution_cdeg / 100)
-            self._fans.append(self._source(middle, variant.count, increment))
-            if len(self._fans) == turns:
-                return self._finish(variant, end)
-        return None
+        end = self._next_end(variant, wire_free)
+        if end is None:
+            return None
+        done = len(self._fans) if end == self._under_way else 0
+        middle = end - (self._turns(variant) - done - 0.5) * TURN
+        if middle > t:
+            self._idle_until = middle
+            return None
+        return Turn(middle, variant.count, math.radians(variant.resolution_cdeg / 100), end)
+
+    def _turns(self, variant: Variant) -> int:
+        return 1 if self._partial else variant.mirror_turns
 
     def _next_end(self, variant: Variant, wire_free: float) -> float | None:
         """Return the end of the next sweep; None: not measuring."""

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.lms200 import telegrams
-from drivers.lms200.emulated_mirror import EmulatedMirror, ScanSource, Sweep
+from drivers.lms200.emulated_mirror import EmulatedMirror, ScanSource, Sweep, Turn
 from drivers.lms200.errors import ErrorEntry, Severity, encode_errors
 from drivers.lms200.framing import (
     ACK,
@@ -134,6 +134,13 @@ class Lms200Emulator:
             self._send_values(sweep)
             if self._one_scan_wanted:
                 self._stop_scanning()
+
+    def turn_due(self, t: float) -> Turn | None:
+        """Return the mirror turn for which ``advance(t)`` will ask the scan source next, if any: a
+        source that sees for many lasers at once prepares for it."""
+        if self._mirror is None:
+            return None
+        return self._mirror.due(self.variant, self._wire_free, t)
 
     def take_output(self, t: float) -> list[TimedBytes]:
         """Return what has wholly left the wire by ``t``, in order.

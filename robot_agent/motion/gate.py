@@ -3,66 +3,27 @@
 The gate knows nothing of intent. It permits motion only while all it depends on is known to be
 well, and only as fast as the robot can still stop before the nearest obstacle its body would
 sweep over. The limited mode, for teleoperation and for a robot that is lost, asks for no pose
-but is slow. v never leaves larger than wished, nor w larger than wished or last let pass.
+but is slow. v never leaves larger than wished, nor w larger than wished or last let pass; the
+robot is never backed: what is behind it only sonars hear.
 """
 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from dataclasses import dataclass
-from enum import StrEnum
-from typing import Annotated
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-Positive = Annotated[float, msgspec.Meta(gt=0.0)]
-NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]
+from robot_agent.motion.battery_watch import BatteryWatch
+from robot_agent.motion.gate_reason import DENIALS, GateReason
+from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.stopping import stoppable_rate, stopping_way
+from robot_agent.motion.strike_latch import StrikeLatch
+from robot_agent.motion.swept_body import SweptBody
 
-
-class GateSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Limits of the gate. The body is a rectangle round the axle's middle (Pioneer 2-DX)."""
-
-    front: Positive = 0.21  # m from the axle to the foremost point
-    rear: Positive = 0.301  # m from the axle to the rearmost point
-    half_width: Positive = 0.2125  # m
-    margin: NotNegative = 0.08  # m kept free beside while driving
-    front_margin: NotNegative = 0.20  # m kept free ahead: room to turn round, corners reach 0.37 m
-    turn_margin: NotNegative = 0.02  # m kept free round the body while turning on the spot
-    max_base_age: Positive = 0.3  # s since the last base report was measured
-    max_scan_age: Positive = 0.4  # s since the last laser scan was measured
-    max_speed: Positive = 0.5  # m/s
-    unsure_speed: NotNegative = 0.15  # m/s while the localization is unsure, or not needed
-    limited_turn_rate: Positive = 0.5  # rad/s while no localization is needed
-    max_turn_rate: Positive = 1.5  # rad/s
-    overspeed: Positive = 0.2  # m/s (rad/s) above these limits that prove a base out of control
-    reaction_delay: NotNegative = 0.25  # s from a scan until the wheels begin to brake
-    braking: Positive = 0.3  # m/s2 with which the base stops
-    turn_braking: Positive = 2.0  # rad/s2
-    creep_speed: NotNegative = 0.02  # m/s; cut to less than this the robot may only turn
-    max_acceleration: Positive = 0.5  # m/s2; slowing down is never delayed
-    max_turn_acceleration: Positive = 2.0  # rad/s2, no more than the base follows
-
-
-class GateReason(StrEnum):
-    """Why a command was cut; NONE if it was not."""
-
-    NONE = "none"
-    INVALID = "invalid"  # a number that is none
-    STALE_BASE = "stale_base"
-    STALE_LASER = "stale_laser"
-    NOT_LOCALIZED = "not_localized"
-    MOTORS_OFF = "motors_off"
-    STALLED = "stalled"
-    BUMPER = "bumper"
-    OVERSPEED = "overspeed"  # the base moves faster than it can have been told to
-    BACKING = "backing"
-    OBSTACLE = "obstacle"
-    UNSURE = "unsure"
-    LIMITED = "limited"  # slow, as nobody asked where the robot is
-    SPEED_LIMIT = "speed_limit"
-    ACCELERATION = "acceleration"
+_LONGEST_STEP = 0.3  # s between two commands that count for the acceleration
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,11 +34,14 @@ class GateInputs:
     scan_time: float | None  # s, when the last laser scan was measured
     health: str | None  # of the localization: "localized", "unsure"; anything else denies
     motors_enabled: bool
+    stop_button: bool  # pressed, or it has switched the motors off
     stalled: bool
     bumpers: int  # bit masks of front and rear, together
+    battery: float  # V
     v: float  # m/s, as the base reports
     w: float  # rad/s
     obstacles: NDArray[np.float64]  # (n, 2) m in base_link: laser returns and sonar points
+    overloaded: bool = False  # the agent lags behind what it is told
     limited: bool = False  # limited mode: no localization needed, but slow; all else as ever
 
 
@@ -91,13 +55,27 @@ class GateDecision:
 
 
 class SafetyGate:
-    """Cuts commands; remembers the last it let pass, for the acceleration limits."""
+    """Cuts commands; remembers its last for the limits of acceleration, and what must be latched.
+
+    ``stops`` counts how often each denial, and obstacles that let nothing pass, began.
+    """
 
     def __init__(self, settings: GateSettings) -> None:
         self._settings = settings
+        self._body = SweptBody(settings)
+        window = settings.strike_window
+        self._bumps = StrikeLatch(settings.bumps, window)
+        self._stalls = StrikeLatch(settings.stalls, window)
+        self._battery = BatteryWatch(
+            settings.battery_cutoff, settings.battery_resume, settings.battery_patience
+        )
+        self._held = False  # by the stop button
         self._t: float | None = None
         self._v = 0.0
         self._w = 0.0
+        self._acceleration = 0.0  # m/s2, of the last step; not negative
+        self._reason = GateReason.NONE
+        self.stops: Counter[GateReason] = Counter()
 
     def permit(self, t: float, wish: tuple[float, float], inputs: GateInputs) -> GateDecision:
         """Return the permitted part of wish (v m/s, w rad/s) at t, s.
@@ -105,6 +83,7 @@ class SafetyGate:
         The reasons, in order: whatever denies all motion, an obstacle, the limited mode, an
         unsure pose, the speed limits, the acceleration limits.
         """
+        self._remember(t, inputs)
         denied = self._denial(t, wish, inputs)
         if denied is not None:
             self._t = None  # start again from standstill
@@ -114,6 +93,7 @@ class SafetyGate:
         v, w, slowed = self._within_speed(*wish, inputs)
         ramped = self._ramped(v, w, elapsed)
         free = self._within_sight(*ramped, inputs)
+        self._acceleration = max(free[0] - self._v, 0.0) / elapsed if elapsed > 0.0 else 0.0
         if free != ramped:
             return self._decided(*free, GateReason.OBSTACLE)
         if slowed is GateReason.NONE and ramped != (v, w):
@@ -121,10 +101,28 @@ class SafetyGate:
         return self._decided(*free, slowed)
 
     def _decided(self, v: float, w: float, reason: GateReason) -> GateDecision:
+        """Note what leaves, and count it when it is a new stop."""
         self._v, self._w = v, w
+        stops = reason in DENIALS or (reason is GateReason.OBSTACLE and v == w == 0.0)
+        if stops and reason is not self._reason:
+            self.stops[reason] += 1
+        self._reason = reason
         return GateDecision(v, w, reason)
 
     # ---- all or nothing -----------------------------------------------------------------------
+
+    def _remember(self, t: float, inputs: GateInputs) -> None:
+        """Follow what one report alone does not tell; a freed stop button releases the latches.
+
+        A person who has looked at the robot switches its motors off and on at the robot itself.
+        """
+        self._bumps.update(t, struck=inputs.bumpers != 0, held=inputs.stop_button)
+        self._stalls.update(t, struck=inputs.stalled, held=inputs.stop_button)
+        self._battery.update(t, inputs.battery)
+        if self._held and not inputs.stop_button:
+            self._bumps.release()
+            self._stalls.release()
+        self._held = inputs.stop_button
 
     def _denial(self, t: float, wish: tuple[float, float], inputs: GateInputs) -> GateReason | None:
         """Return the first reason to deny all motion, if any."""
@@ -133,16 +131,19 @@ class SafetyGate:
             abs(inputs.v) > settings.max_speed + settings.overspeed
             or abs(inputs.w) > settings.max_turn_rate + settings.overspeed
         )
-        numbers = (t, *wish, inputs.v, inputs.w)
+        located = inputs.limited or inputs.health in ("localized", "unsure")
+        numbers = (t, *wish, inputs.v, inputs.w, inputs.battery)
         for reason, well in (
             (GateReason.INVALID, all(map(math.isfinite, numbers))),
             (GateReason.STALE_BASE, _is_fresh(t, inputs.base_time, settings.max_base_age)),
             (GateReason.STALE_LASER, _is_fresh(t, inputs.scan_time, settings.max_scan_age)),
             (GateReason.INVALID, bool(np.isfinite(inputs.obstacles).all())),
-            (
-                GateReason.NOT_LOCALIZED,
-                inputs.limited or inputs.health in ("localized", "unsure"),
-            ),
+            (GateReason.OVERLOADED, not inputs.overloaded),
+            (GateReason.NOT_LOCALIZED, located),
+            (GateReason.BUMPED_AGAIN, not self._bumps.latched),
+            (GateReason.STALLED_AGAIN, not self._stalls.latched),
+            (GateReason.STOP_BUTTON, not inputs.stop_button),
+            (GateReason.BATTERY_LOW, not self._battery.low),
             (GateReason.MOTORS_OFF, inputs.motors_enabled),
             (GateReason.STALLED, not inputs.stalled),
             (GateReason.BUMPER, not inputs.bumpers),
@@ -183,9 +184,13 @@ class SafetyGate:
         Turning is changed only as fast as the base can follow, both ways, so that the arc looked
         along is the arc driven.
         """
-        turn = self._settings.max_turn_acceleration * elapsed
+        settings = self._settings
+        turn = settings.max_turn_acceleration * elapsed
+        acceleration = min(
+            settings.max_acceleration, self._acceleration + settings.max_jerk * elapsed
+        )
         return (
-            min(v, self._v + self._settings.max_acceleration * elapsed),
+            min(v, self._v + acceleration * elapsed),
             min(max(w, self._w - turn), self._w + turn),
         )
 
@@ -198,82 +203,24 @@ class SafetyGate:
         delay = settings.reaction_delay
         rolling = max(v, inputs.v)
         spin = max(abs(w), abs(inputs.w)) if w * inputs.w > 0.0 else abs(w)
-        turn = _stopping_way(spin, settings.turn_braking, delay)
+        turn = stopping_way(spin, settings.turn_braking, delay)
         if rolling > settings.creep_speed:
-            stop = _stopping_way(rolling, settings.braking, delay)
+            stop = stopping_way(rolling, settings.braking, delay)
             arc = math.copysign(max(stop * abs(w) / rolling, turn), w)
-            free = stop * self._free_share(stop, arc, inputs.obstacles)
+            free = stop * self._body.free_share(stop, arc, inputs.obstacles)
             if free == stop:
                 return v, w
-            if _stopping_way(inputs.v, settings.braking, 0.0) > free:
+            if stopping_way(inputs.v, settings.braking, 0.0) > free:
                 return 0.0, 0.0  # this arc cannot be entered any more
-            slow = min(v, _stoppable_rate(free, settings.braking, delay))
+            slow = min(v, stoppable_rate(free, settings.braking, delay))
             if slow > settings.creep_speed:
                 return slow, w * slow / rolling
-        free = turn * self._free_share(0.0, math.copysign(turn, w), inputs.obstacles)
+        free = turn * self._body.free_share(0.0, math.copysign(turn, w), inputs.obstacles)
         if free == turn:
             return 0.0, w
-        slow = min(abs(w), _stoppable_rate(free, settings.turn_braking, delay))
+        slow = min(abs(w), stoppable_rate(free, settings.turn_braking, delay))
         return 0.0, math.copysign(slow, w)
-
-    # ---- swept body ---------------------------------------------------------------------------
-
-    def _free_share(self, way: float, turn: float, obstacles: NDArray[np.float64]) -> float:
-        """Return the share, 0 to 1, of an arc (way m, turn rad) the body can sweep freely."""
-        settings = self._settings
-        reach = way + settings.front + settings.rear + settings.half_width
-        near = obstacles[np.abs(obstacles).max(axis=1, initial=0.0) < reach]
-        if way > 0.0:
-            front = settings.front + settings.front_margin
-            side = settings.half_width + self._side_margin(near)
-        else:
-            front = settings.front + settings.turn_margin
-            side = settings.half_width + settings.turn_margin
-        x, y = _seen_along_arc(way * _SHARES, turn * _SHARES, near)
-        rear = settings.rear + settings.turn_margin
-        hit = ((x < front) & (x > -rear) & (np.abs(y) < side)).any(axis=1)
-        return float(_FREE_SHARES[hit.argmax()]) if hit.any() else 1.0
-
-    def _side_margin(self, near: NDArray[np.float64]) -> float:
-        """Margin beside the body: less where an obstacle already is, or no wall could be left."""
-        settings = self._settings
-        x, aside = near[:, 0], np.abs(near[:, 1]) - settings.half_width
-        alongside = (x < settings.front) & (x > -settings.rear)
-        clearance = aside.min(where=alongside, initial=settings.margin)
-        return max(float(clearance), settings.turn_margin)
-
-
-_LONGEST_STEP = 0.3  # s between two commands that count for the acceleration
-_POSES = 12  # per stopping way: at most 0.05 m apart at top speed, less than the margin
-_SHARES = np.arange(1, _POSES + 1) / _POSES
-_FREE_SHARES = np.arange(_POSES) / _POSES  # free up to the pose before the first that hits
 
 
 def _is_fresh(t: float, measured: float | None, max_age: float) -> bool:
     return measured is not None and 0.0 <= t - measured < max_age
-
-
-def _stopping_way(rate: float, braking: float, delay: float) -> float:
-    """Way (or angle) until standstill from a rate, after a delay."""
-    return rate * rate / (2.0 * braking) + rate * delay
-
-
-def _stoppable_rate(way: float, braking: float, delay: float) -> float:
-    """Largest rate from which the robot stops within a way: the inverse of _stopping_way."""
-    return braking * (math.sqrt(delay * delay + 2.0 * way / braking) - delay)
-
-
-def _seen_along_arc(
-    ways: NDArray[np.float64], turns: NDArray[np.float64], points: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return (x, y), each (poses, n): points (n, 2) as seen from poses along one arc.
-
-    ways (poses,) m and turns (poses,) rad from the start.
-    """
-    half = turns / 2.0
-    chord = ways * np.sinc(half / np.pi)  # sinc: sin(half) / half, 1 when straight
-    c, s = np.cos(turns)[:, None], np.sin(turns)[:, None]
-    # The chord of an arc leaves at half the turn, which seen from its end points to -half.
-    x = c * points[:, 0] + s * points[:, 1] - (chord * np.cos(half))[:, None]
-    y = c * points[:, 1] - s * points[:, 0] + (chord * np.sin(half))[:, None]
-    return x, y

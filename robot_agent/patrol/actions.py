@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from enum import StrEnum
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
 from maps.border import BorderProjection
 from robot_agent.patrol.behaviors import (
     Task,
@@ -56,7 +54,7 @@ class Situation(NamedTuple):
 def action_velocity(action: Action, situation: Situation, settings: PatrolSettings) -> Vector:
     """Return the velocity (vx, vy) of an action, m/s in the map frame, within approach_speed."""
     tasks = _COMPOSITIONS[action](situation, settings)
-    vx, vy = compose(tasks, settings.approach_speed).tolist()
+    vx, vy = compose(tasks, settings.approach_speed)
     return vx, vy
 
 
@@ -121,5 +119,5 @@ def _confined(onward: Task, direction: int, situation: Situation) -> Task:
     """Cut off a tangential velocity that means nothing: beyond an open end, behind a wall."""
     leaves = situation.right_is_end if direction > 0 else situation.left_is_end
     if leaves or situation.approach is not None:
-        return Task(np.zeros_like(onward.velocity), onward.jacobian)
+        return Task((0.0, 0.0), onward.jacobian)
     return onward

@@ -6,11 +6,8 @@ All positions, tangents and velocities are in the map frame, m and m/s.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
 
 from maps.border import BorderProjection
 
@@ -25,12 +22,14 @@ _ON_THE_SPOT = 1e-3  # m; nearer than this a direction between two points means 
 Vector = tuple[float, float]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Task:
-    """What one behavior asks for: velocity (n,), and jacobian (m, n), the directions it claims."""
+class Task(NamedTuple):
+    """What one behavior asks for.
 
-    velocity: NDArray[np.float64]
-    jacobian: NDArray[np.float64]
+    velocity: n components; jacobian: m rows of n, the directions it claims.
+    """
+
+    velocity: Sequence[float]
+    jacobian: Sequence[Sequence[float]]
 
 
 def reach_around_walls(approach: Approach, *, gain: float, speed_limit: float) -> Task:
@@ -40,7 +39,7 @@ def reach_around_walls(approach: Approach, *, gain: float, speed_limit: float) -
     """
     dx, dy = approach.direction
     speed = min(gain * approach.distance, speed_limit)
-    return Task(np.array((speed * dx, speed * dy)), np.array(((dx, dy),)))
+    return Task((speed * dx, speed * dy), ((dx, dy),))
 
 
 def reach_frontier(
@@ -59,7 +58,7 @@ def reach_frontier(
         away = (away[0] / distance, away[1] / distance)
     speed = min(gain * distance, speed_limit)
     claimed = foot.normal if beyond_end else away
-    return Task(np.array((-speed * away[0], -speed * away[1])), np.array((claimed,)))
+    return Task((-speed * away[0], -speed * away[1]), (claimed,))
 
 
 def patrol_clockwise(foot: BorderProjection, *, speed: float) -> Task:
@@ -76,7 +75,7 @@ def patrol_onward(foot: BorderProjection, direction: int, *, speed: float) -> Ta
     """Follow the border in the current direction, +1 clockwise or -1 (v_p of eq. 11)."""
     tx, ty = foot.tangent
     along = direction * speed
-    return Task(np.array((along * tx, along * ty)), np.array(((tx, ty),)))
+    return Task((along * tx, along * ty), ((tx, ty),))
 
 
 def teammate_avoidance(
@@ -97,4 +96,4 @@ def teammate_avoidance(
     distance = math.hypot(*away)
     away = fallback if distance < _ON_THE_SPOT else (away[0] / distance, away[1] / distance)
     speed = min(max(gain * (safety_distance - distance), 0.0), speed_limit)
-    return Task(np.array((speed * away[0], speed * away[1])), np.array((away,)))
+    return Task((speed * away[0], speed * away[1]), (away,))

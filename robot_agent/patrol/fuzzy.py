@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain, combinations, pairwise
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,19 +77,24 @@ class MamdaniSystem:
         self._rule_sets = _index_antecedents(self.inputs, self.rules)
         self._firing_rules = _index_consequents(self.outputs, self.rules)
         self._centroid = _Centroid(self.outputs)
+        self._last: tuple[list[float], Mapping[str, float]] = [], {}
 
-    def evaluate(self, values: Mapping[str, float]) -> dict[str, float]:
+    def evaluate(self, values: Mapping[str, float]) -> Mapping[str, float]:
         """Return the centroid of every output, for a value of every input (may be infinite).
 
-        An output about which no rule says anything is 0.
+        An output about which no rule says anything is 0. While no degree changes (a robot alone
+        on its border) the very same mapping is returned.
         """
-        centroids = self._centroid.of(self._set_strengths(self._rule_strengths(values)))
-        return dict(zip((v.name for v in self.outputs), centroids.tolist(), strict=True))
-
-    def _rule_strengths(self, values: Mapping[str, float]) -> NDArray[np.float64]:
-        """Degree (rules + 1,) to which each rule holds; the last is 0, the rule of the unsaid."""
         degrees = [s(values[name]) for name, sets in self._input_sets for s in sets]
-        degrees += [1.0, 0.0]
+        if degrees != self._last[0]:
+            centroids = self._centroid.of(self._set_strengths(self._rule_strengths(degrees)))
+            levels = dict(zip((v.name for v in self.outputs), centroids.tolist(), strict=True))
+            self._last = degrees, MappingProxyType(levels)
+        return self._last[1]
+
+    def _rule_strengths(self, degrees: Sequence[float]) -> NDArray[np.float64]:
+        """Degree (rules + 1,) to which each rule holds; the last is 0, the rule of the unsaid."""
+        degrees = [*degrees, 1.0, 0.0]
         return np.array(degrees)[self._rule_sets].min(axis=1)  # type: ignore[no-any-return]
 
     def _set_strengths(self, rules: NDArray[np.float64]) -> NDArray[np.float64]:

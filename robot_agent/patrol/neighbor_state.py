@@ -8,7 +8,7 @@ the border does not count as patrolling beside this robot.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from maps.border import Border, BorderProjection
 from robot_agent.patrol.settings import PatrolSettings
@@ -16,8 +16,7 @@ from robot_agent.patrol.settings import PatrolSettings
 LEFT, RIGHT = -1, 1  # lambda of eq. 13: lower or higher abscissa; a guard looks outwards
 
 
-@dataclass(frozen=True, slots=True)
-class NeighborView:
+class NeighborView(NamedTuple):
     """Distance to the closest teammate, m (infinite if none), and gamma of eq. 13, -1 to 1."""
 
     distance: float

@@ -1,50 +1,66 @@
-"""Null-space-based composition of any number of tasks, first the most important (eq. 4, 5)."""
+"""Null-space-based composition of any number of tasks, first the most important (eq. 4, 5).
+
+Plain numbers: for the two or three dimensions of a robot this is several times faster than arrays.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-
-import numpy as np
-from numpy.typing import NDArray
+from operator import mul
 
 from robot_agent.patrol.behaviors import Task
 
 _DEPENDENT = 1e-9  # a Jacobian row this short after projection claims no new direction
 
+Numbers = Sequence[float]
 
-def compose(tasks: Sequence[Task], speed_limit: float = math.inf) -> NDArray[np.float64]:
-    """Return v = v1 + N1 v2 + N12 v3 + ..., velocity (n,), no faster than speed_limit.
+
+def compose(tasks: Sequence[Task], speed_limit: float = math.inf) -> tuple[float, ...]:
+    """Return v = v1 + N1 v2 + N12 v3 + ..., n components, no faster than speed_limit.
 
     N12... projects on the null space of the Jacobians of all tasks before, so a task never
     changes the velocity of a more important one. The limit is dealt out in the same order: each
     projected task is scaled to what those before it have left, which keeps its direction.
     """
-    velocity = np.zeros_like(tasks[0].velocity)
-    null_space = np.eye(len(velocity))
+    velocity: Numbers = (0.0,) * len(tasks[0].velocity)
+    claimed: list[Numbers] = []  # directions of the tasks so far, orthonormal
     for task in tasks:
-        part = null_space @ task.velocity
-        velocity = velocity + _share_within(velocity, part, speed_limit) * part
-        null_space = _narrowed(null_space, task.jacobian)
-    return velocity
+        part = _projected(task.velocity, claimed)
+        share = _share_within(velocity, part, speed_limit)
+        velocity = [v + share * p for v, p in zip(velocity, part, strict=True)]
+        if task is not tasks[-1]:
+            _claim(task.jacobian, claimed)
+    return tuple(velocity)
 
 
-def _share_within(velocity: NDArray[np.float64], part: NDArray[np.float64], limit: float) -> float:
+def _dot(a: Numbers, b: Numbers) -> float:
+    return math.fsum(map(mul, a, b))
+
+
+def _projected(vector: Numbers, claimed: Sequence[Numbers]) -> Numbers:
+    """Return what of a vector lies along none of the claimed directions."""
+    for direction in claimed:
+        along = _dot(vector, direction)
+        vector = [x - along * d for x, d in zip(vector, direction, strict=True)]
+    return vector
+
+
+def _share_within(velocity: Numbers, part: Numbers, limit: float) -> float:
     """Largest share k in 0..1 with norm(velocity + k part) <= limit."""
-    a, b, c = float(part @ part), float(velocity @ part), float(velocity @ velocity) - limit**2
+    a, b, c = _dot(part, part), _dot(velocity, part), _dot(velocity, velocity) - limit**2
     if a == 0.0 or a + 2.0 * b + c <= 0.0:
         return 1.0
     return min(max((-b + math.sqrt(max(b * b - a * c, 0.0))) / a, 0.0), 1.0)
 
 
-def _narrowed(
-    null_space: NDArray[np.float64], jacobian: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Remove the directions of jacobian (m, n) from the projector (n, n)."""
+def _claim(jacobian: Sequence[Numbers], claimed: list[Numbers]) -> None:
+    """Add the directions of a Jacobian's rows to those claimed."""
     for row in jacobian:
-        free = null_space @ row
-        length = math.sqrt(free @ free)
+        free = _projected(row, claimed)
+        length = math.sqrt(_dot(free, free))
         if length > _DEPENDENT:
-            free = free / length
-            null_space = null_space - np.outer(free, free)
-    return null_space
+            # Once more: what cancellation left of the claimed directions would be scaled up.
+            free = _projected([x / length for x in free], claimed)
+            length = math.sqrt(_dot(free, free))
+            claimed.append([x / length for x in free])

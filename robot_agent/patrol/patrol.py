@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from maps.approach_field import Approach, ApproachField
 
 
-@dataclass(frozen=True, slots=True)
-class PatrolDecision:
+class PatrolDecision(NamedTuple):
     """Everything about one decision, in the map frame, SI units.
 
     Distances that do not exist (nobody seen, a border without ends, no way to the border) are
@@ -37,7 +36,7 @@ class PatrolDecision:
     action: Action
     raw_winner: Action  # largest degree, before the minimum dwell
     runner_up: Action
-    degrees: dict[Action, float]
+    degrees: Mapping[Action, float]
     direction: int  # +1 clockwise, -1 counter-clockwise
     velocity: tuple[float, float]  # m/s
     distance_from_border: float  # straight

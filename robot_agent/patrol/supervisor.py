@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.fuzzy import MamdaniSystem
 from robot_agent.patrol.present_action import PresentAction
 
+_ACTIONS = tuple(Action)
 _EQUAL = 1e-9  # degrees nearer than this are tied
 
 
-@dataclass(frozen=True, slots=True)
-class Choice:
+class Choice(NamedTuple):
     """Degrees of activation of all actions, and what the arbiter made of them.
 
     raw_winner has the largest degree; winner is the action taken, which differs from it while the
     one before has not lasted its minimum time.
     """
 
-    degrees: dict[Action, float]
+    degrees: Mapping[Action, float]
     raw_winner: Action
     runner_up: Action
     winner: Action
@@ -40,27 +39,39 @@ class Supervisor:
     def __init__(self, system: MamdaniSystem, minimum_dwell: float) -> None:
         self._system = system
         self._present = PresentAction(minimum_dwell)
+        self._rank_inputs: tuple[Mapping[str, float], bool, Action | None] | None = None
+        self._rank: tuple[dict[Action, float], list[Action]] = {}, []
 
     def choose(self, t: float, inputs: Mapping[str, float]) -> Choice:
         """Choose the action at t, s, from the crisp inputs of the rule base by name."""
         levels = self._system.evaluate(inputs)
-        degrees = {action: levels[action] for action in Action}
-        ranked = self._ranked(degrees, inputs["neighbor_state"])
+        degrees, ranked = self._ranking(levels, inputs["neighbor_state"] <= 0.0)
         raw_winner, runner_up = ranked[0], ranked[1]
         winner = self._present.take(t, raw_winner, inputs["distance_from_neighbor"])
         return Choice(degrees, raw_winner, runner_up, winner)
 
-    def _ranked(self, degrees: Mapping[Action, float], gamma: float) -> list[Action]:
+    def _ranking(
+        self, levels: Mapping[str, float], left: bool
+    ) -> tuple[dict[Action, float], list[Action]]:
+        """Return the degrees and the actions by rank: those of the last step if nothing changed."""
+        last, present = self._rank_inputs, self._present.action
+        if last is None or last[0] is not levels or last[1:] != (left, present):
+            self._rank_inputs = levels, left, present
+            degrees = {action: levels[action] for action in _ACTIONS}
+            self._rank = degrees, self._ranked(degrees, left)
+        return self._rank
+
+    def _ranked(self, degrees: Mapping[Action, float], left: bool) -> list[Action]:
         """Order actions by degree; of those tied with the best the present, else the safest."""
         best = max(degrees.values())
-        safest = _SAFEST_LEFT if gamma <= 0.0 else _SAFEST_RIGHT
+        safest = _SAFEST_LEFT if left else _SAFEST_RIGHT
 
         def rank(action: Action) -> tuple[bool, float, bool, int]:
             tied = degrees[action] >= best - _EQUAL
             degree = best if tied else degrees[action]
             return not tied, -degree, action is not self._present.action, safest.index(action)
 
-        return sorted(Action, key=rank)
+        return sorted(_ACTIONS, key=rank)
 
 
 # Safest first: avoid, reach the border, patrol away from the teammate, keep going.

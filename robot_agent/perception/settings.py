@@ -30,7 +30,7 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     least_partial_extent: Positive = 0.12  # m, an edge hidden by something nearer or out of view
     most_extent: Positive = 0.75  # m
     most_stranger_extent: Positive = 1.1  # m; larger things are furniture
-    least_person_extent: Positive = 0.18  # m; smaller ones are legs, and count by twos
+    least_person_extent: Positive = 0.22  # m; smaller ones are legs, and count by twos
     stride: Positive = 0.55  # m between two legs of one person
     half_width: Positive = 0.27  # m from the centre to an edge, mean over headings
 

@@ -16,7 +16,8 @@ from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, find_map
 from robot_agent.effects import Effect, Publish, Send
 from robot_agent.events import BytesReceived, Event, LinkDown, Shutdown, Tick
-from robot_agent.motion.gate import GateReason, SafetyGate
+from robot_agent.motion.gate import SafetyGate
+from robot_agent.motion.gate_reason import GateReason
 from robot_agent.patrol.patrol import PATROLLING
 from robot_agent.streams import DecisionPayload, StatusPayload, decode
 from tools.bench.fleet import Fleet
@@ -228,3 +229,41 @@ def test_what_only_the_sonars_hear_behind_slows_a_turn_towards_it(folder: MapFol
         turns.append(decision)
     assert turns[0].w < turns[1].w
     assert turns[0].reason is GateReason.OBSTACLE
+
+
+def test_what_is_handled_late_is_an_overload_and_stops_the_robot(folder: MapFolder) -> None:
+    tape = Tape()
+    run_until(make_fleet(folder, tape), 15.0)
+    agent = Agent(make_fleet(folder).robots[0].agent.config, folder)
+    reasons = []
+    for event, _ in tape.steps:
+        if event.t > 12.0 and isinstance(event, BytesReceived):
+            agent.handle(Tick(round(event.t + 0.2, 6)))  # the inbox is 0.2 s behind
+        agent.handle(event)
+        if agent.gate_decision is not None:
+            reasons.append(agent.gate_decision.reason)
+    assert GateReason.OVERLOADED not in reasons[: len(reasons) // 2]
+    assert agent.deadline.overloaded
+    assert agent.gate_decision is not None
+    assert agent.gate_decision.reason is GateReason.OVERLOADED
+    assert agent.gate_decision.v == 0.0
+
+
+def test_a_robot_that_knows_no_pose_turns_slowly_and_finds_itself(folder: MapFolder) -> None:
+    fleet = make_fleet(folder)
+    robot = fleet.robots[0]
+    robot.agent.localizer.start_anywhere()
+    speeds, turns = [], []
+    while fleet.t < 60.0 and not robot.agent._pose_trusted:
+        fleet.step()
+        v, w = robot.rig.base.velocity
+        speeds.append(abs(v))
+        turns.append(abs(w))
+    assert robot.agent._pose_trusted, "it must find itself"
+    assert max(speeds) < 0.01
+    assert 0.3 < max(turns) < 0.55
+    assert fleet.world.contacts == 0
+    found = robot.agent.localizer.estimate
+    assert found is not None
+    assert found.pose.x == pytest.approx(robot.rig.body.pose.x, abs=0.3)
+    assert found.pose.y == pytest.approx(robot.rig.body.pose.y, abs=0.3)

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from drivers.p2os.base_state import BaseState
-from robot_agent.odometry_history import KEPT_S, OdometryHistory
+from robot_agent.odometry_history import CARRIED_S, KEPT_S, OdometryHistory
 
 
 def state(t: float, x: float, *, theta: float = 0.0, v: float = 0.0, w: float = 0.0) -> BaseState:
@@ -86,3 +86,10 @@ def test_speeds_are_those_of_the_nearest_report() -> None:
     assert history.twist_at(1.4) == (0.1, 0.2)
     assert history.twist_at(1.6) == (0.3, 0.4)
     assert history.twist_at(9.0) == (0.3, 0.4)
+
+
+def test_nothing_is_known_long_after_the_newest_report() -> None:
+    history = OdometryHistory()
+    history.add(state(1.0, 0.0, v=0.5))
+    assert history.at(1.0 + CARRIED_S) is not None
+    assert history.at(1.01 + CARRIED_S) is None

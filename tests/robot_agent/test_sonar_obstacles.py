@@ -11,7 +11,8 @@ from drivers.p2os.model import load_model
 from drivers.p2os.odometer import Odometer
 from drivers.p2os.sip import decode_sip
 from maps.pose import Pose
-from robot_agent.sonar_obstacles import MAX_AGE, SonarObstacles
+from robot_agent.motion.trust import SONAR
+from robot_agent.sonar_obstacles import SonarObstacles
 
 MODEL = load_model("p2dx")
 ORIGIN = Pose(0.0, 0.0, 0.0)
@@ -46,10 +47,10 @@ def test_echoes_stay_in_place_while_the_robot_moves_on() -> None:
 def test_old_echoes_and_silent_transducers_are_left_out() -> None:
     sonar = SonarObstacles(MODEL)
     sonar.hear(report(1.0, (0, 1.0), (15, 1.0), (8, MODEL.sonar_far)), ORIGIN, MODEL)
-    assert len(sonar.around(1.0 + MAX_AGE, ORIGIN)) == 2
+    assert len(sonar.around(1.0 + SONAR.max_age, ORIGIN)) == 2
     sonar.hear(report(1.3, (0, MODEL.sonar_far)), ORIGIN, MODEL)
     assert len(sonar.around(1.3, ORIGIN)) == 1
-    assert len(sonar.around(1.1 + MAX_AGE, ORIGIN)) == 0
+    assert len(sonar.around(1.1 + SONAR.max_age, ORIGIN)) == 0
 
 
 def test_another_model_forgets_what_was_heard() -> None:

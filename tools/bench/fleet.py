@@ -20,12 +20,12 @@ from tools.bench.lockstep import LockstepAgent, Observer
 from tools.bench.lockstep_camera import LockstepCamera
 from tools.bench.metrics import RobotRun, bench_figures
 from tools.bench.perception_log import PerceptionLog
-from tools.bench.rig import RobotRig, make_rigs
+from tools.bench.rig import RobotRig, make_rigs, sense
 from tools.bench.start_poses import free_start_poses
 from tools.bench.stranger import make_strangers
 from tools.bench.world import World
 
-STEP_S = 0.01
+STEP_S = 0.02
 SAMPLE_S = 0.1
 STRANGERS_S = 0.05
 """Strangers take a step this often."""
@@ -82,7 +82,7 @@ class Fleet:
         if starts is None:
             assert folder.border is not None, "random starts lie near a border"
             starts = free_start_poses(folder.map, folder.border, robots, rng)
-        rigs = make_rigs(self.world, starts, self.t)
+        rigs = self._rigs = make_rigs(self.world, starts, self.t)
         self.faults = tuple(faults)
         check_robots(self.faults, [rig.name for rig in rigs])
         self.robots: list[FleetRobot] = []
@@ -93,7 +93,7 @@ class Fleet:
             devices = injector or rig
             camera = self._make_camera(rig, settings) if cameras else None
             lockstep = LockstepAgent(
-                Agent(settings, folder),
+                Agent(settings, folder, publishes=observer is not None),
                 {"base": devices.base, "laser": devices.laser},
                 observer(rig.name, settings) if observer else None,
                 camera,
@@ -117,7 +117,9 @@ class Fleet:
         for robot in self.robots:
             if robot.injector:
                 robot.injector.advance(self.t)
-            robot.rig.advance(self.t)
+            robot.rig.move(self.t)
+        sense(self._rigs, self.t)
+        for robot in self.robots:
             if robot.camera:
                 robot.camera.advance(self.t)
         for robot in self.robots:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose
-from robot_agent.motion.gate import GateSettings
+from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.patrol.actions import PATROLLING
 from tools.bench.ideal_robot import IdealRobot
 from tools.bench.robot_body import Outline

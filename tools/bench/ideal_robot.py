@@ -14,12 +14,14 @@ from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.agent import STOPPING
 from robot_agent.config import AgentConfig
-from robot_agent.motion.gate import GateDecision, GateInputs, GateReason, SafetyGate
+from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
+from robot_agent.motion.gate_reason import GateReason
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from tools.bench.robot_body import RobotBody
 
 _CRAWL = 0.05  # m/s; slower than this before an obstacle is as good as held by it (as the agent)
+_BATTERY = 13.0  # V; a full one, which lasts
 
 
 @dataclass(slots=True, eq=False)
@@ -69,8 +71,10 @@ class IdealRobot:
             scan_time=t,
             health="localized",
             motors_enabled=True,
+            stop_button=False,
             stalled=False,
             bumpers=0,
+            battery=_BATTERY,
             obstacles=obstacles,
             v=self.v,
             w=self.w,

@@ -167,11 +167,13 @@ def cast_bodies(
     angles: NDArray[np.float64],
     rectangles: NDArray[np.float64],
     max_range: float,
+    own: NDArray[np.intp] | None = None,
 ) -> NDArray[np.float64]:
     """Return (n,) ranges, m, to the nearest of oriented rectangles; inf beyond max_range.
 
     x, y: origins in m, map frame, scalars or (n,). angles: (n,) rad, map frame. rectangles: (m, 5)
     rows (centre x, centre y, theta, half length, half width). From inside one the range is 0.
+    own (n,): the rectangle that each ray comes from and does not see.
     """
     ranges = np.full(len(angles), np.inf)
     if not len(rectangles):
@@ -183,6 +185,8 @@ def cast_bodies(
     reach = np.hypot(rectangles[:, 3], rectangles[:, 4])[:, None] + _NEAR
     near = np.abs(from_x * dy - from_y * dx) < reach
     near &= from_x * dx + from_y * dy < reach
+    if own is not None:
+        near[own, np.arange(len(own))] = False
     which, ray = near.nonzero()
     if not len(ray):
         return ranges

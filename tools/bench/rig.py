@@ -14,7 +14,7 @@ from drivers.p2os.emulator import P2osEmulator
 from drivers.p2os.model import load_model
 from maps.pose import Pose, wrap_angle
 from tools.bench.robot_body import RobotBody
-from tools.bench.world import World
+from tools.bench.world import Fan, World, laser_fan
 
 SONAR_PERIOD_S = 0.1
 
@@ -37,17 +37,23 @@ class RobotRig:
         self.name = name
         self.world = world
         self.body = body
-        self._model = load_model(model)
-        self.base = P2osEmulator(self._model, name=name, later_firmware=later_firmware)
+        self.model = load_model(model)
+        self.base = P2osEmulator(self.model, name=name, later_firmware=later_firmware)
         self.laser = Lms200Emulator(scan_source=self._scan)
         self.stuck = False
         """Whether something holds the wheels."""
         self._next_sonar = t
+        self._seen: NDArray[np.float64] | None = None
         self._t = self._previous_t = t
         self._previous_pose = body.pose
 
     def advance(self, t: float) -> None:
         """Let time pass to t: wheels turn, the body moves or bumps, the sensors see."""
+        self.move(t)
+        sense([self], t)
+
+    def move(self, t: float) -> None:
+        """Let time pass to t: wheels turn, the body moves or bumps. Then let it ``sense``."""
         distance, rotation = self.base.advance(t)
         self._previous_t, self._t = self._t, t
         self._previous_pose = self.body.pose
@@ -58,9 +64,22 @@ class RobotRig:
             front_bumpers=motion.front_bumpers,
             rear_bumpers=motion.rear_bumpers,
         )
-        if t >= self._next_sonar:
-            self.base.set_sonar(self.world.sonar(self.body, self._model.sonar))
-            self._next_sonar += SONAR_PERIOD_S
+
+    def listens(self, t: float) -> bool:
+        """Tell whether it is time for the sonars; counts as done when it is."""
+        if t < self._next_sonar:
+            return False
+        self._next_sonar += SONAR_PERIOD_S
+        return True
+
+    def looks(self, t: float) -> Fan | None:
+        """Return the rays of the mirror turn that is due by t, if any, for ``see``."""
+        turn = self.laser.turn_due(t)
+        return None if turn is None else self._fan(*turn[:3])
+
+    def see(self, t: float, ranges: NDArray[np.float64] | None) -> None:
+        """Let the laser run to t; ranges (n,) m: what the rays that ``looks`` returned met."""
+        self._seen = ranges
         self.laser.advance(t)
 
     def carry_left(self, distance: float) -> None:
@@ -69,7 +88,12 @@ class RobotRig:
         self._previous_pose = self.body.pose
 
     def _scan(self, t: float, n: int, increment: float) -> NDArray[np.float64]:
-        """Measure one mirror turn about time t, which lies within the present step.
+        """Measure one mirror turn about time t, which lies within the present step."""
+        seen, self._seen = self._seen, None
+        return self.world.scans([self._fan(t, n, increment)])[0] if seen is None else seen
+
+    def _fan(self, t: float, n: int, increment: float) -> Fan:
+        """Return the rays of a mirror turn.
 
         The base turns on while the mirror sweeps, so that each beam looks a little elsewhere.
         """
@@ -78,7 +102,7 @@ class RobotRig:
         turn = math.remainder(self.body.pose.theta - self._previous_pose.theta, math.tau)
         rate = turn / step if step > 0 else 0.0
         swept = rate * beam_time_offsets(n, -0.5 * (n - 1) * increment, increment, 1)
-        return self.world.scan(self.body, pose, n, increment, self._model.laser_mount, swept)
+        return laser_fan(self.body, pose, n, increment, self.model.laser_mount, swept)
 
     def _pose_at(self, t: float) -> Pose:
         """Interpolate the true pose within the last step."""
@@ -91,6 +115,21 @@ class RobotRig:
             a.y + share * (b.y - a.y),
             wrap_angle(a.theta + share * turn),
         )
+
+
+def sense(rigs: Sequence[RobotRig], t: float) -> None:
+    """Let robots that have moved to t in one world, all of one model, hear and see, all at once."""
+    listening = [rig for rig in rigs if rig.listens(t)]
+    if listening:
+        world, ring = listening[0].world, listening[0].model.sonar
+        echoes = world.sonars([rig.body for rig in listening], ring)
+        for rig, ranges in zip(listening, echoes, strict=True):
+            rig.base.set_sonar(ranges)
+    fans = [rig.looks(t) for rig in rigs]
+    looking = [fan for fan in fans if fan is not None]
+    scans = iter(rigs[0].world.scans(looking) if looking else ())
+    for rig, fan in zip(rigs, fans, strict=True):
+        rig.see(t, None if fan is None else next(scans))
 
 
 def make_rigs(world: World, starts: Sequence[Pose], t: float) -> list[RobotRig]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from drivers.p2os.model import SonarMount
 from maps.occupancy_map import OCCUPIED, OccupancyMap
@@ -18,7 +19,7 @@ from tools.bench.world_noise import WorldNoise
 
 TOUCH = 0.005  # m; nearer than this is touching
 _PART = 0.02  # m; a contact is over when the two are farther apart than this
-_SONAR_HALF_CONE = math.radians(15.0)
+_SONAR_CONE = np.radians((-15.0, 0.0, 15.0))
 _SONAR_RANGE = 5.0  # m; also told when there is no echo
 
 
@@ -45,6 +46,40 @@ class Contact:
 
     body: int
     other: int | None
+
+
+class Fan(NamedTuple):
+    """Rays that leave a body: origins x and y (n,), m, and directions (n,), rad, map frame."""
+
+    body: RobotBody
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    angles: NDArray[np.float64]
+
+
+def laser_fan(
+    body: RobotBody,
+    pose: Pose,
+    n: int,
+    increment: float,
+    mount: tuple[float, float, float],
+    swept: NDArray[np.float64] | float = 0.0,
+) -> Fan:
+    """Return the rays of a laser scan; the arguments are those of ``World.scan``."""
+    laser = pose.compose(Pose(*mount))
+    beams = np.arange(n, dtype=np.float64)
+    angles = laser.theta + (beams - (n - 1) / 2) * increment + swept
+    return Fan(body, np.full(n, laser.x), np.full(n, laser.y), angles)
+
+
+def _sonar_fan(body: RobotBody, ring: Sequence[SonarMount]) -> Fan:
+    """Return three rays for each transducer, over its cone."""
+    c, s = math.cos(body.pose.theta), math.sin(body.pose.theta)
+    x = [body.pose.x + c * mount.x - s * mount.y for mount in ring]
+    y = [body.pose.y + s * mount.x + c * mount.y for mount in ring]
+    heading = [body.pose.theta + math.radians(mount.heading_deg) for mount in ring]
+    angles = (np.array(heading)[:, None] + _SONAR_CONE).ravel()
+    return Fan(body, np.repeat(x, 3), np.repeat(y, 3), angles)
 
 
 @dataclass(slots=True, eq=False)
@@ -131,14 +166,18 @@ class World:
         mount: the laser's (x, y, theta) in base_link, m and rad. swept (n,): rad turned by the
         body from then until each beam was measured.
         """
-        laser = pose.compose(Pose(*mount))
-        beams = np.arange(n, dtype=np.float64)
-        angles = laser.theta + (beams - (n - 1) / 2) * increment + swept
-        ranges = self._cast(body, laser.x, laser.y, angles, self.laser_max_range)
+        return self.scans([laser_fan(body, pose, n, increment, mount, swept)])[0]
+
+    def scans(self, fans: Sequence[Fan]) -> list[NDArray[np.float64]]:
+        """Return the ranges of the laser for each fan: many at once cost little more than one."""
+        ranges = self._cast(fans, self.laser_max_range)
+        n = len(ranges)
         ranges += self.rng.normal(0.0, self.noise.laser_range, n)
         ranges[self.rng.random(n) < self.noise.laser_dropouts] = np.inf
         ranges[ranges > self.laser_max_range] = np.inf
-        return np.asarray(np.maximum(ranges, 0.0))
+        np.maximum(ranges, 0.0, out=ranges)
+        ends = np.cumsum([len(fan.angles) for fan in fans])
+        return np.split(ranges, ends[:-1])
 
     def free_way(self, x: float, y: float, direction: float) -> float:
         """Return the distance, m, from a place to the next wall in a direction, rad."""
@@ -153,30 +192,27 @@ class World:
 
         Taken from the body's present pose.
         """
-        mounts = np.array([(mount.x, mount.y, math.radians(mount.heading_deg)) for mount in ring])
-        c, s = math.cos(body.pose.theta), math.sin(body.pose.theta)
-        x = body.pose.x + c * mounts[:, 0] - s * mounts[:, 1]
-        y = body.pose.y + s * mounts[:, 0] + c * mounts[:, 1]
-        cone = np.array((-_SONAR_HALF_CONE, 0.0, _SONAR_HALF_CONE))
-        angles = (body.pose.theta + mounts[:, 2, None] + cone).ravel()
-        rays = self._cast(body, x.repeat(3), y.repeat(3), angles, _SONAR_RANGE)
-        echoes = rays.reshape(-1, 3).min(axis=1)
-        echoes += self.rng.normal(0.0, self.noise.sonar_range, len(echoes))
-        clipped: list[float] = np.clip(echoes, 0.0, _SONAR_RANGE).tolist()
-        return clipped
+        return self.sonars([body], ring)[0]
 
-    def _cast(
-        self,
-        body: RobotBody,
-        x: ArrayLike,
-        y: ArrayLike,
-        angles: NDArray[np.float64],
-        max_range: float,
-    ) -> NDArray[np.float64]:
-        """Return (n,) ranges to walls and to the other robots."""
+    def sonars(self, bodies: Sequence[RobotBody], ring: Sequence[SonarMount]) -> list[list[float]]:
+        """Return the ranges of ``sonar`` for each of several bodies."""
+        rays = self._cast([_sonar_fan(body, ring) for body in bodies], _SONAR_RANGE)
+        echoes = rays.reshape(len(bodies), -1, 3).min(axis=2)
+        echoes += self.rng.normal(0.0, self.noise.sonar_range, echoes.shape)
+        ranges: list[list[float]] = np.clip(echoes, 0.0, _SONAR_RANGE).tolist()
+        return ranges
+
+    def _cast(self, fans: Sequence[Fan], max_range: float) -> NDArray[np.float64]:
+        """Return the ranges of all fans, one after another, to walls and to the other robots."""
+        angles = np.concatenate([fan.angles for fan in fans])
+        x = np.concatenate([fan.x for fan in fans])
+        y = np.concatenate([fan.y for fan in fans])
         ranges = self._caster.cast(x, y, angles, max_range)
-        others = np.array([other.rectangle() for other in self.bodies if other is not body])
-        return np.minimum(ranges, cast_bodies(x, y, angles, others, max_range))
+        if len(self.bodies) < 2:
+            return ranges
+        own = np.repeat([fan.body.index for fan in fans], [len(fan.angles) for fan in fans])
+        rectangles = np.array([body.rectangle() for body in self.bodies])
+        return np.minimum(ranges, cast_bodies(x, y, angles, rectangles, max_range, own))
 
     def _slip(
         self, distance: float, rotation: float, draws: Sequence[float]

@@ -14,6 +14,7 @@ from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.demo import Demo, DemoOptions, free_endpoint
 from tools.demo_summary import print_summary, read_runs
+from tools.monitor.site import Site
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -24,6 +25,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--border", default="border", metavar="NAME", help="border file of the map")
     parser.add_argument("--duration", type=float, metavar="S", help="end after S seconds")
     parser.add_argument("--headless", action="store_true", help="no table, only the summary")
+    parser.add_argument(
+        "--http",
+        metavar="HOST:PORT",
+        help="where the page is served; default: a free port, none with --headless",
+    )
     parser.add_argument("--record", type=Path, metavar="DIR", help="keep recordings in DIR")
     parser.add_argument("--seed", type=int, default=1, metavar="N")
 
@@ -45,7 +51,8 @@ def run(options: argparse.Namespace) -> int:
                 record=record,
             )
         )
-        healthy = demo.watch(options.duration, headless=options.headless)
+        http = options.http or (None if options.headless else "127.0.0.1:0")
+        healthy = demo.watch(options.duration, Site(folder), http=http, headless=options.headless)
         recordings = {robot.name: demo.recording_path(robot.name) for robot in demo.robots}
         runs, contacts = read_runs(demo.truth_path, recordings)
         print_summary(folder.border, runs, contacts)

@@ -22,6 +22,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("faults", nargs="*", metavar="FAULT", help="which ones; default: all")
     parser.add_argument("-o", "--output", type=Path, metavar="OUT.md", help="write the table there")
+    parser.add_argument(
+        "--record", type=Path, metavar="DIR", help="keep recordings, in a folder per fault"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON instead of Markdown")
 
 
@@ -38,7 +41,7 @@ def run(options: argparse.Namespace) -> int:
                 verdict = "; ".join(reaction.complaints) or "ok"
                 print(f"patrol faults: {reaction.fault}: {verdict}", file=sys.stderr, flush=True)
 
-        reactions = run_faults(faults, tell)
+        reactions = run_faults(faults, tell, options.record)
     if options.output:
         options.output.write_text(markdown(reactions))
     if options.json:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Callable
 from types import TracebackType
 from typing import Self
 
@@ -34,6 +35,10 @@ ACCESS_CONTROL = {
 }
 
 
+Tap = Callable[[str, bytes, float], None]
+"""Gets the key, the bytes and the time (s since 1970) of a payload, as it came."""
+
+
 class OperatorError(ValueError):
     """The operator cannot listen; the message names endpoint, reason and remedy."""
 
@@ -41,13 +46,14 @@ class OperatorError(ValueError):
 class Operator:
     """Listens for robots and keeps ``team`` up to date, until closed."""
 
-    def __init__(self, listen: str) -> None:
-        """Listen on an endpoint such as ``tcp/0.0.0.0:7447``.
+    def __init__(self, listen: str, tap: Tap | None = None) -> None:
+        """Listen on an endpoint such as ``tcp/0.0.0.0:7447``; ``tap`` gets every payload too.
 
         Raises:
             OperatorError: the endpoint is not one, or is taken.
         """
         self.team = TeamState()
+        self._tap = tap
         try:
             self._session = zenoh.open(_session_config(listen))
         except zenoh.ZError as error:
@@ -62,11 +68,15 @@ class Operator:
 
     def _on_sample(self, sample: zenoh.Sample) -> None:
         if sample.kind == zenoh.SampleKind.PUT:
-            self.team.receive(str(sample.key_expr), bytes(sample.payload), time.monotonic())
+            key, payload = str(sample.key_expr), bytes(sample.payload)
+            wall = time.time()
+            if self._tap is not None:
+                self._tap(key, payload, wall)
+            self.team.receive(key, payload, time.monotonic(), wall)
 
     def _on_liveliness(self, sample: zenoh.Sample) -> None:
         online = sample.kind == zenoh.SampleKind.PUT
-        self.team.set_liveliness(str(sample.key_expr), online=online)
+        self.team.set_liveliness(str(sample.key_expr), online=online, t=time.monotonic())
 
     def close(self) -> None:
         """Stop listening; idempotent."""

@@ -2,47 +2,20 @@
 
 from __future__ import annotations
 
+import re
 import threading
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
-from types import MappingProxyType
+from collections.abc import Callable
+from dataclasses import replace
 
-from robot_agent.foxglove import PoseInFrame
-from robot_agent.streams import DecisionPayload, Payload, PayloadError, StatusPayload, decode
+from robot_agent.streams import Payload, PayloadError, decode
+from tools.monitor.robot_state import RobotState
 
 MAX_ROBOTS = 64
 """More names than this on one network are a fault, not a team."""
-
-
-@dataclass(frozen=True, slots=True)
-class RobotState:
-    """One robot as last heard of; times are s on the operator's monotonic clock."""
-
-    team: str
-    robot: str
-    online: bool = False  # its liveliness token is there
-    last_heard: float | None = None  # when its last payload came, of any stream
-    payloads: Mapping[str, Payload] = field(default_factory=lambda: MappingProxyType({}))
-    received: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
-    malformed: int = 0  # payloads that could not be read
-
-    @property
-    def status(self) -> StatusPayload | None:
-        """The newest status."""
-        payload = self.payloads.get("status")
-        return payload if isinstance(payload, StatusPayload) else None
-
-    @property
-    def decision(self) -> DecisionPayload | None:
-        """The newest decision."""
-        payload = self.payloads.get("decision")
-        return payload if isinstance(payload, DecisionPayload) else None
-
-    @property
-    def pose(self) -> PoseInFrame | None:
-        """The newest pose in the map frame."""
-        payload = self.payloads.get("pose")
-        return payload if isinstance(payload, PoseInFrame) else None
+MAX_PAYLOAD_BYTES = 256 * 1024
+"""Our largest payload, 200 particles, has a tenth of this: more is a fault and is not decoded."""
+_NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
+"""What a team or robot may be called, as the robots' configuration has it."""
 
 
 class TeamState:
@@ -54,50 +27,76 @@ class TeamState:
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._robots: dict[tuple[str, str], RobotState] = {}
-        self._stray = 0
-
-    @property
-    def stray(self) -> int:
+        self._version = 0
+        self.stray = 0
         """How many messages came under a key that is no robot's, or of one robot too many."""
-        return self._stray
+        self.stray_at: float | None = None
+        """When the last of them came, s on the operator's monotonic clock."""
 
-    def receive(self, key: str, data: bytes, t: float) -> None:
-        """Take one payload that arrived under ``patrol/<team>/<robot>/<stream>`` at t."""
+    def receive(self, key: str, data: bytes, t: float, wall: float | None = None) -> None:
+        """Take one payload that arrived under ``patrol/<team>/<robot>/<stream>``.
+
+        t: s on the operator's monotonic clock; wall: s since 1970, by default t.
+        """
+        at = t if wall is None else wall
         parts = key.split("/")
         stream = parts.pop()
-        try:
-            payload = decode(stream, data)
-        except PayloadError:
-            self._update(parts, lambda robot: replace(robot, malformed=robot.malformed + 1))
+        payload = _decoded(stream, data)
+        if payload is None:
+            self._update(parts, t, lambda robot: _with_malformed(robot, t))
         else:
-            self._update(parts, lambda robot: _with_payload(robot, stream, payload, t))
+            self._update(parts, t, lambda robot: robot.with_payload(stream, payload, t, at), stream)
 
-    def set_liveliness(self, key: str, *, online: bool) -> None:
+    def set_liveliness(self, key: str, *, online: bool, t: float = 0.0) -> None:
         """Take note that the robot of ``patrol/<team>/<robot>`` came or went."""
-        self._update(key.split("/"), lambda robot: replace(robot, online=online))
+        self._update(key.split("/"), t, lambda robot: replace(robot, online=online))
 
-    def _update(self, parts: list[str], change: Callable[[RobotState], RobotState]) -> None:
+    def _update(
+        self,
+        parts: list[str],
+        t: float,
+        change: Callable[[RobotState], RobotState],
+        stream: str = "",
+    ) -> None:
         """Change the state of the robot that a key's parts name."""
         with self._lock:
-            if len(parts) != 3 or parts[0] != "patrol":
-                self._stray += 1
+            self._version += 1
+            name = _robot_name(parts)
+            if name is None or (name not in self._robots and len(self._robots) >= MAX_ROBOTS):
+                self.stray += 1
+                self.stray_at = t
                 return
-            name = (parts[1], parts[2])
-            if name not in self._robots and len(self._robots) >= MAX_ROBOTS:
-                self._stray += 1
-                return
-            self._robots[name] = change(self._robots.get(name, RobotState(*name)))
+            robot = change(self._robots.get(name, RobotState(*name)))
+            versions = {**robot.versions, stream: self._version}
+            self._robots[name] = replace(robot, version=self._version, versions=versions)
 
     def snapshot(self) -> list[RobotState]:
         """Return the robots, ordered by team and name."""
         with self._lock:
             return [self._robots[key] for key in sorted(self._robots)]
 
+    def clear(self) -> None:
+        """Forget every robot; the count of changes goes on."""
+        with self._lock:
+            self._robots.clear()
 
-def _with_payload(robot: RobotState, stream: str, payload: Payload, t: float) -> RobotState:
-    return replace(
-        robot,
-        last_heard=t,
-        payloads={**robot.payloads, stream: payload},
-        received={**robot.received, stream: t},
-    )
+
+def _decoded(stream: str, data: bytes) -> Payload | None:
+    """Return a payload, or None for bytes that are none."""
+    if len(data) > MAX_PAYLOAD_BYTES:
+        return None
+    try:
+        return decode(stream, data)
+    except PayloadError:
+        return None
+
+
+def _robot_name(parts: list[str]) -> tuple[str, str] | None:
+    """Return team and robot of a key's parts, or None if it is no robot's."""
+    if len(parts) != 3 or parts[0] != "patrol" or not all(map(_NAME.fullmatch, parts[1:])):
+        return None
+    return parts[1], parts[2]
+
+
+def _with_malformed(robot: RobotState, t: float) -> RobotState:
+    return replace(robot, malformed=robot.malformed + 1, malformed_at=t)

@@ -8,15 +8,17 @@ import time
 from collections.abc import Callable, Iterable
 from typing import NamedTuple, TextIO
 
-from rich.console import Console
+from rich.console import Console, Group
 from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
 from robot_agent.foxglove import planar_pose
 from robot_agent.streams import DecisionPayload, StatusPayload
-from tools.monitor.operator import Operator
-from tools.monitor.team_state import RobotState
+from tools.monitor.alarm_board import Alarm
+from tools.monitor.reason import why
+from tools.monitor.robot_state import RobotState
+from tools.monitor.watch import Watch
 
 REFRESH_S = 0.25
 PLAIN_PERIOD_S = 5.0
@@ -38,6 +40,7 @@ class Row(NamedTuple):
     speed: str  # m/s, rad/s, as sent
     gate: str
     age: str  # s since the last message
+    why: str  # what it does and why
 
 
 def row_of(robot: RobotState, now: float) -> Row:
@@ -56,6 +59,7 @@ def row_of(robot: RobotState, now: float) -> Row:
         speed=ABSENT if decision is None else _speed(decision),
         gate=_gate(decision, status),
         age=_age(robot, now),
+        why=why(robot, now),
     )
     return Row(*map(_printable, row))
 
@@ -120,60 +124,61 @@ def plain_table(team: Iterable[RobotState], now: float) -> str:
     )
 
 
-def run_text_monitor(
-    listen: str,
-    duration: float | None = None,
-    *,
-    out: TextIO | None = None,
-    period: float = PLAIN_PERIOD_S,
-) -> None:
-    """Listen for robots and show the team for a duration (s), or until interrupted.
+def plain_alarm(alarm: Alarm, now: float) -> str:
+    """Return one alarm as a line of text."""
+    robot = f"{alarm.robot}: " if alarm.robot else ""
+    until = "" if alarm.active else ", over"
+    words = f"{alarm.severity.name} {robot}{alarm.text} ({now - alarm.raised:.0f} s ago{until})"
+    return _printable(words)
 
-    Raises:
-        OperatorError: cannot listen there.
-    """
-    end = math.inf if duration is None else time.monotonic() + duration
-    with Operator(listen) as operator:
-        show_team(operator, lambda: time.monotonic() < end, out=out, period=period)
+
+def team_view(watch: Watch) -> Group:
+    """Return table and alarms of a team for a terminal."""
+    lines = [Text(plain_alarm(alarm, watch.now)) for alarm in _shown_alarms(watch)]
+    return Group(team_table(watch.robots, watch.now), *lines)
+
+
+def plain_view(watch: Watch) -> str:
+    """Return the same as lines of text."""
+    lines = [plain_alarm(alarm, watch.now) for alarm in _shown_alarms(watch)]
+    return "\n".join([plain_table(watch.robots, watch.now), *lines])
+
+
+def _shown_alarms(watch: Watch) -> list[Alarm]:
+    return [alarm for alarm in watch.alarms.alarms() if alarm.active]
 
 
 def show_team(
-    operator: Operator,
+    watch: Watch,
     going_on: Callable[[], bool],
     *,
     out: TextIO | None = None,
     period: float = PLAIN_PERIOD_S,
 ) -> None:
-    """Show an operator's team for as long as something is going on.
+    """Show a team that is being watched for as long as something is going on.
 
-    A terminal gets a live table; any other ``out`` (default: standard output) gets a plain one
+    A terminal gets a live view; any other ``out`` (default: standard output) gets a plain one
     every ``period`` seconds, and one at the end.
     """
     out = sys.stdout if out is None else out
     if out.isatty():
-        _show_live(operator, going_on, out)
+        _show_live(watch, going_on, out)
     else:
-        _print_plain(operator, going_on, out, period)
+        _print_plain(watch, going_on, out, period)
 
 
-def _show_live(operator: Operator, going_on: Callable[[], bool], out: TextIO) -> None:
+def _show_live(watch: Watch, going_on: Callable[[], bool], out: TextIO) -> None:
     with Live(console=Console(file=out), auto_refresh=False) as live:
         while going_on():
             time.sleep(REFRESH_S)
-            live.update(team_table(operator.team.snapshot(), time.monotonic()), refresh=True)
+            live.update(team_view(watch), refresh=True)
 
 
-def _print_plain(
-    operator: Operator, going_on: Callable[[], bool], out: TextIO, period: float
-) -> None:
+def _print_plain(watch: Watch, going_on: Callable[[], bool], out: TextIO, period: float) -> None:
     due = time.monotonic() + period
     while going_on():
         time.sleep(REFRESH_S)
         if time.monotonic() >= due:
             due += period
-            _print_table(operator, out)
-    _print_table(operator, out)
-
-
-def _print_table(operator: Operator, out: TextIO) -> None:
-    print(plain_table(operator.team.snapshot(), time.monotonic()), file=out, flush=True)
+            print(plain_view(watch), file=out, flush=True)
+    print(plain_view(watch), file=out, flush=True)

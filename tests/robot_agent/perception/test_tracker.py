@@ -136,7 +136,7 @@ def test_a_walking_person_is_followed_and_never_a_teammate(room: Room) -> None:
 
     run(tracker, room, standing, legs, duration=6.0, rng=rng, after_each=check)
     assert np.mean(known) > 0.8
-    assert np.mean(known) < 1.5
+    assert np.mean(known) < 2.0  # legs far apart are two
     assert kinds == {Kind.UNKNOWN, Kind.STRANGER}
 
 

@@ -9,7 +9,7 @@ import pytest
 from maps.map_folder import MapFolder, load_map_folder
 from maps.pose import Pose
 from robot_agent.config import find_map
-from robot_agent.motion.gate import GateReason
+from robot_agent.motion.gate_reason import GateReason
 from tools.bench.bench_fault import BenchFault, BenchFaultError, FaultKind, parse_fault
 from tools.bench.fleet import Fleet, run_bench
 from tools.bench.idleness import border_visits
@@ -41,7 +41,6 @@ def run_until(fleet: Fleet, t: float) -> None:
         (FaultKind.DEAD, 2.0 + 1.5),  # the base's watchdog, then its ramp
         (FaultKind.BLIND, 0.5 + 1.5),
         (FaultKind.DEAF, 0.6 + 1.5),
-        (FaultKind.STUCK, 0.0),
     ],
 )
 def test_robot_stands_while_the_fault_lasts_and_goes_on_after(
@@ -53,8 +52,26 @@ def test_robot_stands_while_the_fault_lasts_and_goes_on_after(
     before = rig.body.pose
     run_until(fleet, SETTLED + 6.0)
     assert math.dist(before[:2], rig.body.pose[:2]) < 0.01
-    run_until(fleet, SETTLED + 6.0 + 10.0)
-    assert rig.base.velocity[0] > 0.1
+    run_until(fleet, SETTLED + 6.0 + 8.0)
+    assert math.dist(before[:2], rig.body.pose[:2]) > 1.0
+    assert fleet.world.contacts == 0
+
+
+def test_wheels_stuck_again_and_again_hold_the_robot_until_a_person_has_looked(
+    folder: MapFolder,
+) -> None:
+    fleet = one_robot(folder, FaultKind.STUCK, lasts=6.0)
+    robot = fleet.robots[0]
+    before = robot.rig.body.pose
+    run_until(fleet, SETTLED + 16.0)
+    assert math.dist(before[:2], robot.rig.body.pose[:2]) < 0.01
+    assert robot.agent.health() == "gate: stalled_again"
+    robot.rig.base.press_motors_button()
+    run_until(fleet, SETTLED + 17.0)
+    assert robot.rig.base.velocity == (0.0, 0.0)
+    robot.rig.base.press_motors_button()
+    run_until(fleet, SETTLED + 27.0)
+    assert robot.rig.base.velocity[0] > 0.1
     assert fleet.world.contacts == 0
 
 

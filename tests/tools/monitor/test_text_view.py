@@ -4,6 +4,7 @@ import io
 import socket
 import threading
 
+import msgspec
 import pytest
 from rich.console import Console
 
@@ -20,8 +21,12 @@ from robot_agent.streams import (
     encode,
 )
 from robot_agent.telemetry import Telemetry, TelemetrySettings
-from tools.monitor.team_state import RobotState, TeamState
-from tools.monitor.text_view import Row, plain_table, row_of, run_text_monitor, team_table
+from tools.monitor.monitor import Monitor, MonitorOptions, until
+from tools.monitor.robot_state import RobotState
+from tools.monitor.site import Site
+from tools.monitor.team_state import TeamState
+from tools.monitor.text_view import Row, plain_table, plain_view, row_of, show_team, team_table
+from tools.monitor.watch import Watch
 
 NOW = Timestamp(sec=1, nsec=0)
 
@@ -92,6 +97,7 @@ def test_row_tells_everything_about_a_robot() -> None:
         speed="0.20 m/s -0.10 rad/s",
         gate="obstacle ahead",
         age="0.7 s",
+        why="patrols clockwise, teammate 1.8 m away",
     )
 
 
@@ -100,7 +106,8 @@ def test_row_of_a_silent_robot_has_no_figures() -> None:
     row = row_of(robot, 5.0)
     assert row.robot == "north/anna"
     assert row.age == "never"
-    assert set(row) - {row.robot, row.age} == {"-"}
+    assert row.why == "nothing heard of it"
+    assert set(row) - {row.robot, row.age, row.why} == {"-"}
 
 
 def test_offline_robot_is_told() -> None:
@@ -118,13 +125,24 @@ def test_plain_table_is_aligned() -> None:
 
 
 def test_text_from_the_network_is_neither_markup_nor_control() -> None:
-    team = TeamState()
-    team.set_liveliness("patrol/[bold]/\x1b[2J", online=True)
-    console = Console(file=io.StringIO(), width=200)
-    console.print(team_table(team.snapshot(), 0.0))
-    shown = console.file.getvalue() + plain_table(team.snapshot(), 0.0)  # type: ignore[attr-defined]
-    assert shown.count("[bold]/") == 2
+    hostile = msgspec.structs.replace(DECISION, action="[bold]/", gate_reason="\x1b[2J")
+    team = team_with(STATUS, hostile)
+    console = Console(file=io.StringIO(), width=400)
+    console.print(team_table(team, 100.0))
+    shown = console.file.getvalue() + plain_table(team, 100.0)  # type: ignore[attr-defined]
+    assert shown.count("[bold]/ (cw)") == 2
     assert "\x1b" not in shown
+
+
+def test_active_alarms_stand_under_the_table() -> None:
+    team = TeamState()
+    watch = Watch(team, Site(None))
+    weak = msgspec.structs.replace(STATUS, battery=11.2, uptime=60.0)
+    team.receive("patrol/north/anna/status", encode(weak), 100.0, 1.0)
+    watch.advance(100.1, 1.1)
+    watch.advance(101.1, 2.1)
+    *_, alarm = plain_view(watch).splitlines()
+    assert alarm == "WARNING north/anna: battery at 11.2 V (1 s ago)"
 
 
 @pytest.fixture
@@ -146,7 +164,8 @@ def monitor_a_robot(endpoint: str, out: io.StringIO) -> str:
     reporter = threading.Thread(target=report)
     reporter.start()
     try:
-        run_text_monitor(endpoint, 1.2, out=out, period=60.0)
+        with Monitor(MonitorOptions(endpoint, None, Site(None))) as monitor:
+            show_team(monitor.watch, until(1.2), out=out, period=60.0)
     finally:
         shown.set()
         reporter.join()
@@ -155,7 +174,7 @@ def monitor_a_robot(endpoint: str, out: io.StringIO) -> str:
 
 
 def test_monitor_prints_plain_lines_where_there_is_no_terminal(endpoint: str) -> None:
-    heading, row = monitor_a_robot(endpoint, io.StringIO()).splitlines()
+    heading, row, *_ = monitor_a_robot(endpoint, io.StringIO()).splitlines()
     assert heading.startswith("robot")
     assert row.startswith("north/anna")
     assert "patrol_clockwise (cw)" in row

@@ -1,0 +1,61 @@
+"""The area a robot's body sweeps over along an arc, and what stands in it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robot_agent.motion.gate_settings import GateSettings
+
+_POSES = 12  # per stopping way: at most 0.05 m apart at top speed, less than the margin
+_SHARES = np.arange(1, _POSES + 1) / _POSES
+_FREE_SHARES = np.arange(_POSES) / _POSES  # free up to the pose before the first that hits
+
+
+class SweptBody:
+    """The body with its margins, moved along arcs among obstacles (n, 2), m in base_link."""
+
+    def __init__(self, settings: GateSettings) -> None:
+        self._settings = settings
+
+    def free_share(self, way: float, turn: float, obstacles: NDArray[np.float64]) -> float:
+        """Return the share, 0 to 1, of an arc (way m, turn rad) the body can sweep freely."""
+        settings = self._settings
+        reach = way + settings.front + settings.rear + settings.half_width
+        near = obstacles[np.abs(obstacles).max(axis=1, initial=0.0) < reach]
+        if not len(near):
+            return 1.0  # the usual case
+        if way > 0.0:
+            front = settings.front + settings.front_margin
+            side = settings.half_width + self._side_margin(near)
+        else:
+            front = settings.front + settings.turn_margin
+            side = settings.half_width + settings.turn_margin
+        x, y = _seen_along_arc(way * _SHARES, turn * _SHARES, near)
+        rear = settings.rear + settings.turn_margin
+        hit = ((x < front) & (x > -rear) & (np.abs(y) < side)).any(axis=1)
+        return float(_FREE_SHARES[hit.argmax()]) if hit.any() else 1.0
+
+    def _side_margin(self, near: NDArray[np.float64]) -> float:
+        """Margin beside the body: less where an obstacle already is, or no wall could be left."""
+        settings = self._settings
+        x, aside = near[:, 0], np.abs(near[:, 1]) - settings.half_width
+        alongside = (x < settings.front) & (x > -settings.rear)
+        clearance = aside.min(where=alongside, initial=settings.margin)
+        return max(float(clearance), settings.turn_margin)
+
+
+def _seen_along_arc(
+    ways: NDArray[np.float64], turns: NDArray[np.float64], points: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return (x, y), each (poses, n): points (n, 2) as seen from poses along one arc.
+
+    ways (poses,) m and turns (poses,) rad from the start.
+    """
+    half = turns / 2.0
+    chord = ways * np.sinc(half / np.pi)  # sinc: sin(half) / half, 1 when straight
+    c, s = np.cos(turns)[:, None], np.sin(turns)[:, None]
+    # The chord of an arc leaves at half the turn, which seen from its end points to -half.
+    x = c * points[:, 0] + s * points[:, 1] - (chord * np.cos(half))[:, None]
+    y = c * points[:, 1] - s * points[:, 0] + (chord * np.sin(half))[:, None]
+    return x, y

@@ -1,0 +1,583 @@
+"""What the gate must answer, case by case; every mutant of the gate must break one of them."""
+
+import math
+from dataclasses import dataclass, field
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from robot_agent.motion import gate
+
+WELL: dict[str, Any] = {
+    "health": "localized",
+    "motors_enabled": True,
+    "stop_button": False,
+    "stalled": False,
+    "bumpers": 0,
+    "battery": 12.6,
+    "v": 0.0,
+    "w": 0.0,
+    "obstacles": np.zeros((0, 2)),
+}
+STEPS = 12  # of 0.1 s, enough to reach any speed in the table
+END = 1.2  # s, time of the last step
+
+
+@dataclass(frozen=True)
+class Case:
+    """A wish held from standstill while all is well, and one last step with some inputs changed."""
+
+    wish: tuple[float, float]
+    expected: tuple[float, float]
+    reason: str = "none"
+    inputs: dict[str, Any] = field(default_factory=dict)
+    last_wish: tuple[float, float] | None = None
+    steps: int = STEPS
+    settings: dict[str, float] = field(default_factory=dict)
+    last_time: float = END
+
+
+def run(case: Case, module: ModuleType = gate) -> Any:
+    """Run a case on the gate of a module (the shipped one, or a mutant)."""
+    tested = module.SafetyGate(module.GateSettings(**case.settings))
+    for k in range(STEPS - case.steps, STEPS):
+        t = 0.1 * k
+        tested.permit(t, case.wish, inputs(module, t))
+    t = case.last_time
+    return tested.permit(t, case.last_wish or case.wish, inputs(module, t, **case.inputs))
+
+
+def inputs(module: ModuleType, t: float, **changed: Any) -> Any:
+    values = WELL | {"base_time": t - 0.1, "scan_time": t - 0.1} | changed
+    if "obstacles" in changed:
+        values["obstacles"] = np.array(changed["obstacles"], dtype=float).reshape(-1, 2)
+    return module.GateInputs(**values)
+
+
+def fits(case: Case, decision: Any) -> bool:
+    close = all(
+        math.isclose(a, b, abs_tol=1e-6)
+        for a, b in zip((decision.v, decision.w), case.expected, strict=True)
+    )
+    return close and decision.reason == case.reason
+
+
+def stopping(v: float, a: float = 0.3, delay: float = 0.25) -> float:
+    return v * v / (2 * a) + v * delay
+
+
+def stoppable(way: float, a: float = 0.3, delay: float = 0.25) -> float:
+    return a * (math.sqrt(delay * delay + 2 * way / a) - delay)
+
+
+def ahead(v: float, poses_free: int) -> float:
+    """Speed permitted when so many of the 12 poses of the stopping way are free."""
+    return stoppable(stopping(v) * poses_free / 12)
+
+
+def turned(w: float, poses_free: int) -> float:
+    return stoppable(stopping(w, 2.0) * poses_free / 12, 2.0)
+
+
+FRONT = 0.41  # m ahead of the axle that are kept free
+S = stopping(0.35)
+R = stopping(0.3)
+
+
+def met(pose: float, side: int, aside: float = 0.0) -> tuple[float, float]:
+    """Where a point of the front margin is after that many twelfths of an arc of radius 0.5 m.
+
+    aside: m from the front's middle, towards the centre of the arc.
+    """
+    angle = S / 0.5 * pose / 12
+    x = 0.5 * math.sin(angle) + FRONT * math.cos(angle) - aside * math.sin(angle)
+    y = 0.5 * (1 - math.cos(angle)) + FRONT * math.sin(angle) + aside * math.cos(angle)
+    return x, side * y
+
+
+def creeping(v: float) -> float:
+    """Speed of which one twelfth of the stopping way permits v."""
+    return stoppable(12 * stopping(v))
+
+
+def post_after(v: float) -> tuple[float, float]:
+    """A post that leaves one twelfth of that stopping way."""
+    return FRONT + 1.5 * stopping(v), 0.0
+
+
+POST = (-0.13, -0.36)  # what the rear corner meets in a left turn
+DRIVE = (0.35, 0.0)
+ZERO = (0.0, 0.0)
+
+
+def denied(reason: str, **changed: Any) -> Case:
+    return Case(DRIVE, ZERO, reason, changed)
+
+
+def permitted(**changed: Any) -> Case:
+    return Case(DRIVE, DRIVE, "none", changed)
+
+
+CASES = [
+    # nothing wrong
+    Case(DRIVE, DRIVE),
+    Case((0.35, 0.4), (0.35, 0.4)),
+    Case((0.0, -1.2), (0.0, -1.2)),
+    Case(ZERO, ZERO),
+    # numbers that are none
+    Case(DRIVE, ZERO, "invalid", last_wish=(math.nan, 0.0)),
+    Case(DRIVE, ZERO, "invalid", last_wish=(0.1, math.inf)),
+    denied("invalid", v=math.nan),
+    denied("invalid", w=math.nan),
+    denied("invalid", battery=math.nan),
+    denied("invalid", obstacles=[(math.nan, 3.0)]),
+    denied("invalid", obstacles=[(5.0, math.inf)]),
+    Case(DRIVE, ZERO, "invalid", last_time=math.nan),
+    # ages
+    denied("stale_base", base_time=None),
+    denied("stale_base", base_time=END - 0.301),
+    denied("stale_base", base_time=END + 0.01),
+    denied("stale_base", base_time=math.nan),
+    permitted(base_time=END - 0.299),
+    permitted(base_time=END),
+    denied("stale_laser", scan_time=None),
+    denied("stale_laser", scan_time=END - 0.401),
+    denied("stale_laser", scan_time=END + 0.01),
+    permitted(scan_time=END - 0.399),
+    permitted(scan_time=END),
+    Case(DRIVE, ZERO, "stale_base", {"base_time": END - 0.5}, settings={"max_base_age": 0.5}),
+    Case(DRIVE, ZERO, "stale_laser", {"scan_time": END - 0.5}, settings={"max_scan_age": 0.5}),
+    Case(DRIVE, DRIVE, "none", {"base_time": END - 0.45}, settings={"max_base_age": 0.5}),
+    Case(DRIVE, DRIVE, "none", {"scan_time": END - 0.45}, settings={"max_scan_age": 0.5}),
+    # states
+    denied("not_localized", health="lost"),
+    denied("not_localized", health=None),
+    denied("not_localized", health="splendid"),
+    denied("overloaded", overloaded=True),
+    denied("motors_off", motors_enabled=False),
+    denied("stop_button", stop_button=True),
+    denied("stalled", stalled=True),
+    denied("bumper", bumpers=1),
+    denied("bumper", bumpers=16),
+    denied("overspeed", v=0.71),
+    denied("overspeed", v=-0.71),
+    permitted(v=0.69),
+    permitted(v=-0.69),
+    denied("overspeed", w=1.71),
+    denied("overspeed", w=-1.71),
+    permitted(w=1.69),
+    Case(DRIVE, ZERO, "backing", last_wish=(-0.01, 0.3)),
+    Case((0.0, 0.5), (0.0, 0.5), last_wish=(0.0, 0.5)),
+    # the first reason is the one told
+    denied("stale_base", base_time=None, scan_time=None, health="lost"),
+    denied("stale_laser", scan_time=None, health="lost"),
+    denied("overloaded", overloaded=True, health="lost"),
+    denied("not_localized", health="lost", motors_enabled=False),
+    denied("stop_button", stop_button=True, motors_enabled=False),
+    denied("motors_off", motors_enabled=False, stalled=True),
+    denied("stalled", stalled=True, bumpers=1),
+    # speed limits, along the wished arc
+    Case((0.7, 0.0), (0.5, 0.0), "speed_limit"),
+    Case((0.5, 0.0), (0.5, 0.0)),
+    Case((1.0, 0.8), (0.5, 0.4), "speed_limit"),
+    Case((0.0, 3.0), (0.0, 1.5), "speed_limit"),
+    Case((0.3, -3.0), (0.15, -1.5), "speed_limit"),
+    Case((0.0, 1.5), (0.0, 1.5)),
+    Case((0.3, 0.4), (0.15, 0.2), "unsure", {"health": "unsure"}),
+    Case((0.15, 0.4), (0.15, 0.4), "none", {"health": "unsure"}),
+    Case((0.0, 1.2), (0.0, 1.2), "none", {"health": "unsure"}),
+    Case(
+        (0.3, 0.0),
+        (0.2, 0.0),
+        "unsure",
+        {"health": "unsure"},
+        settings={"max_speed": 0.2, "unsure_speed": 0.4},
+    ),
+    # the limited mode needs no pose, but is slow; nothing else is given up
+    Case((0.3, 0.4), (0.15, 0.2), "limited", {"limited": True, "health": None}),
+    Case((0.3, 0.4), (0.15, 0.2), "limited", {"limited": True, "health": "lost"}),
+    Case((0.3, 0.4), (0.15, 0.2), "limited", {"limited": True}),
+    Case((0.3, 0.4), (0.15, 0.2), "limited", {"limited": True, "health": "unsure"}),
+    Case((0.15, 0.5), (0.15, 0.5), "none", {"limited": True, "health": None}),
+    Case((0.0, -1.0), (0.0, -0.8), "limited", {"limited": True, "health": None}),
+    Case((0.0, -0.6), (0.0, -0.5), "limited", {"limited": True, "health": None}),
+    Case((0.0, 0.6), (0.0, 0.5), "limited", {"limited": True, "health": None}),
+    Case(
+        (0.0, 0.6),
+        (0.0, 0.4),
+        "limited",
+        {"limited": True},
+        settings={"max_turn_rate": 0.4},
+    ),
+    denied("stale_base", limited=True, base_time=None),
+    denied("stale_laser", limited=True, scan_time=None),
+    denied("overloaded", limited=True, overloaded=True),
+    denied("stop_button", limited=True, stop_button=True),
+    denied("motors_off", limited=True, motors_enabled=False),
+    denied("stalled", limited=True, stalled=True),
+    denied("bumper", limited=True, bumpers=2),
+    denied("overspeed", limited=True, v=0.71),
+    Case(DRIVE, ZERO, "backing", {"limited": True}, last_wish=(-0.01, 0.3)),
+    Case(DRIVE, ZERO, "obstacle", {"limited": True, "obstacles": [(0.25, 0.1)]}),
+    # getting faster
+    Case(DRIVE, (0.0, 0.0), "acceleration", steps=0),
+    Case(DRIVE, (0.025, 0.0), "acceleration", steps=1),
+    Case(DRIVE, (0.075, 0.0), "acceleration", steps=2),
+    Case((0.0, 1.2), (0.0, 0.2), "acceleration", steps=1),
+    Case((0.0, -1.2), (0.0, -0.2), "acceleration", steps=1),
+    Case(DRIVE, (0.15, 0.0), "acceleration", steps=1, last_time=9.0),
+    Case(DRIVE, (0.0, 0.0), "acceleration", steps=1, last_time=END - 0.2),
+    Case((0.0, 1.0), (0.0, 0.8), "acceleration", last_wish=(0.0, -1.2)),
+    Case((0.7, 0.0), (0.025, 0.0), "speed_limit", steps=1),
+    # turning follows the base both ways; driving slower is never delayed
+    Case(DRIVE, (0.1, 0.0), last_wish=(0.1, 0.0)),
+    Case(DRIVE, ZERO, last_wish=ZERO),
+    Case((0.0, 1.2), (0.0, 1.0), "acceleration", last_wish=(0.0, 0.1)),
+    Case((0.0, -1.2), (0.0, -1.0), "acceleration", last_wish=ZERO),
+    Case((0.0, 1.2), (0.0, 1.1), last_wish=(0.0, 1.1)),
+    # an obstacle ahead: front 0.21 + front margin 0.20, and the stopping way
+    Case(DRIVE, DRIVE, "none", {"obstacles": [(0.4101 + S, 0.0)]}),
+    Case(DRIVE, (ahead(0.35, 11), 0.0), "obstacle", {"obstacles": [(0.4099 + S, 0.0)]}),
+    Case(DRIVE, (ahead(0.35, 5), 0.0), "obstacle", {"obstacles": [(0.4099 + S / 2, 0.0)]}),
+    Case(DRIVE, (ahead(0.35, 6), 0.0), "obstacle", {"obstacles": [(0.4101 + S / 2, 0.0)]}),
+    Case(DRIVE, (ahead(0.35, 1), 0.0), "obstacle", {"obstacles": [(0.4101 + S / 12, 0.0)]}),
+    Case(DRIVE, ZERO, "obstacle", {"obstacles": [(0.4099 + S / 12, 0.0)]}),
+    Case(DRIVE, ZERO, "obstacle", {"obstacles": [(0.25, 0.1)]}),
+    Case(DRIVE, (ahead(0.35, 5), 0.0), "obstacle", {"obstacles": [(9, 9), (0.4099 + S / 2, 0.1)]}),
+    # beside the way: half width 0.2125 + margin 0.08
+    Case(DRIVE, DRIVE, "none", {"obstacles": [(0.4, 0.2926), (0.4, -0.2926)]}),
+    Case(DRIVE, ZERO, "obstacle", {"obstacles": [(0.3, 0.2924)]}),
+    Case(DRIVE, ZERO, "obstacle", {"obstacles": [(0.3, -0.2924)]}),
+    # beside the body a wall may be nearer than the margin, if the way comes no nearer
+    Case(DRIVE, DRIVE, "none", {"obstacles": [(0.0, 0.25), (0.3, 0.251)]}),
+    Case(DRIVE, ZERO, "obstacle", {"obstacles": [(0.0, 0.25), (0.3, 0.249)]}),
+    Case(DRIVE, DRIVE, "none", {"obstacles": [(-0.29, -0.25), (0.3, 0.251)]}),
+    Case(DRIVE, ZERO, "obstacle", {"obstacles": [(-0.31, -0.25), (0.3, 0.251)]}),
+    Case(DRIVE, ZERO, "obstacle", {"obstacles": [(0.211, 0.25), (0.3, 0.251)]}),
+    Case(DRIVE, ZERO, "obstacle", {"obstacles": [(0.0, 0.22)]}),  # nearer than the turn margin
+    # behind
+    Case(DRIVE, DRIVE, "none", {"obstacles": [(-0.33, 0.0), (-2.0, 0.0)]}),
+    Case(DRIVE, ZERO, "obstacle", {"obstacles": [(-0.29, 0.0)]}),
+    # arcs are swept, not straight ahead
+    Case((0.35, 0.7), (0.35, 0.7), "none", {"obstacles": [(0.55, -0.25)]}),
+    Case((0.35, -0.7), (0.35, -0.7), "none", {"obstacles": [(0.55, 0.25)]}),
+    # turning on the spot: reach of the front corner 0.315, of the rear corner 0.397
+    Case((0.0, 1.2), (0.0, 1.2), "none", {"obstacles": [(0.0, 0.40), (0.0, -0.40), (0.4, 0.0)]}),
+    # the post meets the right side after asin(0.2325 / 0.3827) of a turn, between poses 10 and 11
+    Case((0.0, 1.2), (0.0, turned(1.2, 10)), "obstacle", {"obstacles": [POST]}),
+    Case((0.0, -1.2), (0.0, -turned(1.2, 10)), "obstacle", {"obstacles": [(-0.13, 0.36)]}),
+    Case((0.0, 1.2), ZERO, "obstacle", {"obstacles": [(0.0, 0.23)]}),
+    Case((0.0, 1.2), (0.0, 1.2), "none", {"obstacles": [(0.33, 0.0)]}),
+    Case((0.0, 1.2), ZERO, "obstacle", {"obstacles": [(0.222, 0.0)]}),
+    # blocked ahead it may still turn
+    Case((0.2, 0.8), (0.0, 0.8), "obstacle", {"obstacles": [(0.27, 0.0)]}),
+    Case((0.2, -0.8), (0.0, -0.8), "obstacle", {"obstacles": [(0.27, 0.0)]}),
+    # the base still rolls or turns faster than wished
+    Case((0.1, 0.0), (0.1, 0.0), "none", {"v": 0.3, "obstacles": [(0.4101 + R, 0.0)]}),
+    Case((0.1, 0.0), (0.1, 0.0), "none", {"v": 0.3, "obstacles": [(0.4099 + R, 0.0)]}),
+    Case(
+        (0.3, 0.0),
+        (stoppable(R * 11 / 12), 0.0),
+        "obstacle",
+        {"v": 0.3, "obstacles": [(0.4099 + R, 0)]},
+    ),
+    Case((0.01, 0.2), (0.01, 0.2), "none", {"v": 0.3, "obstacles": []}),
+    Case((0.01, 0.2), (0.01, 0.2), "none", {"v": 0.3, "obstacles": [(3.0, 0.0)]}),
+    Case((0.3, 0.3), ZERO, "obstacle", {"v": 0.3, "obstacles": [(0.3, 0.0)]}),
+    Case((0.1, 0.3), ZERO, "obstacle", {"v": 0.3, "obstacles": [(0.3, 0.0)]}),
+    Case((0.0, 0.6), ZERO, "obstacle", {"v": 0.3, "obstacles": [(0.3, 0.0)]}),
+    Case((0.0, 0.6), (0.0, 0.6), "none", {"obstacles": [POST]}),
+    Case((0.0, 0.6), (0.0, 0.6), "none", {"w": -1.2, "obstacles": [POST]}),
+    Case((0.0, 1.2), (0.0, turned(1.2, 10)), "obstacle", {"w": -1.4, "obstacles": [POST]}),
+    Case((0.0, 1.1), (0.0, turned(1.2, 10)), "obstacle", {"w": 1.2, "obstacles": [POST]}),
+    Case(DRIVE, DRIVE, "none", {"w": 1.2, "obstacles": [(0.4, 0.2926), (0.4, -0.2926)]}),
+    # on an arc: what the front meets between two poses
+    Case(
+        (0.35, 0.7), (ahead(0.35, 6), ahead(0.35, 6) * 2), "obstacle", {"obstacles": [met(6.5, 1)]}
+    ),
+    Case(
+        (0.35, -0.7),
+        (ahead(0.35, 6), -ahead(0.35, 6) * 2),
+        "obstacle",
+        {"obstacles": [met(6.5, -1)]},
+    ),
+    Case(
+        (0.35, 0.7),
+        (ahead(0.35, 10), ahead(0.35, 10) * 2),
+        "obstacle",
+        {"obstacles": [met(10.9, 1)]},
+    ),
+    Case(
+        (0.35, 0.7),
+        (ahead(0.35, 11), ahead(0.35, 11) * 2),
+        "obstacle",
+        {"obstacles": [met(11.1, 1)]},
+    ),
+    Case(
+        (0.35, 0.7),
+        (ahead(0.35, 6), ahead(0.35, 6) * 2),
+        "obstacle",
+        {"obstacles": [met(6.05, 1, 0.28)]},
+    ),
+    Case(
+        (0.35, -0.7),
+        (ahead(0.35, 6), -ahead(0.35, 6) * 2),
+        "obstacle",
+        {"obstacles": [met(6.05, -1, 0.28)]},
+    ),
+    Case(
+        (0.35, 0.7),
+        (ahead(0.35, 10), ahead(0.35, 10) * 2),
+        "obstacle",
+        {"obstacles": [met(10.99, 1)]},
+    ),
+    Case(
+        (0.35, 0.7),
+        (ahead(0.35, 11), ahead(0.35, 11) * 2),
+        "obstacle",
+        {"obstacles": [met(11.01, 1)]},
+    ),
+    # slower than creeping is no progress
+    Case((creeping(0.021), 0.0), (0.021, 0.0), "obstacle", {"obstacles": [post_after(0.021)]}),
+    Case((creeping(0.019), 0.0), ZERO, "obstacle", {"obstacles": [post_after(0.019)]}),
+    Case((0.021, 1.2), ZERO, "obstacle", {"obstacles": [(0.0, 0.2315)]}),
+    # the turn margin
+    Case((0.0, 1.2), ZERO, "obstacle", {"obstacles": [(0.0, 0.2315)]}),
+    Case((0.0, 1.2), (0.0, turned(1.2, 1)), "obstacle", {"obstacles": [(0.0, 0.2335)]}),
+    Case((0.019, 1.2), (0.0, turned(1.2, 1)), "obstacle", {"obstacles": [(0.0, 0.2335)]}),
+    Case(
+        (0.0, 0.6),
+        (0.0, stoppable(stopping(0.8, 2.0) / 4, 2.0)),
+        "obstacle",
+        {"w": 0.8, "obstacles": [(0.0, 0.2335)]},
+    ),
+    Case(
+        (0.35, 0.7),
+        (ahead(0.35, 10), ahead(0.35, 10) * 2),
+        "obstacle",
+        {"obstacles": [met(10.5, 1, -0.2)]},
+    ),
+    # exactly on a limit
+    permitted(v=0.7),
+    permitted(w=1.7),
+    Case((0.0, 1.2), (0.0, 1.2), settings={"creep_speed": 0.0}),
+    Case(
+        (0.2, 0.8),
+        (0.0, 0.8),
+        "obstacle",
+        {"obstacles": [(0.27, 0.0)]},
+        settings={"creep_speed": 0.0},
+    ),
+    Case(DRIVE, ZERO, "obstacle", {"obstacles": [(0.21, 0.25), (0.3, 0.251)]}),
+    Case(DRIVE, ZERO, "obstacle", {"obstacles": [(-0.301, 0.25), (0.3, 0.251)]}),
+    # an obstacle is told before a speed limit
+    Case((0.7, 0.0), ZERO, "obstacle", {"obstacles": [(0.25, 0.0)]}),
+]
+
+
+@dataclass(frozen=True)
+class Step:
+    """One call of the gate: at t, with some inputs changed; what must come of it."""
+
+    t: float
+    reason: str
+    inputs: dict[str, Any] = field(default_factory=dict)
+    wish: tuple[float, float] = DRIVE
+    v: float | None = None
+
+
+@dataclass(frozen=True)
+class Story:
+    """Calls of one gate, and how many stops of each kind it has counted after them."""
+
+    steps: list[Step]
+    stops: dict[str, int] = field(default_factory=dict)
+    settings: dict[str, float] = field(default_factory=dict)
+
+
+def holds(story: Story, module: ModuleType = gate) -> bool:
+    """Tell whether a story comes true on the gate of a module."""
+    tested = module.SafetyGate(module.GateSettings(**story.settings))
+    for step in story.steps:
+        decision = tested.permit(step.t, step.wish, inputs(module, step.t, **step.inputs))
+        if decision.reason != step.reason:
+            return False
+        if step.v is not None and not math.isclose(decision.v, step.v, abs_tol=1e-6):
+            return False
+    return dict(tested.stops) == story.stops
+
+
+BUMPED = {"bumpers": 4}
+HIT = {"stalled": True}
+BUTTON = {"stop_button": True}
+GOES = "acceleration"  # from standstill
+
+
+def pressed(*times: float) -> list[Step]:
+    """A bumper pressed at each time and free 0.1 s later."""
+    return [step for t in times for step in (Step(t, "bumper", BUMPED, v=0.0), Step(t + 0.1, GOES))]
+
+
+def stalled_at(*times: float) -> list[Step]:
+    return [step for t in times for step in (Step(t, "stalled", HIT, v=0.0), Step(t + 0.1, GOES))]
+
+
+def battery(t: float, volts: float, reason: str = "none") -> Step:
+    return Step(t, reason, {"battery": volts}, wish=ZERO)
+
+
+STORIES = [
+    # jerk: acceleration grows by 0.25 m/s2 per step of 0.1 s, up to 0.5 m/s2
+    Story([Step(0.1 * k, GOES, v=v) for k, v in enumerate((0.0, 0.025, 0.075, 0.125, 0.175))]),
+    # slower for a moment: acceleration grows from nothing again
+    Story(
+        [
+            *(Step(0.1 * k, GOES, v=v) for k, v in enumerate((0.0, 0.025, 0.075, 0.125))),
+            Step(0.4, "none", wish=(0.1, 0.0), v=0.1),
+            Step(0.5, GOES, v=0.125),
+            Step(0.6, GOES, v=0.175),
+        ]
+    ),
+    # a gain cut short by the wish counts as it was
+    Story(
+        [
+            Step(0.0, GOES, v=0.0),
+            Step(0.1, GOES, v=0.025),
+            Step(0.2, "none", wish=(0.035, 0.0), v=0.035),
+            Step(0.3, GOES, v=0.07),
+        ]
+    ),
+    # a denial: standstill, and no acceleration
+    Story(
+        [
+            *(Step(0.1 * k, GOES, v=v) for k, v in enumerate((0.0, 0.025, 0.075))),
+            Step(0.3, "stale_laser", {"scan_time": None}, v=0.0),
+            Step(0.4, GOES, v=0.0),
+            Step(0.5, GOES, v=0.025),
+        ],
+        {"stale_laser": 1},
+    ),
+    # the same time twice is no time
+    Story([Step(0.0, GOES, v=0.0), Step(0.0, GOES, v=0.0), Step(0.1, GOES, v=0.025)]),
+    # a bumper pressed twice is latched, also when it is free again
+    Story(
+        [
+            *pressed(0.0),
+            Step(1.0, "bumped_again", BUMPED, v=0.0),
+            Step(1.1, "bumped_again", v=0.0),
+            Step(500.0, "bumped_again", v=0.0),
+            # before all that a person may have done to the motors
+            Step(500.1, "bumped_again", {"motors_enabled": False}, v=0.0),
+            Step(500.2, "bumped_again", v=0.0),
+            # the stop button releases it, once it is free
+            Step(500.3, "bumped_again", BUTTON, v=0.0),
+            Step(500.4, GOES, v=0.0),
+            # and everything is forgotten
+            *pressed(501.0),
+            Step(501.2, "bumped_again", BUMPED),
+        ],
+        {"bumper": 2, "bumped_again": 2},
+    ),
+    Story([*pressed(0.0), Step(59.9, "bumped_again", BUMPED)], {"bumper": 1, "bumped_again": 1}),
+    Story([*pressed(0.0, 60.0)], {"bumper": 2}),
+    Story(
+        [*pressed(0.0, 61.0), Step(70.0, "bumped_again", BUMPED)], {"bumper": 2, "bumped_again": 1}
+    ),
+    Story(pressed(0.0, 1.0), {"bumper": 2}, settings={"bumps": 3}),
+    # held is pressed once
+    Story(
+        [Step(0.0, "bumper", BUMPED), Step(0.1, "bumper", BUMPED), Step(0.2, GOES)], {"bumper": 1}
+    ),
+    # pressed while the stop button holds: a person is at the robot
+    Story(
+        [
+            *pressed(0.0),
+            Step(1.0, "stop_button", BUTTON | BUMPED),
+            Step(1.1, "stop_button", BUTTON),
+            Step(1.2, "stop_button", BUTTON | BUMPED),
+            Step(1.3, GOES),
+        ],
+        {"bumper": 1, "stop_button": 1},
+    ),
+    # three stalls
+    Story(stalled_at(0.0, 1.0), {"stalled": 2}),
+    Story(
+        [
+            *stalled_at(0.0, 1.0),
+            Step(2.0, "stalled_again", HIT, v=0.0),
+            Step(2.1, "stalled_again", v=0.0),
+            Step(2.2, "stalled_again", BUTTON, v=0.0),
+            Step(2.3, GOES, v=0.0),
+            *stalled_at(3.0, 4.0),
+        ],
+        {"stalled": 4, "stalled_again": 1},
+    ),
+    Story(stalled_at(0.0, 1.0, 60.0), {"stalled": 3}),
+    # a low battery, for a while
+    Story([battery(0.0, 11.0), battery(2.0, 11.0), battery(4.0, 11.0)]),
+    Story(
+        [
+            battery(0.0, 10.9),
+            battery(1.9, 10.9),
+            battery(2.0, 10.9, "battery_low"),
+            battery(2.1, 11.9, "battery_low"),
+            battery(2.2, 12.0),
+            battery(2.3, 11.5),
+            battery(2.4, 10.9),
+            battery(4.3, 10.9),
+            battery(4.4, 10.9, "battery_low"),
+        ],
+        {"battery_low": 2},
+    ),
+    Story([battery(0.0, 10.9), battery(1.9, 11.0), battery(2.0, 10.9), battery(3.9, 10.9)]),
+    Story(
+        [battery(0.0, 10.9), battery(0.1, 10.9, "battery_low")],
+        {"battery_low": 1},
+        settings={"battery_patience": 0.1},
+    ),
+    Story(
+        [battery(0.0, 11.4), battery(9.0, 11.4, "battery_low")],
+        {"battery_low": 1},
+        settings={"battery_cutoff": 11.5},
+    ),
+    Story(
+        [battery(0.0, 11.0)],
+        settings={"battery_cutoff": 11.0, "battery_resume": 11.0},
+    ),
+    # stops are counted when they begin; limits are none, an obstacle is one if nothing passes
+    Story(
+        [
+            Step(0.0, "stale_base", {"base_time": None}),
+            Step(0.1, "stale_base", {"base_time": None}),
+            Step(0.2, "not_localized", {"health": "lost"}),
+            Step(0.3, "stale_base", {"base_time": None}),
+            Step(0.4, GOES),
+            Step(0.5, "obstacle", {"obstacles": [(0.25, 0.1)]}),
+            Step(0.6, "obstacle", {"obstacles": [(0.25, 0.1)]}),
+            Step(0.7, "limited", {"limited": True}, wish=(0.3, 0.0)),
+            Step(0.8, "unsure", {"health": "unsure"}, wish=(0.3, 0.0)),
+        ],
+        {"stale_base": 2, "not_localized": 1, "obstacle": 1},
+    ),
+    Story(
+        [
+            Step(0.0, "acceleration", wish=(0.2, 0.8)),
+            Step(0.1, "obstacle", {"obstacles": [(0.27, 0.0)]}, wish=(0.2, 0.8), v=0.0),
+            Step(0.2, "obstacle", {"obstacles": [(0.27, 0.0)]}, wish=(0.2, 0.0), v=0.0),
+        ],
+    ),
+    Story(
+        [
+            *(Step(0.1 * k, GOES) for k in range(7)),
+            Step(0.7, "obstacle", {"obstacles": [(0.4101 + S / 2, 0.0)]}),
+        ],
+    ),
+]
+
+
+def all_hold(module: ModuleType) -> bool:
+    """Tell whether every case and story comes true on the gate of a module."""
+    return all(fits(case, run(case, module)) for case in CASES) and all(
+        holds(story, module) for story in STORIES
+    )

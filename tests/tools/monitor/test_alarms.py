@@ -1,0 +1,196 @@
+"""Alarms from event lists: each appears within 2 s of its cause, and clears."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+
+from robot_agent.foxglove import (
+    KeyValuePair,
+    Log,
+    LogLevel,
+    SceneUpdate,
+    timestamp_at,
+    track_entity,
+)
+from robot_agent.streams import LocalizationStatus, Payload, ProcessPayload, Twist, encode
+from tests.tools.monitor.reports import decision, device, status
+from tools.monitor.alarm import Condition, Severity
+from tools.monitor.alarm_board import MAX_ALARMS, Alarm, AlarmBoard
+from tools.monitor.site import Site
+from tools.monitor.team_state import TeamState
+from tools.monitor.watch import Watch
+
+KEY = "patrol/north/anna"
+CAUSE, END, LAST = 10.0, 20.0, 40.0
+Say = Callable[[float], dict[str, Payload]]
+
+
+def well(t: float) -> dict[str, Payload]:
+    return {"status": status(t), "decision": decision(t)}
+
+
+def alarms_of(trouble: Say) -> list[Alarm]:
+    """All alarms of a run in which a robot has trouble from CAUSE to END and is well otherwise."""
+    team = TeamState()
+    watch = Watch(team, Site(None))
+    for step in range(round(LAST / 0.1)):
+        t = 0.1 * step
+        said = trouble(t) if CAUSE <= t < END else well(t)
+        for stream, payload in said.items():
+            if stream != "status" or step % 5 == 0:
+                team.receive(f"{KEY}/{stream}", encode(payload), t, t)
+        watch.advance(t + 0.05, t + 0.05)
+    return watch.alarms.alarms()
+
+
+def with_status(**changes: Any) -> Say:
+    return lambda t: {"status": status(t, **changes), "decision": decision(t)}
+
+
+def held(t: float) -> dict[str, Payload]:
+    held = decision(t, command=Twist(0.0, 0.0), gate_reason="obstacle")
+    return {"status": status(t), "decision": held}
+
+
+def late(t: float) -> dict[str, Payload]:
+    return {"status": msgspec.structs.replace(status(t), timestamp=timestamp_at(t - 5.0))}
+
+
+def intruder(t: float) -> dict[str, Payload]:
+    entity = track_entity(timestamp_at(t), 7, (3.0, 4.0), (0.0, 0.0), teammate=False)
+    entity = msgspec.structs.replace(entity, metadata=[KeyValuePair("class", "intruder")])
+    return {**well(t), "tracks": SceneUpdate(entities=[entity])}
+
+
+TROUBLES: dict[str, tuple[Say, Severity, str]] = {
+    "silent": (lambda t: {}, Severity.CRITICAL, "nothing heard for"),
+    "lost": (
+        with_status(localization=LocalizationStatus(health="lost")),
+        Severity.CRITICAL,
+        "does not know where it is",
+    ),
+    "stalled": (with_status(stalled=True), Severity.CRITICAL, "a motor is stalled"),
+    "bumper": (with_status(bumpers=2), Severity.CRITICAL, "a bumper is pressed"),
+    "gate": (held, Severity.WARNING, "held by the gate: obstacle ahead"),
+    "battery": (with_status(battery=11.3), Severity.WARNING, "battery at 11.3 V"),
+    "link laser": (
+        with_status(laser=device("lost", link_up=False, link_reason="unplugged")),
+        Severity.CRITICAL,
+        "laser: unplugged",
+    ),
+    "link base": (
+        with_status(base=device("connecting")),
+        Severity.CRITICAL,
+        "base: connecting, not ready",
+    ),
+    "intruder": (intruder, Severity.CRITICAL, "intruder at 3.0, 4.0 m"),
+    "clock": (late, Severity.WARNING, "clock is 5.0 s behind this computer's"),
+}
+
+
+@pytest.mark.parametrize("kind", TROUBLES)
+def test_alarm_appears_within_two_seconds_and_clears(kind: str) -> None:
+    trouble, severity, text = TROUBLES[kind]
+    (alarm,) = alarms_of(trouble)
+    assert (alarm.robot, alarm.kind, alarm.severity) == ("north/anna", kind, severity)
+    assert alarm.text.startswith(text)
+    assert CAUSE <= alarm.raised < CAUSE + 2.0
+    assert alarm.cleared is not None
+    assert END <= alarm.cleared < END + 3.0
+
+
+def test_a_well_robot_raises_nothing() -> None:
+    assert alarms_of(well) == []
+
+
+def test_a_robot_that_starts_up_raises_nothing() -> None:
+    def starting(t: float) -> dict[str, Payload]:
+        closed = device("idle", link_up=False, link_reason="not opened yet")
+        lost = LocalizationStatus(health="lost")
+        up = t - CAUSE
+        if up > 4.0:
+            return well(t)
+        return {"status": status(t, uptime=up, base=closed, laser=closed, localization=lost)}
+
+    assert alarms_of(starting) == []
+
+
+def said(name: str, level: LogLevel, t: float) -> Log:
+    return Log(timestamp=timestamp_at(t), level=level, message="somebody is there", name=name)
+
+
+@pytest.mark.parametrize(("name", "kind"), [("intruder", "intruder"), ("patrol", "blocked")])
+def test_words_of_the_log_are_an_alarm_for_a_while(name: str, kind: str) -> None:
+    def once(t: float) -> dict[str, Payload]:
+        words: dict[str, Payload] = {"event": said(name, LogLevel.WARNING, t)}
+        return {**well(t), **(words if t < CAUSE + 0.05 else {})}
+
+    (alarm,) = alarms_of(once)
+    assert (alarm.kind, alarm.text) == (kind, "somebody is there")
+    assert alarm.raised < CAUSE + 1.0
+    assert alarm.cleared is not None
+
+
+def test_failing_recorder_of_a_robot_is_an_alarm() -> None:
+    def failing(t: float) -> dict[str, Payload]:
+        process = ProcessPayload(
+            timestamp=timestamp_at(t),
+            robot="anna",
+            cpu=0.1,
+            memory_mb=90.0,
+            events=100,
+            lateness_median=0.001,
+            lateness_max=0.01,
+            recorder_trouble="full",
+        )
+        return {**well(t), "process": process}
+
+    (alarm,) = alarms_of(failing)
+    assert (alarm.kind, alarm.text) == ("recorder", "full")
+
+
+def condition(kind: str = "battery", severity: Severity = Severity.WARNING) -> Condition:
+    return Condition("north/anna", kind, severity, f"{kind} {severity.name}")
+
+
+def test_a_flicker_is_one_alarm() -> None:
+    board = AlarmBoard()
+    for step in range(100):
+        board.update([condition()] if step % 3 else [], 0.2 * step, 0.0)
+    (alarm,) = board.alarms()
+    assert alarm.active
+
+
+def test_acknowledged_alarm_speaks_up_again_when_it_gets_worse() -> None:
+    board = AlarmBoard()
+    board.update([condition()], 0.0, 0.0)
+    (alarm,) = board.alarms()
+    board.acknowledge(alarm.number)
+    board.acknowledge(999)
+    assert board.alarms()[0].acknowledged
+    board.update([condition(severity=Severity.CRITICAL)], 0.1, 0.0)
+    (alarm,) = board.alarms()
+    assert (alarm.severity, alarm.acknowledged) == (Severity.CRITICAL, False)
+
+
+def test_worst_unseen_alarm_comes_first() -> None:
+    board = AlarmBoard()
+    board.update([condition("a"), condition("b", Severity.CRITICAL), condition("c")], 0.0, 0.0)
+    first = board.alarms()[0]
+    assert first.kind == "b"
+    board.acknowledge(first.number)
+    assert [alarm.kind for alarm in board.alarms()] == ["c", "a", "b"]
+
+
+def test_list_is_bounded_whatever_happens() -> None:
+    board = AlarmBoard()
+    rng = np.random.default_rng(1)
+    for step in range(3 * MAX_ALARMS):
+        kinds = rng.integers(0, 1000, 2)
+        board.update([condition(f"kind {kind}") for kind in kinds], 2.0 * step, 0.0)
+    assert len(board.alarms()) <= MAX_ALARMS + 4

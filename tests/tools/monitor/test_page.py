@@ -1,0 +1,208 @@
+"""The page in real Chromium, beside three live emulated robots and the shipped monitor."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+import zenoh
+
+from maps.map_folder import load_map_folder
+from robot_agent.config import find_map
+from robot_agent.foxglove import Log, timestamp_at
+from robot_agent.streams import encode
+from robot_agent.telemetry import session_config
+from tests.tools.monitor.browser import Browser
+from tests.tools.monitor.reports import decision, status
+from tools.demo import Demo, DemoOptions, free_endpoint
+from tools.monitor.monitor import Monitor, MonitorOptions
+from tools.monitor.robot_state import RobotState
+from tools.monitor.site import Site
+
+FIRST = "demo/robot1"
+
+
+@dataclass
+class LiveTeam:
+    """A running demo, its monitor and the browser that shows it."""
+
+    browser: Browser
+    monitor: Monitor
+    demo: Demo
+
+    def robot(self, name: str) -> RobotState:
+        return next(robot for robot in self.monitor.watch.robots if robot.id == name)
+
+    def fact(self, name: str, robot: str = FIRST) -> str:
+        return self.browser.text(f'[data-robot="{robot}"] [data-fact="{name}"]')
+
+    def alarm(self, robot: str, kind: str, state: str) -> bool:
+        selector = f'#alarms li{state}[data-robot="{robot}"][data-kind="{kind}"]'
+        return bool(self.browser.texts(selector))
+
+
+@pytest.fixture(scope="module")
+def live(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveTeam]:
+    path = find_map("paper_lab", Path())
+    endpoint = free_endpoint()
+    record = tmp_path_factory.mktemp("page")
+    site = Site(load_map_folder(path))
+    options = DemoOptions(path, "border", 3, 1, endpoint, record)
+    with (
+        Monitor(MonitorOptions(endpoint, "127.0.0.1:0", site)) as monitor,
+        Demo(options) as demo,
+    ):
+        assert monitor.url is not None
+        browser.open(monitor.url)
+        team = LiveTeam(browser, monitor, demo)
+        browser.wait(
+            lambda: (
+                len(browser.texts(".card .action")) == 3
+                and not {"silent", "no decision"} & set(browser.texts(".card .action"))
+            ),
+            "three robots that decide",
+        )
+        browser.click("#expand")
+        yield team
+
+
+def test_every_fact_is_on_the_page_with_its_value(live: LiveTeam) -> None:
+    browser = live.browser
+    assert browser.texts(".card .name") == ["robot1", "robot2", "robot3"]
+    assert browser.text("#site") == "paper_lab"
+    browser.wait(lambda: "%" in live.fact("cpu"), "the share of the CPU")
+    browser.wait(lambda: live.fact("motors") == "on", "motors that are on")
+    robot = live.robot(FIRST)
+    assert robot.status is not None
+    assert live.fact("battery") == f"{robot.status.battery:.1f} V"
+    assert re.fullmatch(r"ready, \d+\.\d /s, 0 bad, \d+ B lost", live.fact("base"))
+    assert re.fullmatch(r"streaming, \d+\.\d /s, 0 bad, \d+ B lost", live.fact("laser"))
+    assert re.fullmatch(
+        r"(localized|unsure), σ \d+\.\d cm, n \d+, fit \d\.\d\d", live.fact("localization")
+    )
+    assert re.fullmatch(r"\d+ MB", live.fact("memory"))
+    assert live.fact("dropped") == "0"
+    assert re.fullmatch(r"[+−]0\.\d\d s", live.fact("clock"))
+    assert re.fullmatch(r"-?\d+\.\d\d", live.fact("gamma"))
+    assert re.fullmatch(r"\d+\.\d m c?cw", live.fact("abscissa"))
+    for twist in ("wish", "command"):
+        assert re.fullmatch(r"-?\d\.\d\d m/s, -?\d\.\d\d rad/s", live.fact(twist))
+    degrees = [float(text) for text in browser.texts(f'[data-robot="{FIRST}"] [data-degree]')]
+    assert len(degrees) == 5
+    assert max(degrees) > 0.0
+    assert browser.texts(f'[data-robot="{FIRST}"] .winner') != []
+
+
+def test_figures_follow_the_robot(live: LiveTeam) -> None:
+    def agrees() -> bool:
+        decision = live.robot(FIRST).decision
+        assert decision is not None
+        shown = re.match(r"\d+\.\d\d", live.fact("border"))
+        near = live.fact("neighbor")
+        return (
+            shown is not None
+            and abs(float(shown[0]) - decision.distance_from_border) < 0.02
+            and (near == "–") == (decision.distance_from_neighbor is None)
+        )
+
+    live.browser.wait(agrees, "the distances the monitor knows")
+
+
+def test_map_plots_and_border_are_drawn(live: LiveTeam) -> None:
+    browser = live.browser
+    browser.wait(lambda: "average" in browser.text("#idleness"), "idleness of the border")
+    for canvas in ("map", "coverage", "distance", "actions"):
+        drawn = f"""
+            const canvas = document.getElementById("{canvas}");
+            const {{width, height}} = canvas;
+            const pixels = canvas.getContext("2d").getImageData(0, 0, width, height).data;
+            return new Set(new Uint32Array(pixels.buffer)).size"""
+        browser.wait(lambda script=drawn: int(str(browser.run(script))) > 8, f"colours on {canvas}")
+    parts = "scan particles tracks pose"
+    seen = browser.run(
+        f"return '{parts}'.split(' ').filter((part) => window.patrol.team.ordered[0][part])"
+    )
+    assert seen == parts.split()
+
+
+def test_keyboard_alone_chooses_follows_and_zooms(live: LiveTeam) -> None:
+    browser = live.browser
+    browser.press("2f")
+    browser.wait(lambda: browser.run("return window.patrol.map.following"), "following")
+    assert browser.run("return window.patrol.selection.id") == "demo/robot2"
+    scale = float(str(browser.run("return window.patrol.map.viewport.scale")))
+    browser.press("+")
+    assert float(str(browser.run("return window.patrol.map.viewport.scale"))) > scale
+    browser.press("0")
+    assert not browser.run("return window.patrol.map.following")
+
+
+def test_silence_is_an_alarm_within_two_seconds_and_clears(live: LiveTeam) -> None:
+    browser = live.browser
+    pid = live.demo.agent_pids()[2]
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        browser.wait(lambda: live.alarm("demo/robot3", "silent", ":not(.over)"), "silence")
+        alarm = next(a for a in live.monitor.watch.alarms.alarms() if a.kind == "silent")
+        last_heard = live.robot("demo/robot3").last_heard
+        assert last_heard is not None
+        assert alarm.raised - last_heard < 2.0
+        card = '[data-robot="demo/robot3"] .action'
+        browser.wait(lambda: browser.text(card) == "silent", "silence on the card")
+    finally:
+        os.kill(pid, signal.SIGCONT)
+    browser.wait(lambda: live.alarm("demo/robot3", "silent", ".over"), "the end of the silence")
+    browser.press("a")
+    browser.wait(lambda: browser.texts("#alarms li.seen"), "the acknowledgement")
+    assert any(alarm.acknowledged for alarm in live.monitor.watch.alarms.alarms())
+
+
+def test_hostile_payloads_show_as_text_and_an_alarm_and_run_nothing(live: LiveTeam) -> None:
+    browser = live.browser
+    title = browser.run("return document.title")
+    attack = "<img src=x onerror=\"document.title='gone'\"><script>document.title='gone'</script>"
+    words = Log(timestamp=timestamp_at(1.0), level=5, message=attack, name="<b>patrol</b>")
+    key = "patrol/demo/mallory"
+    with zenoh.open(session_config(live.monitor.options.listen)) as stranger:
+        browser.wait(lambda: list(stranger.info.routers_zid()), "the stranger's connection")
+        stranger.put(f"{key}/event", encode(words))
+        stranger.put(f"{key}/status", encode(status(1.0, health=attack)))
+        for number in range(500):
+            stranger.put(f"{key}/decision", b"[" * number)
+        huge = decision(1.0, action=attack, abscissa=1e308, distance_from_border=-1e308)
+        stranger.put(f"{key}/decision", encode(huge))
+        card = '[data-robot="demo/mallory"]'
+        browser.wait(lambda: attack in browser.text(f"{card} .log"), "the attack as plain words")
+        browser.wait(lambda: live.alarm("demo/mallory", "malformed", ""), "the alarm")
+    assert browser.run("return document.title") == title
+    assert browser.texts("main img, main script, .log b") == []
+    assert browser.texts(".card .name") == ["mallory", "robot1", "robot2", "robot3"]
+
+
+@pytest.mark.parametrize(("width", "height"), [(1366, 768), (390, 844)])
+def test_nothing_is_wider_than_the_screen(live: LiveTeam, width: int, height: int) -> None:
+    assert live.monitor.url is not None
+    live.browser.open(live.monitor.url, width, height)
+    live.browser.wait(lambda: len(live.browser.texts(".card .name")) == 4, "the team")
+    assert int(str(live.browser.run("return document.documentElement.scrollWidth"))) <= width
+
+
+def test_page_finds_a_monitor_that_was_killed_and_restarted(live: LiveTeam) -> None:
+    browser, options = live.browser, live.monitor.options
+    assert live.monitor.url is not None
+    http = urlsplit(live.monitor.url).netloc
+    live.monitor.__exit__(None, None, None)
+    browser.wait(lambda: browser.text("#link") == "monitor gone", "that the monitor is gone")
+    live.monitor = Monitor(MonitorOptions(options.listen, http, options.site))
+    with live.monitor:
+        browser.wait(lambda: browser.text("#link") == "live", "the monitor again")
+        browser.wait(
+            lambda: browser.text("#summary").startswith("3 of 3 robots heard"), "the robots again"
+        )
+    assert [line for line in browser.complaints() if "SEVERE" in line or "Content" in line] == []

@@ -1,0 +1,127 @@
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import aiohttp
+import pytest
+
+from robot_agent.streams import encode
+from tests.tools.monitor.reports import decision, pose, status
+from tools.monitor.alarm import Condition, Severity
+from tools.monitor.site import Site
+from tools.monitor.source import LiveSource
+from tools.monitor.team_state import TeamState
+from tools.monitor.watch import Watch
+from tools.monitor.web_server import PAGE_FOLDER, WebError, WebServer
+
+KEY = "patrol/north/anna"
+TROUBLE = Condition("north/anna", "battery", Severity.WARNING, "battery at 11.2 V")
+
+
+@pytest.fixture
+def server() -> Iterator[WebServer]:
+    watch = Watch(TeamState(), Site(None), lambda: [TROUBLE])
+    with WebServer(watch, LiveSource(), "127.0.0.1:0") as started:
+        yield started
+
+
+def get(url: str, **headers: str) -> tuple[int, dict[str, str], str]:
+    async def fetch() -> tuple[int, dict[str, str], str]:
+        async with aiohttp.ClientSession() as session, session.get(url, headers=headers) as answer:
+            return answer.status, dict(answer.headers), await answer.text()
+
+    return asyncio.run(fetch())
+
+
+def test_page_has_a_strict_policy_and_loads_nothing_from_elsewhere(server: WebServer) -> None:
+    status, headers, text = get(server.url)
+    assert status == 200
+    policy = headers["Content-Security-Policy"]
+    assert policy.startswith("default-src 'none'; script-src 'self';")
+    assert "unsafe" not in policy
+    assert "<script>" not in text
+    assert "style=" not in text
+    for path in PAGE_FOLDER.iterdir():
+        content = path.read_text()
+        outside = set(re.findall(r"(?:https?:)?//[a-z][\w.]+", content)) - {"http://www.w3.org"}
+        assert not [found for found in outside if found.startswith("http")], path.name
+        assert not re.search(
+            r"innerHTML|outerHTML|insertAdjacentHTML|document\.write|eval\(", content
+        )
+
+
+def test_every_file_of_the_page_is_served(server: WebServer) -> None:
+    for path in PAGE_FOLDER.iterdir():
+        assert get(server.url + path.name)[2] == path.read_text()
+    assert get(server.url + "../web_server.py")[0] == 404
+    assert get(server.url + "map.png")[0] == 404
+    assert json.loads(get(server.url + "site.json")[2])["name"] == "no map"
+
+
+def test_other_names_and_other_pages_are_refused(server: WebServer) -> None:
+    assert get(server.url, Host="evil.example")[0] == 403
+    assert get(server.url + "live", Origin="http://evil.example")[0] == 403
+
+
+async def messages(socket: aiohttp.ClientWebSocketResponse) -> dict[str, Any]:
+    message: dict[str, Any] = await socket.receive_json(timeout=10)
+    return message
+
+
+def test_messages_bring_what_has_changed_and_nothing_twice(server: WebServer) -> None:
+    async def listen() -> None:
+        async with (
+            aiohttp.ClientSession() as session,
+            session.ws_connect(server.url + "live") as socket,
+        ):
+            first = await messages(socket)
+            assert first["fresh"]
+            assert first["robots"] == []
+            team = server.watch.team
+            for stream, payload in (("pose", pose(1.0)), ("decision", decision(1.0))):
+                team.receive(f"{KEY}/{stream}", encode(payload), server.watch.now)
+            parts = await next_part(socket, "decision")
+            assert parts["decision"]["action"] == "keep_going"
+            team.receive(f"{KEY}/status", encode(status(1.0)), server.watch.now)
+            parts = await next_part(socket, "status")
+            assert "decision" not in parts
+
+    async def next_part(socket: aiohttp.ClientWebSocketResponse, part: str) -> dict[str, Any]:
+        while True:
+            for robot in (await messages(socket))["robots"]:
+                if part in robot:
+                    found: dict[str, Any] = robot
+                    return found
+
+    asyncio.run(listen())
+
+
+def test_acknowledging_is_all_a_page_can_do(server: WebServer) -> None:
+    async def acknowledge() -> None:
+        async with (
+            aiohttp.ClientSession() as session,
+            session.ws_connect(server.url + "live") as socket,
+        ):
+            await socket.send_str('{"acknowledge": 1}')
+            while not (await messages(socket)).get("alarms", [{}])[0].get("acknowledged"):
+                pass
+            await socket.send_str('{"publish": "patrol/north/anna/stop"}')
+            while (message := await socket.receive(timeout=10)).type != aiohttp.WSMsgType.CLOSE:
+                pass
+            assert message.data == aiohttp.WSCloseCode.UNSUPPORTED_DATA
+
+    asyncio.run(acknowledge())
+
+
+def test_taken_or_senseless_address_is_one_error(server: WebServer) -> None:
+    watch = Watch(TeamState(), Site(None))
+    taken = server.url.removeprefix("http://").strip("/")
+    with pytest.raises(WebError, match=r"Address already in use|address already in use"):
+        WebServer(watch, LiveSource(), taken)
+    for address in ("8080", "host:port", ":1", "127.0.0.1:99999"):
+        with pytest.raises(WebError, match="not an address"):
+            WebServer(watch, LiveSource(), address)

@@ -1,0 +1,139 @@
+"""A short run of two robots, with a laser that falls silent, as page and numbers."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from maps.map_folder import load_map_folder
+from maps.pose import Pose
+from robot_agent.config import find_map
+from tools.bench.bench_fault import parse_fault
+from tools.bench.fleet import Fleet
+from tools.bench.fleet_recorder import FleetRecorder
+from tools.cli import main
+from tools.report.alignment import AlignmentError, align
+from tools.report.run_log import RunLog, read_run
+from tools.report.team import Team
+
+DURATION_S = 34.0
+
+
+@pytest.fixture(scope="module")
+def recordings(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """Two robots on the lower side of the paper's border; they meet. robot1 is blind for 3 s."""
+    folder = load_map_folder(find_map("paper_lab", Path()))
+    with FleetRecorder(folder, tmp_path_factory.mktemp("run")) as recorder:
+        fleet = Fleet(
+            *(folder, 2, 3),
+            starts=[Pose(8.0, 3.76, 0.0), Pose(14.0, 3.76, 3.14)],
+            observer=recorder.observe,
+            faults=[parse_fault("robot1:blind@25-28")],
+        )
+        while fleet.t < DURATION_S:
+            fleet.step()
+        fleet.shut_down()
+    return recorder.paths
+
+
+@pytest.fixture(scope="module")
+def report(recordings: list[Path], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    target = tmp_path_factory.mktemp("report")
+    assert main(["report", *map(str, recordings), "-o", str(target)]) == 0
+    return target
+
+
+@pytest.fixture
+def runs(recordings: list[Path]) -> list[RunLog]:
+    return [read_run(path) for path in recordings]
+
+
+def test_page_needs_nothing_beside_it(report: Path) -> None:
+    text = (report / "report.html").read_text()
+    for word in ('src="', "<script", "@import", "url(h", "<link "):
+        assert word not in text
+    assert text.count("<figure>") >= 9
+    for title in ("Action selection", "Meetings", "Idleness along the border", "Safety gate"):
+        assert f"<h2>{title}</h2>" in text
+    assert "laser silent" in text
+    start = text.index("<svg")
+    ElementTree.fromstring(text[start : text.index("</svg>") + 6])
+
+
+def test_numbers_are_those_of_the_run(report: Path) -> None:
+    found = json.loads((report / "report.json").read_text())
+    assert found["duration_s"] == pytest.approx(DURATION_S, abs=0.2)
+    assert [robot["robot"] for robot in found["robots"]] == ["robot1", "robot2"]
+    assert len(found["meetings"]) == 1
+    assert found["meetings"][0]["robots"] == ["robot1", "robot2"]
+    assert found["closest_m"] == found["meetings"][0]["closest_m"] < 2.0
+    for robot in found["robots"]:
+        assert robot["border_distance_m"]["p99"] < 0.2
+        assert sum(robot["action_share"].values()) == pytest.approx(1.0)
+        assert 0.0 < robot["localization"]["bound_m"]["median"] < 0.3
+        assert robot["ended_in_order"]
+        assert robot["truncated"] is None
+
+
+def test_fault_is_told_with_its_time_and_reaction(report: Path) -> None:
+    found = json.loads((report / "report.json").read_text())
+    (incident,) = found["incidents"]
+    assert (incident["robot"], incident["what"]) == ("robot1", "laser silent")
+    assert incident["start"] == pytest.approx(25.0, abs=0.3)
+    assert 28.0 < incident["end"] < 29.5, "a laser is heard of once a second while it is silent"
+    assert 0.0 < incident["stopped_after_s"] < 0.6
+    assert 0.0 < incident["moved_after_s"] < 2.0
+
+
+def test_own_numbers_and_gate_agree(runs: list[RunLog]) -> None:
+    team = Team(runs, align(runs))
+    held = [reason for reason in runs[0].gate if reason == "stale_laser"]
+    assert len(held) == pytest.approx(38, abs=6), "ten decisions a second"
+    assert team.sampled[0].position.shape == (team.t.size, 2)
+
+
+@pytest.mark.parametrize("error", [-7.3, 31.05])
+def test_clocks_are_set_by_mutual_sightings(runs: list[RunLog], error: float) -> None:
+    wrong = runs[1].header.start_wall_ns + 50 * 10**9 + round(error * 1e9)
+    runs[0].header = replace(runs[0].header, start_wall_ns=50 * 10**9)
+    runs[1].header = replace(runs[1].header, start_wall_ns=wrong)
+    first, second = align(runs, trust_host=False)
+    assert first.correction == 0.0
+    assert second.how == "mutual sightings"
+    assert second.correction == pytest.approx(-error, abs=0.25)
+    assert second.residual is not None
+    assert second.residual < 0.3
+
+
+def test_clocks_of_one_host_are_its_monotonic_clock(runs: list[RunLog]) -> None:
+    for run, monotonic in zip(runs, (5_000_000_000, 7_500_000_000), strict=True):
+        run.header = replace(run.header, boot="one", start_monotonic_ns=monotonic)
+    _first, second = align(runs)
+    assert "same host" in second.how
+    assert runs[1].shift - runs[0].shift == pytest.approx(2.5)
+
+
+def test_stated_offset_is_taken_and_checked(runs: list[RunLog]) -> None:
+    align(runs, {"robot2": 4.0})
+    assert runs[1].shift - runs[0].shift == pytest.approx(4.0)
+    with pytest.raises(AlignmentError, match="robots are robot1, robot2"):
+        align(runs, {"robot9": 1.0})
+
+
+def test_cut_recording_is_reported_as_far_as_it_goes(
+    recordings: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cut = tmp_path / "cut.mcap"
+    cut.write_bytes(recordings[0].read_bytes()[:-200_000])
+    assert main(["report", str(cut), "-o", str(tmp_path)]) == 0
+    assert "readable up to byte" in capsys.readouterr().err
+    found = json.loads((tmp_path / "report.json").read_text())
+    assert found["incidents"][-1]["what"].startswith("recording breaks off")
+
+
+def test_bad_offset_is_refused(recordings: list[Path], tmp_path: Path) -> None:
+    assert main(["report", str(recordings[0]), "-o", str(tmp_path), "--offset", "x=y"]) == 1

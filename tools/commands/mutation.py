@@ -1,0 +1,39 @@
+"""``patrol mutation``: does the table of cases notice every change of the safety gate?"""
+
+from __future__ import annotations
+
+import argparse
+
+from tools.gate_mutation import SURVIVORS, judge, load_cases, mutant_names, unexplained
+from tools.progress import Progress
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = (
+        "example: patrol mutation\n\nChanges every comparison, constant, sign and operator of the "
+        "safety gate, one at a time,\nand lists which its test cases kill and which survive, and "
+        "why. Needs a checkout."
+    )
+    parser.add_argument("--all", action="store_true", help="list the killed ones too")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Judge every mutant; end with 1 when one survives that is not known to make no difference."""
+    cases = load_cases()
+    survivors, count = [], 0
+    with Progress("mutants", len(mutant_names())) as progress:
+        for verdict in judge(cases):
+            count += 1
+            progress(count)
+            if not verdict.killed:
+                survivors.append(verdict.mutant)
+            elif options.all:
+                print(f"killed    {verdict.mutant}")
+    reasons = dict(SURVIVORS)
+    for name in survivors:
+        print(f"survived  {name}\n          {reasons.get(name, 'NOT EXPLAINED')}")
+    gaps = unexplained(survivors)
+    print(f"{count} mutants, {count - len(survivors)} killed, {len(survivors)} survived, ", end="")
+    print(f"{len(gaps)} of them unexplained")
+    return 1 if gaps else 0

@@ -1,0 +1,69 @@
+"""``patrol report``: what happened in a run, as a page with figures and as numbers."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from tools.progress import Progress
+from tools.report.alignment import AlignmentError, align
+from tools.report.numbers import numbers
+from tools.report.page import SECTIONS, page
+from tools.report.run_log import read_run
+from tools.report.team import Team
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = """examples:
+  patrol report out/robot1.mcap out/robot2.mcap out/robot3.mcap -o report/
+  patrol report night/*.mcap -o report/ --offset robot2=-1.25"""
+    parser.add_argument("recordings", type=Path, nargs="+", metavar="REC.mcap")
+    parser.add_argument(
+        "-o", "--output", type=Path, required=True, metavar="DIR", help="for report.html and .json"
+    )
+    parser.add_argument(
+        "--offset",
+        action="append",
+        default=[],
+        metavar="ROBOT=S",
+        help="seconds to add to a robot's clock, instead of finding them",
+    )
+    parser.add_argument(
+        "--clocks",
+        choices=("host", "sightings"),
+        default="host",
+        help="set clocks by mutual sightings even where all robots ran on one host",
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write the report of one run."""
+    stated = dict(map(_offset, options.offset))
+    with Progress("read", len(options.recordings), "recordings") as progress:
+        runs = []
+        for number, path in enumerate(options.recordings):
+            progress(number)
+            runs.append(read_run(path))
+    for log in runs:
+        if log.truncated:
+            print(f"patrol report: {log.truncated}; what is whole is reported", file=sys.stderr)
+    team = Team(runs, align(runs, stated, trust_host=options.clocks == "host"))
+    figures = numbers(team)
+    with Progress("draw", SECTIONS, "sections") as progress:
+        text = page(team, figures, progress)
+    options.output.mkdir(parents=True, exist_ok=True)
+    (options.output / "report.html").write_text(text)
+    (options.output / "report.json").write_text(json.dumps(figures, indent=2) + "\n")
+    print(options.output / "report.html")
+    return 0
+
+
+def _offset(text: str) -> tuple[str, float]:
+    robot, _, seconds = text.partition("=")
+    try:
+        return robot, float(seconds)
+    except ValueError as error:
+        raise AlignmentError(f"--offset {text}: is not ROBOT=S; e.g. robot2=-1.25") from error

@@ -1,0 +1,133 @@
+"""Alarms: what is wrong with a robot or the monitor, derived from telemetry and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import IntEnum
+
+from robot_agent.foxglove import LogLevel
+from robot_agent.streams import DeviceStatus, StatusPayload
+from tools.monitor.reason import held_by_gate, why
+from tools.monitor.robot_state import RobotState
+
+SILENT_S = 1.5
+"""Status comes twice a second: three in a row are missing."""
+BATTERY_LOW_V = 11.5
+BATTERY_EMPTY_V = 11.0
+SKEW_S = 1.0
+"""More than the delay of a bad link."""
+STARTUP_S = 15.0
+"""So long a device may take to be configured before that is an alarm."""
+OPENING_S = 5.0
+"""So long a robot that was just started may be without ports and place."""
+REMEMBERED_S = 10.0
+"""So long something momentary (a bad payload, an intruder's sighting) counts as going on."""
+_FRESH_S = 1.5
+
+
+class Severity(IntEnum):
+    """How bad: a critical alarm needs a person now."""
+
+    INFO = 1
+    WARNING = 2
+    CRITICAL = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """Something that is wrong at present."""
+
+    robot: str  # team/name; empty: the monitor itself
+    kind: str
+    severity: Severity
+    text: str
+    delay: float = 0.0  # s it must have lasted before it is an alarm
+
+
+def conditions_of(robot: RobotState, now: float) -> Iterator[Condition]:
+    """Yield what is wrong with a robot at the operator's time now (s, monotonic)."""
+    silence = None if robot.last_heard is None else now - robot.last_heard
+    if silence is None:  # it is connected and has yet to say a word
+        yield Condition(robot.id, "silent", Severity.CRITICAL, "says nothing", OPENING_S)
+        return
+    if silence > SILENT_S:
+        gone = "" if robot.online else ", connection gone"
+        words = f"nothing heard for {silence:.0f} s{gone}"
+        yield Condition(robot.id, "silent", Severity.CRITICAL, words)
+        return  # nothing else is known of the present
+    status_age = robot.age("status", now)
+    if robot.status is not None and status_age is not None and status_age < _FRESH_S:
+        yield from _of_status(robot, robot.status)
+    yield from _of_decision(robot, now)
+    yield from _of_sightings(robot, now)
+    if robot.malformed_at is not None and now - robot.malformed_at < REMEMBERED_S:
+        words = f"{robot.malformed} payloads could not be read"
+        yield Condition(robot.id, "malformed", Severity.WARNING, words)
+    if robot.process is not None and robot.process.recorder_trouble:
+        yield Condition(robot.id, "recorder", Severity.WARNING, robot.process.recorder_trouble)
+
+
+def _of_status(robot: RobotState, status: StatusPayload) -> Iterator[Condition]:
+    settled = status.uptime > OPENING_S
+    if status.localization.health == "lost" and settled:
+        yield Condition(robot.id, "lost", Severity.CRITICAL, "does not know where it is", 0.8)
+    if status.stalled:
+        yield Condition(robot.id, "stalled", Severity.CRITICAL, "a motor is stalled")
+    if status.bumpers:
+        yield Condition(robot.id, "bumper", Severity.CRITICAL, "a bumper is pressed")
+    if status.battery is not None and status.battery < BATTERY_LOW_V:
+        empty = status.battery < BATTERY_EMPTY_V
+        severity = Severity.CRITICAL if empty else Severity.WARNING
+        yield Condition(robot.id, "battery", severity, f"battery at {status.battery:.1f} V")
+    for name, device, wanted in (
+        ("base", status.base, "ready"),
+        ("laser", status.laser, "streaming"),
+    ):
+        words = _link_words(device, wanted, status.uptime)
+        if words and settled:
+            yield Condition(robot.id, f"link {name}", Severity.CRITICAL, f"{name}: {words}")
+    if robot.skew is not None and abs(robot.skew) > SKEW_S:
+        way = "ahead of" if robot.skew > 0 else "behind"
+        words = f"clock is {abs(robot.skew):.1f} s {way} this computer's"
+        yield Condition(robot.id, "clock", Severity.WARNING, words)
+
+
+def _link_words(device: DeviceStatus, wanted: str, uptime: float) -> str:
+    """Return what ails a device's link, or nothing."""
+    if not device.link_up:
+        return device.link_reason or "port not open"
+    if device.state != wanted and uptime > STARTUP_S:
+        return f"{device.state}, not {wanted}"
+    return ""
+
+
+def _of_decision(robot: RobotState, now: float) -> Iterator[Condition]:
+    decision, age = robot.decision, robot.age("decision", now)
+    if decision is None or age is None or age > _FRESH_S:
+        return
+    starting = robot.status is None or robot.status.uptime < STARTUP_S
+    if decision.gate_reason == "motors_off" and starting:
+        return  # they are being switched on
+    if held_by_gate(decision):
+        yield Condition(robot.id, "gate", Severity.WARNING, why(robot, now), 0.8)
+
+
+def _of_sightings(robot: RobotState, now: float) -> Iterator[Condition]:
+    """Yield intruders and blockages: from tracks that say so, and from the robot's log."""
+    tracks_age = robot.age("tracks", now)
+    if robot.tracks is not None and tracks_age is not None and tracks_age < _FRESH_S:
+        for entity in robot.tracks.entities:
+            if any((pair.key, pair.value) == ("class", "intruder") for pair in entity.metadata):
+                at = entity.cylinders[0].pose.position if entity.cylinders else None
+                place = "" if at is None else f" at {at.x:.1f}, {at.y:.1f} m"
+                yield Condition(robot.id, "intruder", Severity.CRITICAL, f"intruder{place}")
+                break
+    for kind, part, severity in (
+        ("intruder", "intruder", Severity.CRITICAL),
+        ("blocked", "patrol", Severity.WARNING),
+    ):
+        said = next((event for event in reversed(robot.events) if event.log.name == part), None)
+        if said is None or now - said.t > REMEMBERED_S or said.log.level < LogLevel.WARNING:
+            continue
+        yield Condition(robot.id, kind, severity, said.log.message[:200])

@@ -1,0 +1,52 @@
+"""What a robot did over the last hour, a sample a second: for plots and trails."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import NamedTuple
+
+from robot_agent.streams import ACTIONS
+from tools.monitor.robot_state import RobotState
+
+PERIOD_S = 1.0
+SAMPLES_KEPT = 3600
+_FRESH_S = 1.0
+
+
+class HistorySample(NamedTuple):
+    """One second of a robot: wall time (s), place (m), distance from the border (m), action."""
+
+    wall: float
+    x: float
+    y: float
+    distance: float
+    action: int  # index into ACTIONS; -1: one that is none of them
+
+
+class RobotHistory:
+    """The samples of one robot."""
+
+    def __init__(self) -> None:
+        self.count = 0
+        """How many samples were ever taken."""
+        self._samples: deque[HistorySample] = deque(maxlen=SAMPLES_KEPT)
+
+    def sample(self, robot: RobotState, now: float, wall: float) -> None:
+        """Take a sample, if the robot has just decided something and one is due."""
+        age = robot.age("decision", now)
+        if robot.decision is None or age is None or age > _FRESH_S:
+            return
+        if self._samples and 0.0 <= wall - self._samples[-1].wall < PERIOD_S:
+            return
+        decision = robot.decision
+        pose = decision.pose
+        action = ACTIONS.index(decision.action) if decision.action in ACTIONS else -1
+        self._samples.append(
+            HistorySample(wall, pose.x, pose.y, decision.distance_from_border, action)
+        )
+        self.count += 1
+
+    def since(self, count: int, limit: int = SAMPLES_KEPT) -> list[HistorySample]:
+        """Return the newest samples after the first ``count``, at most ``limit``."""
+        missing = min(self.count - count, len(self._samples), limit)
+        return list(self._samples)[-missing:] if missing > 0 else []

@@ -1,0 +1,94 @@
+"""The operator's side put together: hears the team, derives what is wrong, serves the page."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from typing import Self
+
+from tools.monitor.alarm import Condition
+from tools.monitor.operator import Operator
+from tools.monitor.site import Site
+from tools.monitor.source import LiveSource
+from tools.monitor.watch import Watch
+from tools.monitor.web_server import WebServer
+
+
+@dataclass(frozen=True)
+class MonitorOptions:
+    """What a monitor is made of."""
+
+    listen: str
+    """Zenoh endpoint robots dial."""
+    http: str | None
+    """Where the page is served; None: no page."""
+    site: Site
+
+
+class Monitor:
+    """A live monitor; everything is closed on every way out."""
+
+    def __init__(self, options: MonitorOptions) -> None:
+        """Nothing is opened before the context is entered."""
+        self.options = options
+        self.url: str | None = None
+        self._stack = ExitStack()
+
+    def __enter__(self) -> Self:
+        """Listen, and serve the page.
+
+        Raises:
+            OperatorError: the robots' endpoint is none, or taken.
+            WebError: the page's address is.
+        """
+        with ExitStack() as stack:
+            self.operator = stack.enter_context(Operator(self.options.listen))
+            self.watch = Watch(self.operator.team, self.options.site, self._ailments)
+            source = LiveSource()
+            if self.options.http is None:
+                stack.enter_context(Beat(lambda: source.advance(self.watch)))
+            else:
+                server = stack.enter_context(WebServer(self.watch, source, self.options.http))
+                self.url = server.url
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    def _ailments(self) -> Iterator[Condition]:
+        """Yield what is wrong with the monitor itself."""
+        yield from ()
+
+
+class Beat:
+    """Calls something a few times a second on a thread of its own, until closed."""
+
+    def __init__(self, call: Callable[[], None], period: float = 0.1) -> None:
+        """Begin at once; period in s."""
+        self._ending = threading.Event()
+        self._thread = threading.Thread(target=self._run, args=(call, period), daemon=True)
+        self._thread.start()
+
+    def _run(self, call: Callable[[], None], period: float) -> None:
+        while True:
+            call()
+            if self._ending.wait(period):
+                return
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._ending.set()
+        self._thread.join()
+
+
+def until(duration: float | None) -> Callable[[], bool]:
+    """Return what tells whether a duration (s) from now is still going on; None: for ever."""
+    end = math.inf if duration is None else time.monotonic() + duration
+    return lambda: time.monotonic() < end

@@ -1,0 +1,38 @@
+// Numbers and names as people read them.
+
+export const ABSENT = "–";
+
+export function quantity(value, unit, digits = 2) {
+  if (typeof value !== "number" || !Number.isFinite(value)) return ABSENT;
+  return unit ? `${value.toFixed(digits)} ${unit}` : value.toFixed(digits);
+}
+
+export function count(value) {
+  return typeof value === "number" ? String(value) : ABSENT;
+}
+
+export function twist(pair) {
+  return pair ? `${quantity(pair[0], "m/s")}, ${quantity(pair[1], "rad/s")}` : ABSENT;
+}
+
+const ACTION_NAMES = {
+  reach_frontier: "Reach border",
+  keep_going: "Keep going",
+  patrol_clockwise: "Patrol cw",
+  patrol_counter_clockwise: "Patrol ccw",
+  avoid_teammate: "Avoid teammate",
+};
+
+export function actionName(action) {
+  return ACTION_NAMES[action] ?? action;
+}
+
+export function timeOfDay(wall) {
+  return new Date(wall * 1000).toTimeString().slice(0, 8);
+}
+
+export function duration(seconds) {
+  if (seconds < 90) return `${Math.round(seconds)} s`;
+  if (seconds < 5400) return `${Math.round(seconds / 60)} min`;
+  return `${(seconds / 3600).toFixed(1)} h`;
+}

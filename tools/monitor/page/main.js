@@ -1,0 +1,151 @@
+// Puts the page together: one connection feeds one team, and the parts show it.
+
+import { ActionPlot } from "./action_plot.js";
+import { AlarmList } from "./alarm_list.js";
+import { CardList } from "./card_list.js";
+import { Connection } from "./connection.js";
+import { CoverageStrip } from "./coverage_strip.js";
+import { DistancePlot } from "./distance_plot.js";
+import { setText } from "./element.js";
+import { Figures } from "./figures.js";
+import { duration, timeOfDay } from "./format.js";
+import { makeLayers } from "./layer_switches.js";
+import { MapView } from "./map_view.js";
+import { PlaybackBar } from "./playback_bar.js";
+import { Selection } from "./selection.js";
+import { Team } from "./team.js";
+import { Theme } from "./theme.js";
+
+const CARDS_MS = 200;
+const PLOTS_MS = 1000;
+const SPANS = [60, 300, 900, 3600];
+
+const find = (id) => document.getElementById(id);
+const site = await (await fetch("/site.json")).json();
+const team = new Team();
+const figures = new Figures();
+const selection = new Selection(() => selected());
+const layers = makeLayers(find("layers").querySelector("div"), () => map.refresh());
+const map = new MapView(find("map"), site, team, layers, selection);
+const cards = new CardList(find("cards"), team, site.actions, selection);
+const coverage = new CoverageStrip(find("coverage"), find("idleness"), team, site);
+const plots = [new DistancePlot(find("distance"), team, selection), new ActionPlot(find("actions"), team, selection)];
+const theme = new Theme(find("theme"), () => {
+  map.restyle();
+  drawPlots();
+});
+const connection = new Connection(take, showLink);
+const playback = new PlaybackBar(find("playback"), (request) => connection.send(request));
+const alarms = new AlarmList(
+  find("alarms"), find("alarm-count"), find("acknowledge-all"),
+  (request) => connection.send(request), (id) => team.robots.get(id)?.name ?? id,
+);
+setText(find("site"), site.name);
+
+function take(message) {
+  if (message.fresh) cards.clear();
+  team.take(message);
+  map.changed = true;
+  alarms.show(team.alarms);
+}
+
+function showLink(up) {
+  const words = !up ? "monitor gone" : team.source.kind === "live" ? "live" : "playback";
+  const chip = find("link");
+  setText(chip, words);
+  chip.className = `chip ${up ? "good" : "bad"}`;
+  document.body.classList.toggle("gone", !up);
+}
+
+function selected() {
+  map.following = selection.following;
+  if (selection.following) map.follow(true);
+  find("follow").setAttribute("aria-pressed", String(selection.following));
+  map.changed = true;
+  showCards();
+  cards.reveal(selection.id);
+  drawPlots();
+}
+
+function showCards() {
+  cards.show();
+  playback.show(team.source);
+  setText(find("clock"), team.wall ? timeOfDay(team.wall) : "");
+  setText(find("summary"), summary());
+  setText(find("figures"), figures.words(team.source.kind === "live"));
+}
+
+function summary() {
+  const heard = team.ordered.filter((robot) => !robot.silent(team.now));
+  const held = heard.filter((robot) => robot.status && robot.status.health !== "ok");
+  const robots = `${heard.length} of ${team.ordered.length} robots heard`;
+  const well = held.length ? `${held.length} held back` : heard.length ? "all well" : "";
+  const idle = team.coverage ? `border unseen ${duration(team.coverage.average)} on average` : "";
+  return [robots, well, idle].filter(Boolean).join(" · ");
+}
+
+function drawPlots() {
+  coverage.draw();
+  for (const plot of plots) plot.draw();
+}
+
+function frame() {
+  if (map.draw()) figures.drawn(team);
+  requestAnimationFrame(frame);
+}
+
+for (const span of SPANS) find("span").append(new Option(`last ${duration(span)}`, span, span === 300, span === 300));
+find("span").addEventListener("change", (event) => {
+  for (const plot of plots) plot.span = Number(event.target.value);
+  drawPlots();
+});
+find("zoom-in").addEventListener("click", () => map.zoom(1.4));
+find("zoom-out").addEventListener("click", () => map.zoom(1 / 1.4));
+find("fit").addEventListener("click", fit);
+find("follow").addEventListener("click", () => follow());
+find("help").addEventListener("click", () => find("keys").showModal());
+find("expand").addEventListener("click", (event) => {
+  cards.all = !cards.all;
+  event.target.setAttribute("aria-pressed", String(cards.all));
+  showCards();
+});
+
+function fit() {
+  selection.stopFollowing();
+  map.fit();
+}
+
+function follow() {
+  if (selection.id === null && team.ordered.length) selection.choose(team.ordered[0].id);
+  selection.follow(!selection.following);
+}
+
+const KEYS = {
+  "+": () => map.zoom(1.4),
+  "-": () => map.zoom(1 / 1.4),
+  0: fit,
+  f: follow,
+  a: () => alarms.acknowledgeFirst(),
+  t: () => theme.toggle(),
+  " ": () => playback.toggle(),
+  ",": () => playback.skip(-10),
+  ".": () => playback.skip(10),
+  "?": () => find("keys").showModal(),
+};
+
+document.addEventListener("keydown", (event) => {
+  const control = event.target.closest?.("button, select, input, summary, dialog");
+  if (event.ctrlKey || event.metaKey || event.altKey || (control && event.key === " ") || event.target.matches?.("select, input")) return;
+  if (/^[1-9]$/.test(event.key)) {
+    const robot = team.ordered[Number(event.key) - 1];
+    if (robot) selection.choose(robot.id);
+  } else if (KEYS[event.key]) {
+    event.preventDefault();
+    KEYS[event.key]();
+  }
+});
+
+setInterval(showCards, CARDS_MS);
+setInterval(drawPlots, PLOTS_MS);
+requestAnimationFrame(frame);
+window.patrol = { team, figures, map, selection };

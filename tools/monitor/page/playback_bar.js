@@ -1,0 +1,55 @@
+// Pause, speed and a slider over a recording's time.
+
+import { element, setText } from "./element.js";
+import { duration, timeOfDay } from "./format.js";
+
+const SPEEDS = [0.5, 1, 2, 5, 10, 30];
+
+export class PlaybackBar {
+  constructor(box, send) {
+    this.box = box;
+    this.send = send;
+    this.source = null;
+    this.dragging = false;
+    this.button = element("button", "", "Pause");
+    this.button.type = "button";
+    this.button.addEventListener("click", () => this.toggle());
+    this.slider = element("input");
+    this.slider.type = "range";
+    this.slider.step = "any";
+    this.slider.setAttribute("aria-label", "time in the recording");
+    this.slider.addEventListener("input", () => {
+      this.dragging = true;
+    });
+    this.slider.addEventListener("change", () => {
+      this.dragging = false;
+      this.send({ seek: Number(this.slider.value) });
+    });
+    this.time = element("span");
+    this.speed = element("select");
+    this.speed.setAttribute("aria-label", "speed");
+    for (const value of SPEEDS) this.speed.append(new Option(`${value}×`, value, value === 1, value === 1));
+    this.speed.addEventListener("change", () => this.send({ speed: Number(this.speed.value) }));
+    box.append(this.button, this.slider, this.time, this.speed);
+  }
+
+  toggle() {
+    if (this.source) this.send({ pause: !this.source.paused });
+  }
+
+  skip(seconds) {
+    if (this.source) this.send({ seek: this.source.t + seconds });
+  }
+
+  show(source) {
+    this.box.hidden = source.kind !== "playback";
+    if (this.box.hidden) return;
+    this.source = source;
+    setText(this.button, source.paused ? "Play" : "Pause");
+    this.slider.min = source.start;
+    this.slider.max = source.end;
+    if (!this.dragging) this.slider.value = source.t;
+    setText(this.time, `${timeOfDay(source.t)} · ${duration(source.t - source.start)} of ${duration(source.end - source.start)}`);
+    if (document.activeElement !== this.speed) this.speed.value = String(source.speed);
+  }
+}

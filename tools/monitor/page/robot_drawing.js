@@ -1,0 +1,168 @@
+// One robot on the map, layer by layer, each to scale in metres.
+
+import { colour, robotColour } from "./palette.js";
+
+const ELLIPSE_95 = 2.448; // radius in standard deviations that holds 95 % in two dimensions
+const CLOSE = 60; // px per m
+const SMALLEST_ELLIPSE = 4; // px
+const FRESH = 1.5; // s after which a scan or a track says nothing of the present
+
+export function drawTrail(context, robot, scale) {
+  if (robot.trail.length < 2) return;
+  const oldest = robot.trail.length;
+  context.strokeStyle = robotColour(robot.number);
+  context.lineWidth = 2 / scale;
+  context.lineJoin = "round";
+  // Three pieces, each fainter than the one after: enough to see which way it came.
+  for (let piece = 0; piece < 3; piece += 1) {
+    const [from, to] = [Math.floor((piece * oldest) / 3), Math.floor(((piece + 1) * oldest) / 3)];
+    context.globalAlpha = 0.12 + 0.14 * piece;
+    context.beginPath();
+    for (let at = from; at < Math.min(to + 1, oldest); at += 1) context.lineTo(...robot.trail[at]);
+    context.stroke();
+  }
+  context.globalAlpha = 1;
+}
+
+export function drawVisibility(context, robot, site, scale) {
+  context.strokeStyle = robotColour(robot.number);
+  context.fillStyle = robotColour(robot.number);
+  context.lineWidth = 1 / scale;
+  context.beginPath();
+  context.arc(robot.pose[0], robot.pose[1], site.visibility, 0, 2 * Math.PI);
+  context.globalAlpha = 0.05;
+  context.fill();
+  context.globalAlpha = 0.4;
+  context.setLineDash([5 / scale, 5 / scale]);
+  context.stroke();
+  context.setLineDash([]);
+  context.globalAlpha = 1;
+}
+
+export function drawScan(context, robot, site, scale, now) {
+  if (!robot.scan || robot.age("scan", now) > FRESH) return;
+  const [x, y, theta] = robot.scan.at;
+  const [mx, my, turn] = site.laser;
+  const [c, s] = [Math.cos(theta), Math.sin(theta)];
+  const [lx, ly] = [x + c * mx - s * my, y + s * mx + c * my];
+  const dot = Math.max(2 / scale, 0.03);
+  context.fillStyle = robotColour(robot.number);
+  context.globalAlpha = 0.75;
+  robot.scan.ranges.forEach((range, beam) => {
+    if (!range) return;
+    const angle = theta + turn + robot.scan.start + beam * robot.scan.step;
+    const [px, py] = [lx + (range / 100) * Math.cos(angle), ly + (range / 100) * Math.sin(angle)];
+    context.fillRect(px - dot / 2, py - dot / 2, dot, dot);
+  });
+  context.globalAlpha = 1;
+}
+
+// Over the body when looked at closely, since a well localized robot covers all of them.
+export function drawParticles(context, robot, scale) {
+  const particles = robot.particles ?? [];
+  const dot = 2 / scale;
+  context.fillStyle = scale > CLOSE ? colour("text") : robotColour(robot.number);
+  context.globalAlpha = 0.5;
+  for (let at = 0; at < particles.length; at += 3) {
+    context.fillRect(particles[at] / 100 - dot / 2, particles[at + 1] / 100 - dot / 2, dot, dot);
+  }
+  context.globalAlpha = 1;
+}
+
+// The 95 % ellipse of the estimate's position.
+export function drawCovariance(context, robot, scale) {
+  const estimate = robot.status?.localization;
+  if (!estimate?.pose || estimate.covariance.length < 9) return;
+  const [a, b, , , d] = estimate.covariance;
+  const mean = (a + d) / 2;
+  const spread = Math.hypot((a - d) / 2, b);
+  if (ELLIPSE_95 * Math.sqrt(Math.max(mean + spread, 0)) * scale < SMALLEST_ELLIPSE) return;
+  const [x, y] = robot.pose ?? estimate.pose;
+  context.beginPath();
+  context.ellipse(
+    x, y,
+    ELLIPSE_95 * Math.sqrt(Math.max(mean + spread, 0)) + 1 / scale,
+    ELLIPSE_95 * Math.sqrt(Math.max(mean - spread, 0)) + 1 / scale,
+    Math.atan2(2 * b, a - d) / 2, 0, 2 * Math.PI,
+  );
+  context.strokeStyle = colour("text");
+  context.lineWidth = 1.2 / scale;
+  context.stroke();
+}
+
+// Teammates are rings, strangers squares, intruders triangles: shape tells, not colour alone.
+export function drawTracks(context, robot, scale, now) {
+  if (!robot.tracks || robot.age("tracks", now) > FRESH) return;
+  for (const track of robot.tracks) {
+    const size = Math.max(track.size / 2, 5 / scale);
+    const intruder = track.kind === "intruder";
+    context.strokeStyle = intruder ? colour("critical") : track.kind === "teammate" ? robotColour(robot.number) : colour("quiet");
+    context.lineWidth = (intruder ? 3 : 1.6) / scale;
+    context.beginPath();
+    if (intruder) {
+      context.moveTo(track.x, track.y + 1.5 * size);
+      context.lineTo(track.x + 1.3 * size, track.y - size);
+      context.lineTo(track.x - 1.3 * size, track.y - size);
+      context.closePath();
+    } else if (track.kind === "teammate") {
+      context.arc(track.x, track.y, size, 0, 2 * Math.PI);
+    } else {
+      context.rect(track.x - size, track.y - size, 2 * size, 2 * size);
+    }
+    context.stroke();
+    if (track.speed > 0.05) {
+      context.beginPath();
+      context.moveTo(track.x, track.y);
+      context.lineTo(track.x + track.speed * Math.cos(track.heading), track.y + track.speed * Math.sin(track.heading));
+      context.stroke();
+    }
+  }
+}
+
+export function drawBody(context, robot, site, scale, { chosen, silent }) {
+  const { front, rear, halfWidth } = site.robot;
+  const [x, y, theta] = robot.pose;
+  context.save();
+  context.translate(x, y);
+  context.rotate(theta);
+  // A robot smaller than a fingertip's worth of pixels is drawn larger, or nobody would find it.
+  const enlarged = Math.max(1, 15 / ((front + rear) * scale));
+  context.scale(enlarged, enlarged);
+  const pixel = 1 / (scale * enlarged);
+  context.beginPath();
+  context.roundRect(-rear, -halfWidth, front + rear, 2 * halfWidth, 0.07);
+  context.fillStyle = silent ? colour("panel") : robotColour(robot.number);
+  context.strokeStyle = silent ? robotColour(robot.number) : colour("ground");
+  context.lineWidth = 1.5 * pixel;
+  context.fill();
+  context.stroke();
+  context.beginPath();
+  context.moveTo(front - 0.03, 0);
+  context.lineTo(front - 0.2, 0.6 * halfWidth);
+  context.lineTo(front - 0.2, -0.6 * halfWidth);
+  context.closePath();
+  context.fillStyle = silent ? robotColour(robot.number) : colour("ground");
+  context.fill();
+  context.restore();
+  if (chosen) {
+    context.beginPath();
+    context.arc(x, y, Math.max(0.42, 15 / scale), 0, 2 * Math.PI);
+    context.strokeStyle = colour("text");
+    context.lineWidth = 1.5 / scale;
+    context.stroke();
+  }
+}
+
+// The name beside the robot, in pixels so that it stays upright and readable.
+export function drawName(context, robot, viewport, words) {
+  const [px, py] = viewport.toPixel(robot.pose[0], robot.pose[1]);
+  const above = Math.max(0.4 * viewport.scale, 14) + 6;
+  context.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
+  context.textAlign = "center";
+  context.lineWidth = 3.5;
+  context.lineJoin = "round";
+  context.strokeStyle = colour("floor");
+  context.fillStyle = robotColour(robot.number);
+  context.strokeText(words, px, py - above);
+  context.fillText(words, px, py - above);
+}

@@ -1,0 +1,106 @@
+// What the page knows of the team: one Robot per name, kept up to date by messages.
+
+const TRAIL_STEP = 0.08; // m
+const TRAIL_LENGTH = 900;
+const SAMPLES = 3600;
+const PARTS = ["decision", "status", "scan", "particles", "tracks", "process", "event"];
+
+class Robot {
+  constructor(id, number) {
+    this.id = id;
+    this.number = number;
+    this.name = id;
+    this.trail = [];
+    this.samples = [];
+    this.at = {}; // part -> monitor time of its arrival
+  }
+
+  take(message, now) {
+    this.name = message.name;
+    this.team = message.team;
+    this.online = message.online;
+    this.heard = message.heard;
+    this.malformed = message.malformed;
+    this.why = message.why;
+    for (const part of PARTS) {
+      if (part in message) {
+        this[part] = message[part];
+        this.at[part] = now;
+      }
+    }
+    for (const sample of message.history ?? []) this.addSample(sample);
+    if (message.pose) this.moveTo(message.pose, now);
+  }
+
+  addSample(sample) {
+    this.samples.push(sample);
+    if (this.samples.length > SAMPLES) this.samples.shift();
+    if (!this.pose) this.addToTrail(sample[1], sample[2]);
+  }
+
+  moveTo(pose, now) {
+    this.pose = pose;
+    this.at.pose = now;
+    this.addToTrail(pose[0], pose[1]);
+  }
+
+  addToTrail(x, y) {
+    const last = this.trail[this.trail.length - 1];
+    if (last && Math.hypot(x - last[0], y - last[1]) < TRAIL_STEP) return;
+    this.trail.push([x, y]);
+    if (this.trail.length > TRAIL_LENGTH) this.trail.shift();
+  }
+
+  // Age of a part in s; infinite if it never came.
+  age(part, now) {
+    return part in this.at ? now - this.at[part] : Infinity;
+  }
+
+  silent(now) {
+    return this.heard === null || this.heard === undefined || now - this.heard > 1.5;
+  }
+}
+
+export class Team {
+  constructor() {
+    this.clear();
+  }
+
+  clear() {
+    this.robots = new Map();
+    this.ordered = [];
+    this.alarms = [];
+    this.coverage = null;
+    this.source = { kind: "live" };
+    this.now = 0;
+    this.wall = 0;
+  }
+
+  take(message) {
+    if (message.fresh) this.clear();
+    this.now = message.now;
+    this.wall = message.wall;
+    this.source = message.source;
+    for (const part of message.robots) this.robot(part.id).take(part, message.now);
+    if (message.alarms) this.alarms = message.alarms;
+    if (message.coverage) this.coverage = message.coverage;
+  }
+
+  robot(id) {
+    if (!this.robots.has(id)) {
+      this.robots.set(id, new Robot(id, this.freeNumber(id)));
+      this.ordered = [...this.robots.values()].sort((a, b) => a.id.localeCompare(b.id, undefined, { numeric: true }));
+    }
+    return this.robots.get(id);
+  }
+
+  // Its colour's number: the one its name ends in, so that a robot keeps its colour, or a free one.
+  freeNumber(id) {
+    const taken = new Set(this.ordered.map((robot) => robot.number));
+    const own = Number(id.match(/\d{1,3}$/)?.[0] ?? 0) - 1;
+    if (own >= 0 && !taken.has(own)) return own;
+    let number = 0;
+    while (taken.has(number)) number += 1;
+    return number;
+  }
+}

@@ -1,0 +1,281 @@
+"""What the page is sent: the changes since its last message, small and in plain numbers.
+
+Lengths in m, angles in rad, scans in cm and particles in cm and mrad (whole numbers). Text from
+the network is cut to a sane length here and is only ever set as text by the page.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from robot_agent.foxglove import LaserScan, PosesInFrame, SceneEntity, planar_pose
+from robot_agent.streams import ACTIONS, DecisionPayload, DeviceStatus, StatusPayload
+from tools.monitor.alarm_board import Alarm
+from tools.monitor.reason import why
+from tools.monitor.robot_state import RobotState
+from tools.monitor.watch import Watch
+
+MAX_TEXT = 200
+MAX_BEAMS = 1000
+MAX_PARTICLES = 500
+MAX_TRACKS = 50
+FARTHEST = 1e4  # m; nothing real lies beyond
+_FIRST_SAMPLES = 30_000
+"""Samples of history a page gets when it connects, over all robots."""
+
+
+def robot_message(robot: RobotState, since: int, now: float) -> dict[str, Any]:
+    """Return what has changed of a robot since the team's version ``since``."""
+    message: dict[str, Any] = {
+        "id": robot.id,
+        "team": robot.team,
+        "name": robot.robot,
+        "online": robot.online,
+        "heard": robot.last_heard,
+        "malformed": robot.malformed,
+        "why": _text(why(robot, now)),
+    }
+    for stream, make in _PARTS.items():
+        if robot.versions.get(stream, 0) > since and stream in robot.payloads:
+            message[stream] = make(robot)
+    return message
+
+
+def _text(words: str) -> str:
+    return words[:MAX_TEXT]
+
+
+def _pose(robot: RobotState) -> list[float]:
+    x, y, theta = robot.poses[-1][1]
+    return [round(x, 3), round(y, 3), round(theta, 4), round(robot.poses[-1][0], 3)]
+
+
+def _decision(robot: RobotState) -> dict[str, Any]:
+    decision = robot.decision
+    assert isinstance(decision, DecisionPayload)
+    neighbor = decision.neighbor
+    return {
+        "action": _text(decision.action),
+        "direction": decision.direction,
+        "border": decision.distance_from_border,
+        "way": decision.way_to_border,
+        "abscissa": decision.abscissa,
+        "neighbor": decision.distance_from_neighbor,
+        "neighborAt": None if neighbor is None else [neighbor.x, neighbor.y],
+        "gamma": decision.gamma,
+        "degrees": [decision.degrees.get(action, 0.0) for action in ACTIONS],
+        "winner": _text(decision.winner),
+        "runnerUp": _text(decision.runner_up),
+        "wish": [decision.wish.v, decision.wish.w],
+        "command": [decision.command.v, decision.command.w],
+        "gate": None if decision.gate_reason is None else _text(decision.gate_reason),
+        "blocked": decision.blocked,
+        "holding": decision.holding,
+    }
+
+
+def _status(robot: RobotState) -> dict[str, Any]:
+    status = robot.status
+    assert isinstance(status, StatusPayload)
+    localization = status.localization
+    return {
+        "uptime": status.uptime,
+        "health": _text(status.health),
+        "battery": status.battery,
+        "motors": status.motors_enabled,
+        "stalled": status.stalled,
+        "bumpers": status.bumpers,
+        "base": _device(status.base, robot.rates.get("base")),
+        "laser": _device(status.laser, robot.rates.get("laser")),
+        "skew": robot.skew,
+        "localization": {
+            "health": _text(localization.health),
+            "pose": None if localization.pose is None else list(_xyt(localization.pose)),
+            "covariance": localization.covariance[:9],
+            "particles": localization.particle_count,
+            "effective": localization.effective_sample_size,
+            "likelihood": localization.likelihood,
+        },
+    }
+
+
+def _xyt(pose: Any) -> tuple[float, float, float]:
+    return pose.x, pose.y, pose.theta
+
+
+def _device(device: DeviceStatus, rate: float | None) -> dict[str, Any]:
+    return {
+        "state": _text(device.state),
+        "up": device.link_up,
+        "reason": _text(device.link_reason),
+        "good": device.packets_good,
+        "bad": device.packets_bad,
+        "discarded": device.bytes_discarded,
+        "received": device.bytes_received,
+        "heard": device.last_heard,
+        "rate": rate,
+    }
+
+
+def _scan(robot: RobotState) -> dict[str, Any] | None:
+    scan = robot.scan
+    assert isinstance(scan, LaserScan)
+    at = robot.pose_at(scan.timestamp)
+    if at is None:
+        return None
+    ranges = np.array(scan.ranges[:MAX_BEAMS])
+    beams = max(len(scan.ranges) - 1, 1)
+    return {
+        "at": [round(value, 4) for value in at],
+        "start": scan.start_angle,
+        "step": (scan.end_angle - scan.start_angle) / beams,
+        "ranges": (100.0 * np.clip(ranges, 0.0, FARTHEST)).astype(int).tolist(),
+    }
+
+
+def _particles(robot: RobotState) -> list[int]:
+    particles = robot.particles
+    assert isinstance(particles, PosesInFrame)
+    rows = np.array([planar_pose(pose) for pose in particles.poses[:MAX_PARTICLES]])
+    scaled = np.clip(rows.reshape(-1, 3), -FARTHEST, FARTHEST) * (100.0, 100.0, 1000.0)
+    flat: list[int] = scaled.astype(int).ravel().tolist()
+    return flat
+
+
+def _tracks(robot: RobotState) -> list[dict[str, Any]]:
+    scene = robot.tracks
+    assert scene is not None
+    return [_track(entity) for entity in scene.entities[:MAX_TRACKS] if entity.cylinders]
+
+
+def _track(entity: SceneEntity) -> dict[str, Any]:
+    cylinder = entity.cylinders[0]
+    heading, speed = 0.0, 0.0
+    if entity.arrows:
+        heading = planar_pose(entity.arrows[0].pose).theta
+        speed = entity.arrows[0].shaft_length
+    return {
+        "id": _text(entity.id),
+        "kind": _text(track_kind(entity)),
+        "x": cylinder.pose.position.x,
+        "y": cylinder.pose.position.y,
+        "size": cylinder.size.x,
+        "heading": heading,
+        "speed": speed,
+    }
+
+
+def track_kind(entity: SceneEntity) -> str:
+    """Return what a track is taken for: its class if it tells one, else teammate or stranger."""
+    facts = {pair.key: pair.value for pair in entity.metadata}
+    if "class" in facts:
+        return facts["class"]
+    return "teammate" if facts.get("teammate") == "true" else "stranger"
+
+
+def _process(robot: RobotState) -> dict[str, Any]:
+    process = robot.process
+    assert process is not None
+    return {
+        "cpu": process.cpu,
+        "memory": process.memory_mb,
+        "late": process.lateness_max,
+        "dropped": process.telemetry_dropped,
+        "lost": process.recorder_lost,
+    }
+
+
+def _events(robot: RobotState) -> list[list[Any]]:
+    return [
+        [round(event.wall, 1), event.log.level, _text(event.log.name), _text(event.log.message)]
+        for event in robot.events
+    ]
+
+
+_PARTS = {
+    "pose": _pose,
+    "decision": _decision,
+    "status": _status,
+    "scan": _scan,
+    "particles": _particles,
+    "tracks": _tracks,
+    "process": _process,
+    "event": _events,
+}
+
+
+def alarm_message(alarm: Alarm, now: float, wall: float) -> dict[str, Any]:
+    """Return one alarm as the page lists it; times in s since 1970."""
+    cleared = alarm.cleared
+    return {
+        "number": alarm.number,
+        "robot": alarm.robot,
+        "kind": alarm.kind,
+        "severity": alarm.severity.name.lower(),
+        "text": _text(alarm.text),
+        "raised": round(alarm.raised_wall, 1),
+        "cleared": None if cleared is None else round(wall - (now - cleared), 1),
+        "acknowledged": alarm.acknowledged,
+    }
+
+
+class PageFeed:
+    """The messages of one page: remembers what that page already has."""
+
+    def __init__(self, watch: Watch) -> None:
+        """Begin with everything."""
+        self._watch = watch
+        self._version = 0
+        self._why: dict[str, str] = {}
+        self._alarms: tuple[int, int] | None = None
+        self._samples: dict[str, int] = {}
+        self._covered_at = float("-inf")
+
+    def message(self, extra: dict[str, Any]) -> bytes:
+        """Return the next message, with ``extra`` in it, and take it as sent."""
+        watch = self._watch
+        message: dict[str, Any] = {"now": watch.now, "wall": watch.wall, **extra}
+        newest = self._version
+        robots = []
+        for robot in watch.robots:
+            part = robot_message(robot, self._version, watch.now)
+            samples = self._new_samples(robot.id)
+            if samples:
+                part["history"] = samples
+            if robot.version > self._version or samples or self._why.get(robot.id) != part["why"]:
+                robots.append(part)
+            self._why[robot.id] = part["why"]
+            newest = max(newest, robot.version)
+        self._version = newest
+        message["robots"] = robots
+        board = watch.alarms
+        if self._alarms != (id(board), board.version):
+            self._alarms = (id(board), board.version)
+            message["alarms"] = [
+                alarm_message(alarm, watch.now, watch.wall) for alarm in board.alarms()
+            ]
+        coverage = watch.coverage
+        if coverage is not None and watch.now - self._covered_at >= 1.0:
+            self._covered_at = watch.now
+            message["coverage"] = {
+                "idle": coverage.idle(watch.now).astype(int).tolist(),
+                "seen": coverage.seen().astype(int).tolist(),
+                "average": round(coverage.average(watch.now), 1),
+                "worst": round(coverage.worst(watch.now), 1),
+            }
+        return msgspec.json.encode(message)
+
+    def _new_samples(self, robot: str) -> list[list[float]]:
+        history = self._watch.histories.get(robot)
+        if history is None:
+            return []
+        limit = _FIRST_SAMPLES // max(len(self._watch.robots), 1)
+        samples = history.since(self._samples.get(robot, 0), limit)
+        self._samples[robot] = history.count
+        return [
+            [round(s.wall, 1), round(s.x, 2), round(s.y, 2), round(s.distance, 3), s.action]
+            for s in samples
+        ]

@@ -1,0 +1,163 @@
+"""One robot as the operator knows it, and how a payload changes that."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+from maps.pose import Pose, wrap_angle
+from robot_agent.foxglove import (
+    LaserScan,
+    Log,
+    PoseInFrame,
+    PosesInFrame,
+    SceneUpdate,
+    Timestamp,
+    planar_pose,
+)
+from robot_agent.streams import DecisionPayload, Payload, ProcessPayload, StatusPayload
+
+POSES_KEPT = 30
+"""About 3 s of poses: a scan is drawn where the robot was when it was measured."""
+EVENTS_KEPT = 20
+
+
+@dataclass(frozen=True, slots=True)
+class HeardEvent:
+    """What a robot's log said, and when the operator heard it (s, operator's clock)."""
+
+    t: float
+    wall: float
+    log: Log
+
+
+@dataclass(frozen=True, slots=True)
+class RobotState:
+    """One robot as last heard of; times are s on the operator's monotonic clock."""
+
+    team: str
+    robot: str
+    online: bool = False  # its liveliness token is there
+    last_heard: float | None = None  # when its last payload came, of any stream
+    payloads: Mapping[str, Payload] = field(default_factory=lambda: MappingProxyType({}))
+    received: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    versions: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
+    version: int = 0  # the team's count of changes at this robot's latest
+    malformed: int = 0  # payloads that could not be read
+    malformed_at: float | None = None  # when the last of them came
+    skew: float | None = None  # s its clock was ahead of the operator's at its last status
+    rates: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    """Measurements per second of ``base`` and ``laser``, between the last two statuses."""
+    poses: tuple[tuple[float, Pose], ...] = ()  # newest last, at the robot's own times
+    events: tuple[HeardEvent, ...] = ()  # newest last
+
+    @property
+    def id(self) -> str:
+        """Team and name."""
+        return f"{self.team}/{self.robot}"
+
+    @property
+    def status(self) -> StatusPayload | None:
+        """The newest status."""
+        payload = self.payloads.get("status")
+        return payload if isinstance(payload, StatusPayload) else None
+
+    @property
+    def decision(self) -> DecisionPayload | None:
+        """The newest decision."""
+        payload = self.payloads.get("decision")
+        return payload if isinstance(payload, DecisionPayload) else None
+
+    @property
+    def pose(self) -> PoseInFrame | None:
+        """The newest pose in the map frame."""
+        payload = self.payloads.get("pose")
+        return payload if isinstance(payload, PoseInFrame) else None
+
+    @property
+    def scan(self) -> LaserScan | None:
+        """The newest laser scan."""
+        payload = self.payloads.get("scan")
+        return payload if isinstance(payload, LaserScan) else None
+
+    @property
+    def particles(self) -> PosesInFrame | None:
+        """The newest particles."""
+        payload = self.payloads.get("particles")
+        return payload if isinstance(payload, PosesInFrame) else None
+
+    @property
+    def tracks(self) -> SceneUpdate | None:
+        """The newest tracks."""
+        payload = self.payloads.get("tracks")
+        return payload if isinstance(payload, SceneUpdate) else None
+
+    @property
+    def process(self) -> ProcessPayload | None:
+        """What the agent's process last said of itself."""
+        payload = self.payloads.get("process")
+        return payload if isinstance(payload, ProcessPayload) else None
+
+    def age(self, stream: str, now: float) -> float | None:
+        """Return how old a stream's newest payload is at now, s; None if there is none."""
+        received = self.received.get(stream)
+        return None if received is None else now - received
+
+    def pose_at(self, stamp: Timestamp) -> Pose | None:
+        """Return where the robot was at a time of its own, between the poses it sent."""
+        t = seconds(stamp)
+        after = next((item for item in self.poses if item[0] >= t), None)
+        before = next((item for item in reversed(self.poses) if item[0] <= t), None)
+        if before is None or after is None:
+            return self.poses[-1][1] if self.poses else None
+        span = after[0] - before[0]
+        share = (t - before[0]) / span if span > 0.0 else 0.0
+        return _between(before[1], after[1], share)
+
+    def with_payload(self, stream: str, payload: Payload, t: float, wall: float) -> RobotState:
+        """Return the state after a payload that came at t (monotonic) and wall (s since 1970)."""
+        heard = replace(
+            self,
+            last_heard=t,
+            payloads={**self.payloads, stream: payload},
+            received={**self.received, stream: t},
+        )
+        if isinstance(payload, StatusPayload):
+            skew = seconds(payload.timestamp) - wall
+            return replace(heard, skew=skew, rates=_rates(self.status, payload) or self.rates)
+        if isinstance(payload, PoseInFrame):
+            at = (seconds(payload.timestamp), planar_pose(payload.pose))
+            return replace(heard, poses=(*self.poses[-POSES_KEPT + 1 :], at))
+        if isinstance(payload, Log):
+            event = HeardEvent(t, wall, payload)
+            return replace(heard, events=(*self.events[-EVENTS_KEPT + 1 :], event))
+        return heard
+
+
+def seconds(stamp: Timestamp) -> float:
+    """Return a time stamp in s."""
+    return stamp.sec + 1e-9 * stamp.nsec
+
+
+def _between(a: Pose, b: Pose, share: float) -> Pose:
+    turn = wrap_angle(b.theta - a.theta)
+    return Pose(
+        a.x + share * (b.x - a.x),
+        a.y + share * (b.y - a.y),
+        wrap_angle(a.theta + share * turn),
+    )
+
+
+def _rates(before: StatusPayload | None, after: StatusPayload) -> Mapping[str, float] | None:
+    """Return measurements per second between two statuses; None where they do not follow."""
+    if before is None or after.uptime <= before.uptime:
+        return None
+    elapsed = after.uptime - before.uptime
+    return {
+        name: max(now.packets_good - then.packets_good, 0) / elapsed
+        for name, then, now in (
+            ("base", before.base, after.base),
+            ("laser", before.laser, after.laser),
+        )
+    }

@@ -1,0 +1,62 @@
+"""The place under watch: its map as a picture and its border as a line, for the page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from drivers.p2os.model import load_model
+from maps.map_folder import MapFolder
+from robot_agent.config import AgentConfig
+from robot_agent.streams import ACTIONS
+
+_BORDER_STEP = 0.1  # m between the points of the line drawn
+
+
+@dataclass(frozen=True, eq=False)
+class Site:
+    """A map folder as the page needs it; without one (None) the page draws a bare grid."""
+
+    folder: MapFolder | None
+
+    def picture(self) -> bytes | None:
+        """Return the map as a PNG: grey 0 free, 128 unknown, 255 wall; the top row first."""
+        if self.folder is None:
+            return None
+        grey = np.array([0, 255, 128], dtype=np.uint8)[self.folder.map.cells[::-1]]
+        return cv2.imencode(".png", grey)[1].tobytes()
+
+    def description(self) -> dict[str, object]:
+        """Return what the page draws of the place, m in the map frame."""
+        config = AgentConfig()
+        gate = config.gate
+        mount = config.laser.mount or load_model(config.base.model).laser_mount
+        shape = {"front": gate.front, "rear": gate.rear, "halfWidth": gate.half_width}
+        result: dict[str, object] = {
+            "name": "no map",
+            "actions": ACTIONS,
+            "visibility": config.perception.visibility,
+            "robot": shape,
+            "laser": list(mount),
+        }
+        if self.folder is None:
+            return result
+        grid, border = self.folder.map, self.folder.border
+        rows, cols = grid.cells.shape
+        result["name"] = self.folder.name
+        result["map"] = {
+            "resolution": grid.resolution,
+            "x": grid.origin.x,
+            "y": grid.origin.y,
+            "columns": cols,
+            "rows": rows,
+        }
+        if border is not None:
+            result["border"] = {
+                "points": np.round(border.polyline(_BORDER_STEP), 3).tolist(),
+                "length": border.length,
+                "closed": border.closed,
+            }
+        return result

@@ -1,0 +1,85 @@
+"""Everything the operator's side derives from the team's telemetry as time goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+
+from tools.monitor.alarm import REMEMBERED_S, Condition, Severity, conditions_of
+from tools.monitor.alarm_board import AlarmBoard
+from tools.monitor.coverage import Coverage
+from tools.monitor.history import RobotHistory
+from tools.monitor.robot_state import RobotState
+from tools.monitor.site import Site
+from tools.monitor.team_state import TeamState
+
+_VISIT_PERIOD_S = 0.2
+_FRESH_S = 1.0
+
+
+class Watch:
+    """Alarms, histories and coverage of one team; pure but for the team it looks at.
+
+    ``advance`` must be called a few times a second, by one thread at a time.
+    """
+
+    def __init__(
+        self,
+        team: TeamState,
+        site: Site,
+        ailments: Callable[[], Iterable[Condition]] = tuple,
+    ) -> None:
+        """Watch a team; ``ailments`` tells what is wrong with the monitor itself."""
+        self.team = team
+        self.site = site
+        self.alarms = AlarmBoard()
+        self.histories: dict[str, RobotHistory] = {}
+        self.coverage: Coverage | None = None
+        self.robots: list[RobotState] = []
+        self.now = 0.0
+        self.wall = 0.0
+        self._ailments = ailments
+        self._visited_at = float("-inf")
+
+    def advance(self, now: float, wall: float) -> None:
+        """Look at the team at now (s, monotonic) and wall (s since 1970)."""
+        self.now, self.wall = now, wall
+        self.robots = self.team.snapshot()
+        self.alarms.update(self._conditions(), now, wall)
+        for robot in self.robots:
+            self.histories.setdefault(robot.id, RobotHistory()).sample(robot, now, wall)
+        self._cover()
+
+    def restart(self) -> None:
+        """Forget everything but the site: a recording is played from another place."""
+        self.team.clear()
+        self.histories.clear()
+        self.alarms = AlarmBoard()
+        self.coverage = None
+        self._visited_at = float("-inf")
+
+    def _conditions(self) -> Iterator[Condition]:
+        for robot in self.robots:
+            yield from conditions_of(robot, self.now)
+        yield from self._ailments()
+        stray_at = self.team.stray_at
+        if stray_at is not None and self.now - stray_at < REMEMBERED_S:
+            words = f"{self.team.stray} messages under names that are no robot's"
+            yield Condition("", "stray", Severity.WARNING, words)
+
+    def _cover(self) -> None:
+        """Note where on the border robots are."""
+        folder = self.site.folder
+        if folder is None or folder.border is None:
+            return
+        if self.coverage is None:
+            self.coverage = Coverage(folder.border, self.now)
+        if self.now - self._visited_at < _VISIT_PERIOD_S:
+            return
+        self._visited_at = self.now
+        places = [
+            (robot.poses[-1][1].x, robot.poses[-1][1].y)
+            for robot in self.robots
+            if robot.poses and (robot.age("pose", self.now) or 0.0) < _FRESH_S
+        ]
+        if places:
+            self.coverage.visit(places, self.now)

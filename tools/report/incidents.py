@@ -1,0 +1,293 @@
+"""What went wrong in a run, when, and what the robot did about it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from robot_agent.agent import STOPPING
+from tools.report.run_log import Floats, RunLog
+
+SILENT_S = {"base": 0.35, "laser": 0.6}
+"""A link that says nothing for this long is silent: some three of its messages are missing."""
+FROZEN_S = 0.3
+NOISE_PAUSE_S = 3.0
+UNSURE_S = 2.0
+"""A localization that is unsure for less than this is not worth a line."""
+JUMP_M = 0.25
+MERGE_S = 1.0
+STOP_WATCH_S = 6.0
+"""How long after something began an order to stand can be an answer to it."""
+GOOD_STATES = {"base": "ready", "laser": "streaming"}
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """Something that lasted from ``start`` to ``end``, agent time, s."""
+
+    start: float
+    end: float
+    what: str
+
+    def overlaps(self, other: Span) -> bool:
+        """Tell whether two spans are about the same time."""
+        return self.start < other.end + MERGE_S and other.start < self.end + MERGE_S
+
+
+@dataclass(frozen=True, slots=True)
+class Incident:
+    """Something that went wrong with one robot. Times are team times, s."""
+
+    robot: str
+    start: float
+    end: float
+    what: str
+    reaction: str
+    stopped_after: float | None = None
+    """From the start until the base was told to stand, s; None if it was not."""
+    moved_after: float | None = None
+    """From the end until it was told to move again, s; None if it was not."""
+
+
+def incidents(run: RunLog) -> list[Incident]:
+    """Return a run's incidents in order of time."""
+    seen = merged(_freezes(run))
+    for link in GOOD_STATES:
+        # What explains it best first: a lost port is silent, and its session is lost as well.
+        known = list(seen)
+        for find in (_lost_ports, _silences, _lost_sessions):
+            fresh = [span for span in merged(find(run, link)) if not any(map(span.overlaps, known))]
+            known += fresh
+            seen += fresh
+    others = (_noise, _lost_poses, _jumps, _held, _recorder, _operator, _death)
+    spans = seen + merged(span for look in others for span in look(run))
+    return [_with_reaction(run, span) for span in sorted(spans, key=lambda span: span.start)]
+
+
+def merged(spans: Iterable[Span]) -> list[Span]:
+    """Join spans of one kind that are less than MERGE_S apart."""
+    result: list[Span] = []
+    for span in sorted(spans, key=lambda span: (span.what, span.start)):
+        last = result[-1] if result else None
+        if last is not None and last.what == span.what and span.start - last.end < MERGE_S:
+            result[-1] = Span(last.start, max(last.end, span.end), span.what)
+        else:
+            result.append(span)
+    return result
+
+
+def gate_holds(run: RunLog) -> list[Span]:
+    """Return the stretches in which the gate held the robot, one per reason."""
+    return merged(_reasons(run, frozenset(str(reason) for reason in STOPPING)))
+
+
+def gate_times(run: RunLog) -> dict[str, tuple[int, float]]:
+    """Return how often, and for how many seconds, each reason of the gate applied."""
+    result: dict[str, tuple[int, float]] = {}
+    for span in merged(_reasons(run, None)):
+        count, seconds = result.get(span.what, (0, 0.0))
+        result[span.what] = (count + 1, seconds + span.end - span.start)
+    return result
+
+
+def _reasons(run: RunLog, wanted: frozenset[str] | None) -> Iterator[Span]:
+    """Yield each stretch of decisions with one reason of the gate."""
+    start = 0
+    for index in range(1, len(run.gate) + 1):
+        whole = index < len(run.gate) and run.gate[index] == run.gate[start]
+        if whole and run.decision_t[index] - run.decision_t[index - 1] < MERGE_S:
+            continue
+        reason = run.gate[start]
+        if reason and (wanted is None or reason in wanted):
+            end = run.decision_t[min(index, len(run.gate) - 1)]
+            yield Span(float(run.decision_t[start]), min(float(end), _last(run, index)), reason)
+        start = index
+
+
+def _last(run: RunLog, index: int) -> float:
+    """Return when the decision before ``index`` no longer held: a step later."""
+    return float(run.decision_t[index - 1]) + 0.1
+
+
+def _lost_ports(run: RunLog, link: str) -> Iterator[Span]:
+    changes = [change for change in run.links if change.link == link]
+    lost_at, was_up = math.nan, False
+    for change in changes:
+        if change.up and not math.isnan(lost_at):
+            yield Span(lost_at, change.t, f"{link} port lost")
+            lost_at = math.nan
+        elif not change.up and was_up:
+            lost_at = change.t
+        was_up = change.up
+    if not math.isnan(lost_at):
+        yield Span(lost_at, run.end, f"{link} port lost")
+
+
+def _silences(run: RunLog, link: str) -> Iterator[Span]:
+    """Yield the pauses of a link that had been in service; a log's scans are thinned out."""
+    settled = _in_service(run, link)
+    if run.is_log or settled is None:
+        return
+    times = run.heard[link]
+    times = times[times >= settled]
+    if not run.ended_in_order:
+        times = np.append(times, run.end)
+    for index in np.flatnonzero(np.diff(times) > SILENT_S[link]):
+        yield Span(float(times[index]), float(times[index + 1]), f"{link} silent")
+
+
+def _in_service(run: RunLog, link: str) -> float | None:
+    """Return when a link's session was first seen in service."""
+    good = (
+        t
+        for t, status in zip(run.status_t, run.status, strict=True)
+        if getattr(status, link).state == GOOD_STATES[link]
+    )
+    return next(good, None)
+
+
+def _lost_sessions(run: RunLog, link: str) -> Iterator[Span]:
+    was_good, lost_at, state = False, math.nan, ""
+    for t, status in zip(run.status_t.tolist(), run.status, strict=True):
+        now = getattr(status, link).state
+        if now != GOOD_STATES[link] and was_good:
+            lost_at, state = t, now
+        elif now == GOOD_STATES[link] and not math.isnan(lost_at):
+            yield Span(lost_at, t, f"{link} session lost ({state})")
+            lost_at = math.nan
+        was_good = now == GOOD_STATES[link]
+    if not math.isnan(lost_at) and not run.ended_in_order:
+        yield Span(lost_at, run.end, f"{link} session lost ({state})")
+
+
+def _noise(run: RunLog) -> Iterator[Span]:
+    """Yield stretches with damaged packets while the session was in service."""
+    for link, good in GOOD_STATES.items():
+        bad = np.array([getattr(status, link).packets_bad for status in run.status])
+        well = np.array([getattr(status, link).state == good for status in run.status])
+        if bad.size < 2:
+            continue
+        fresh = np.flatnonzero((np.diff(bad) > 0) & well[:-1])
+        if not fresh.size:
+            continue
+        breaks = np.flatnonzero(np.diff(run.status_t[fresh]) > NOISE_PAUSE_S) + 1
+        for group in np.split(fresh, breaks):
+            count = int(bad[group[-1] + 1] - bad[group[0]])
+            if count > 1:
+                start, end = run.status_t[group[0]], run.status_t[group[-1] + 1]
+                yield Span(float(start), float(end), f"{link} line noise: {count} bad packets")
+
+
+def _freezes(run: RunLog) -> Iterator[Span]:
+    for index in np.flatnonzero(np.diff(run.tick_t) > FROZEN_S):
+        yield Span(float(run.tick_t[index]), float(run.tick_t[index + 1]), "agent frozen")
+
+
+def _lost_poses(run: RunLog) -> Iterator[Span]:
+    told = [line for line in run.lines if line.part == "localization"]
+    sure = next((line.t for line in told if line.message == "localized"), math.inf)
+    ends = [*(line.t for line in told), run.end][1:]
+    for line, until in zip(told, ends, strict=True):
+        if line.t < sure or line.message == "localized":
+            continue
+        if line.message == "lost" or until - line.t > UNSURE_S:
+            yield Span(line.t, until, f"localization {line.message}")
+
+
+def _jumps(run: RunLog) -> Iterator[Span]:
+    """Yield the places where the pose changed by more than the robot can have driven."""
+    if run.is_log or run.decision_t.size < 2:
+        return
+    steps = np.hypot(*np.diff(run.pose[:, :2], axis=0).T)
+    for index in np.flatnonzero((steps > JUMP_M) & (np.diff(run.decision_t) < MERGE_S)):
+        t = float(run.decision_t[index + 1])
+        yield Span(t, t, f"pose jumped by {steps[index]:.2f} m: carried, or found again")
+
+
+_OWN_INCIDENT = frozenset(("stale_base", "stale_laser", "not_localized"))
+"""Reasons of the gate that follow from incidents that have their own line."""
+
+
+def _held(run: RunLog) -> Iterator[Span]:
+    for span in gate_holds(run):
+        if span.what not in _OWN_INCIDENT and span.end - span.start > MERGE_S:
+            yield Span(span.start, span.end, f"held by the gate: {span.what}")
+
+
+def _recorder(run: RunLog) -> Iterator[Span]:
+    for t, lost in run.gaps:
+        yield Span(t, t, f"recorder lost {lost} records")
+    for line in run.lines:
+        if line.part == "recorder":
+            yield Span(line.t, line.t, line.message)
+
+
+def _operator(run: RunLog) -> Iterator[Span]:
+    """Yield the times the operator was away, after having been there."""
+    seen, gone = False, math.nan
+    for t, report in zip(run.process_t.tolist(), run.process, strict=True):
+        if report.operator is False and seen and math.isnan(gone):
+            gone = t
+        elif report.operator and not math.isnan(gone):
+            yield Span(gone, t, "operator away")
+            gone = math.nan
+        seen = seen or bool(report.operator)
+    if not math.isnan(gone):
+        yield Span(gone, run.end, "operator away")
+
+
+def _death(run: RunLog) -> Iterator[Span]:
+    if not run.ended_in_order and run.truncated:
+        yield Span(run.end, run.end, "recording breaks off: agent killed or power cut")
+
+
+def _with_reaction(run: RunLog, span: Span) -> Incident:
+    stopped = _stopped_after(run, span)
+    moved = None
+    if stopped is not None:
+        moved = _first(run.order_t[run.moving_order], max(span.end, span.start + stopped))
+        moved = None if moved is None else moved - span.end
+    return Incident(
+        run.name,
+        span.start + run.shift,
+        span.end + run.shift,
+        span.what,
+        _words(run, span, stopped, moved),
+        stopped,
+        moved,
+    )
+
+
+def _stopped_after(run: RunLog, span: Span) -> float | None:
+    """Return how long after a span's start the base was told to stand; 0 where it stood."""
+    before = np.searchsorted(run.order_t, span.start, side="right") - 1
+    if before < 0 or not run.moving_order[before]:
+        return 0.0
+    latest = max(span.end, span.start + STOP_WATCH_S)
+    stop = _first(run.order_t[~run.moving_order], span.start)
+    return None if stop is None or stop > latest else stop - span.start
+
+
+def _first(times: Floats, after: float) -> float | None:
+    index = np.searchsorted(times, after)
+    return float(times[index]) if index < times.size else None
+
+
+def _words(run: RunLog, span: Span, stopped: float | None, moved: float | None) -> str:
+    if span.what.startswith(("recording breaks off", "agent frozen")) and stopped is None:
+        return "no order possible: the base's own watchdog stops it"
+    if stopped is None:
+        return "patrolled on" if _drives(run, span) else "no order: base's own watchdog stops it"
+    first = "was standing" if stopped == 0.0 else f"told to stand after {stopped:.2f} s"
+    if moved is None:
+        return f"{first}, did not set off again"
+    return f"{first}, set off {max(moved, 0.0):.2f} s after it was over"
+
+
+def _drives(run: RunLog, span: Span) -> bool:
+    """Tell whether decisions were made during a span."""
+    inside = (run.decision_t >= span.start) & (run.decision_t <= max(span.end, span.start + 1.0))
+    return bool(inside.any())

@@ -1,0 +1,111 @@
+"""A team's runs on one clock, sampled evenly: what figures and numbers are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from maps.map_folder import MapFolder, map_folder_from_files
+from tools.bench.idleness import BorderVisits, border_visits
+from tools.bench.metrics import Meeting, RobotRun, arrival_index, meetings
+from tools.recorded_config import parse_old_config
+from tools.report.alignment import ClockNote
+from tools.report.incidents import Incident, incidents
+from tools.report.run_log import Floats, RunLog
+
+STEP_S = 0.1
+VISIT_STEPS = 5
+"""Idleness is sampled every 0.5 s: a robot moves less than a visit's radius in that time."""
+PAUSE_S = 1.0
+"""Between decisions further apart than this the robot's place is not known."""
+
+
+@dataclass(eq=False)
+class Team:
+    """All runs of a report, aligned; times are team times, s."""
+
+    runs: list[RunLog]
+    clocks: list[ClockNote]
+
+    @cached_property
+    def names(self) -> list[str]:
+        """The robots, in the order of their first recording."""
+        return list(dict.fromkeys(run.name for run in self.runs))
+
+    @cached_property
+    def end(self) -> float:
+        """When the last recording ends."""
+        return max(run.end + run.shift for run in self.runs)
+
+    @cached_property
+    def folder(self) -> MapFolder:
+        """The map of the first recording; raises MapError or BorderError."""
+        header = self.runs[0].header
+        config, _ = parse_old_config(header.configuration, str(self.runs[0].path))
+        return map_folder_from_files(
+            Path(config.map.folder).name, header.map_files, config.map.border
+        )
+
+    @cached_property
+    def t(self) -> Floats:
+        """Even times, s."""
+        return np.arange(0.0, self.end + STEP_S, STEP_S)
+
+    @cached_property
+    def sampled(self) -> list[RobotRun]:
+        """One run per robot at the even times, by the robots' own poses; nan where not known."""
+        return [
+            _sampled(name, self.t, [run for run in self.runs if run.name == name])
+            for name in self.names
+        ]
+
+    @cached_property
+    def meetings(self) -> list[Meeting]:
+        """All meetings of two robots of the team."""
+        return meetings(self.sampled)
+
+    @cached_property
+    def incidents(self) -> list[Incident]:
+        """What went wrong, in order of time."""
+        found = [incident for run in self.runs for incident in incidents(run)]
+        return sorted(found, key=lambda incident: incident.start)
+
+    @cached_property
+    def visits(self) -> BorderVisits | None:
+        """When the border's points were visited since all robots had reached it; None if never."""
+        border = self.folder.border
+        if border is None:
+            return None
+        arrivals = [
+            arrival_index(np.nan_to_num(border.project_many(run.position)[1], nan=np.inf))
+            for run in self.sampled
+        ]
+        reached = [index for index in arrivals if index is not None]
+        if not reached:
+            return None
+        kept = slice(max(reached), None, VISIT_STEPS)
+        if self.t[kept].size < 2:
+            return None
+        return border_visits(border, [run.position[kept] for run in self.sampled], self.t[kept])
+
+
+def _sampled(name: str, t: Floats, runs: Sequence[RunLog]) -> RobotRun:
+    """Sample a robot's decisions; of several recordings each has its own time."""
+    position = np.full((t.size, 2), np.nan)
+    action = np.full(t.size, "", dtype=object)
+    direction = np.zeros(t.size, np.int8)
+    for run in runs:
+        if not run.decision_t.size:
+            continue
+        own = run.decision_t + run.shift
+        latest = np.searchsorted(own, t, side="right") - 1
+        known = (latest >= 0) & (t - own[latest.clip(0)] < PAUSE_S)
+        for axis in (0, 1):
+            position[known, axis] = np.interp(t[known], own, run.pose[:, axis])
+        action[known] = np.array(run.action, dtype=object)[latest[known]]
+        direction[known] = run.direction[latest[known]]
+    return RobotRun(name, t, position, action.tolist(), direction)
