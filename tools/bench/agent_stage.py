@@ -92,12 +92,13 @@ class Moment:
 class AgentStage:
     """The world steps in ``step``; the agent is a process, started by ``start_agent``."""
 
-    def __init__(self, folder: Path, seed: int = 1) -> None:
+    def __init__(self, folder: Path, seed: int = 1, operator: str | None = None) -> None:
         """Build world and lines in a folder of their own, to which configuration and recordings
-        go too. The agent dials an operator who is absent until ``seat_operator``."""
+        go too. The agent dials an operator who is absent until ``seat_operator``, or the endpoint
+        of another; empty: nobody."""
         self.folder = folder
         self.recordings: list[Path] = []
-        self._endpoint = free_endpoint()
+        self._endpoint = free_endpoint() if operator is None else operator
         self._operator: Operator | None = None
         self._seed = seed
         self._agent: subprocess.Popen[bytes] | None = None

@@ -26,7 +26,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.epilog = (
         "example: patrol doctor robot1.toml\n\n"
         "Nothing moves, but for --watchdog-test. Ends with status 0 when the robot may patrol,\n"
-        "1 when something failed; warnings do not count. In a unit: ExecStartPre=patrol doctor /etc/patrol/robot1.toml"
+        "1 when something failed; warnings do not count. In a unit:\n"
+        "ExecStartPre=patrol doctor /etc/patrol/robot1.toml"
     )
     parser.add_argument("config", type=Path, metavar="ROBOT.toml", help="the robot's configuration")
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
