@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 CLOSE_S = 1.0
 LOOK_S = 1.0
 """How often it is looked whether the operator is connected."""
-RECONNECT_MS = {"period_init_ms": 250, "period_max_ms": 2000, "period_increase_factor": 2}
+RECONNECT_MS = {"period_init_ms": 250, "period_max_ms": 1000, "period_increase_factor": 2}
 LEASE_MS = 4000
 """A peer that was silent this long is gone; both ends send a sign of life every quarter of it."""
 

@@ -29,7 +29,7 @@ from tools.fault_table import run_faults
 from tools.localize_benchmark import large_map_mb, update_costs
 from tools.monitor.load_table import measure_load
 from tools.monitor.operator import Operator
-from tools.monitor.trouble_table import loop_timings
+from tools.monitor.trouble_table import loop_timings, reconnection_time
 from tools.reaction import WATCHDOG_LIMIT_S
 from tools.recording import read_recording
 from tools.replay import Replay
@@ -256,6 +256,9 @@ def telemetry(_folder_path: Path) -> Iterator[Figure]:
         yield Figure(f"{name}: longest", 1e3 * timing.longest, "ms")
         yield Figure(f"{name}: memory", timing.memory_mb, "MB", 150.0)
         yield Figure(f"{name}: payloads dropped", timing.dropped, "")
+    for absence in (1.0, 5.0, 20.0):
+        name = f"robot heard again, operator absent for {absence:g} s"
+        yield Figure(name, reconnection_time(absence), "s", 2.0)
 
 
 def page(_folder_path: Path) -> Iterator[Figure]:

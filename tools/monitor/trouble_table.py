@@ -16,8 +16,10 @@ import msgspec
 import numpy as np
 
 from robot_agent.streams import ProcessPayload
+from robot_agent.telemetry import Telemetry, TelemetrySettings
 from tools.bench.agent_stage import AgentStage
 from tools.demo import free_endpoint
+from tools.monitor.operator import Operator
 from tools.recording import read_recording
 
 SEED = 1
@@ -172,3 +174,18 @@ def _last_word(recording: Path) -> ProcessPayload:
     """Return what the process said of itself last."""
     *_, (_, _, payload) = read_recording(recording).messages({"process"})
     return msgspec.json.decode(payload, type=ProcessPayload)
+
+
+def reconnection_time(absence: float) -> float:
+    """Return how long after an operator is back (s) a robot is heard, having been absent (s)."""
+    endpoint = free_endpoint()
+    robot = Telemetry(TelemetrySettings(operator=endpoint), robot="robot1", team="faults")
+    try:
+        time.sleep(absence)
+        with Operator(endpoint) as operator:
+            back = time.monotonic()
+            while not any(state.online for state in operator.team.snapshot()):
+                time.sleep(0.01)
+            return time.monotonic() - back
+    finally:
+        robot.close()
