@@ -6,6 +6,8 @@ bytes and carries out the effects. The same event list gives the same effects, b
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,6 +26,7 @@ from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.effects import ChangeBaud, Effect, Publish, Send
 from robot_agent.events import (
+    TICK_S,
     BytesReceived,
     Event,
     LinkDown,
@@ -35,11 +38,21 @@ from robot_agent.events import (
 )
 from robot_agent.foxglove import LogLevel
 from robot_agent.motion.deadline_watch import DeadlineWatch
+from robot_agent.motion.frozen_watch import FrozenWatch
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
 from robot_agent.motion.gate_reason import DENIALS, LATCHED, GateReason
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.motion.recovery_turn import RecoveryTurn
-from robot_agent.motion.trust import BASE, LASER, POSE, SONAR, TrustWatch
+from robot_agent.motion.trust import (
+    BASE,
+    FROZEN_BASE,
+    FROZEN_LASER,
+    LASER,
+    LEAST_RETURNS,
+    POSE,
+    SONAR,
+    TrustWatch,
+)
 from robot_agent.obstacles import Obstacles
 from robot_agent.odometry_history import OdometryHistory
 from robot_agent.patrol.actions import Action
@@ -98,6 +111,9 @@ class Agent:
         self.recovery = RecoveryTurn(config.recovery)
         self.deadline = DeadlineWatch()
         self._trust = TrustWatch()
+        self._frozen_base = FrozenWatch(FROZEN_BASE)
+        self._frozen_laser = FrozenWatch(FROZEN_LASER)
+        self._last_tick = math.inf
         self.gate = SafetyGate(config.gate)
         self.reports = Reports(self, start_wall_ns)
         self.decision: PatrolDecision | None = None
@@ -129,6 +145,8 @@ class Agent:
             case BytesReceived(t, "laser", data):
                 self._take_laser_bytes(t, data)
             case Tick(t):
+                self.deadline.note(t, t - self._last_tick - TICK_S)
+                self._last_tick = t
                 self.base.tick(t)
                 self.laser.tick(t)
                 self._miss_streams(t)
@@ -156,7 +174,9 @@ class Agent:
         self.reports.hear("base", t, data, understood=bool(states))
         for state in states:
             self.odometry.add(state)
-            self._trust.well(BASE, t)
+            self._frozen_base.take((state.x, state.y, state.theta), moving=_is_moving(state))
+            if not self._frozen_base.frozen:
+                self._trust.well(BASE, t)
             if state.sonar:
                 self._trust.well(SONAR, t)
             at_report = Pose(state.x, state.y, state.theta)
@@ -168,8 +188,17 @@ class Agent:
         scans = self.laser.feed(data, t)
         self.reports.hear("laser", t, data, understood=bool(scans))
         for scan in scans:
-            self._trust.well(LASER, t)
-            self._look(t, scan)
+            if self._shows_the_world(scan):
+                self._trust.well(LASER, t)
+                self._look(t, scan)
+
+    def _shows_the_world(self, scan: Scan) -> bool:
+        """Tell a scan from that of a laser that is blind, or shows the same for ever."""
+        base = self.odometry.latest
+        moving = base is not None and _is_moving(base)
+        self._frozen_laser.take(scan.ranges.tobytes(), moving=moving)
+        returns = float(np.isfinite(scan.ranges).mean())
+        return returns >= LEAST_RETURNS and not self._frozen_laser.frozen
 
     def _look(self, t: float, scan: Scan) -> None:
         """Take in one scan: obstacles, pose, teammates."""
@@ -208,7 +237,7 @@ class Agent:
 
     def _control_step(self, t: float, state: BaseState) -> None:
         """Decide and act, once per base report; t: its arrival, s."""
-        self.deadline.note(self._now - t)
+        self.deadline.note(self._now, self._now - t)
         if self.teleop is not None and not self._ending:
             gate = self._drive(t, self.teleop.wish(t), self._gate_inputs(t, state, limited=True))
             self._note_gate(t, gate)
@@ -285,7 +314,7 @@ class Agent:
         estimate = self.localizer.estimate
         assert odometry is not None
         return GateInputs(
-            base_time=state.t,
+            base_time=None if self._frozen_base.frozen else state.t,
             scan_time=self._obstacles.seen_at,
             health=None if estimate is None else estimate.health,
             motors_enabled=state.motors_enabled,
@@ -298,7 +327,7 @@ class Agent:
             ),
             v=state.v,
             w=state.w,
-            overloaded=self.deadline.overloaded,
+            overloaded=self.deadline.overloaded(self._now),
             limited=limited,
         )
 
@@ -365,6 +394,11 @@ class Agent:
         if self.gate_decision is not None and self.gate_decision.reason in STOPPING:
             return f"gate: {self.gate_decision.reason}"
         return "ok"
+
+
+def _is_moving(state: BaseState) -> bool:
+    """Tell whether a base says that it moves, faster than its counters' resolution."""
+    return abs(state.v) > 0.05 or abs(state.w) > 0.1
 
 
 def _blocked_words(decision: PatrolDecision) -> str:

@@ -11,6 +11,9 @@ from typing import Literal
 
 LinkName = Literal["base", "laser"]
 
+TICK_S = 0.05
+"""Between two ticks, while the agent keeps up."""
+
 
 @dataclass(frozen=True, slots=True)
 class BytesReceived:

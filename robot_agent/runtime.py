@@ -16,6 +16,7 @@ from drivers.link import Link
 from robot_agent.agent import Agent
 from robot_agent.effects import ChangeBaud, Effect, Publish, Send
 from robot_agent.events import (
+    TICK_S,
     BytesReceived,
     Event,
     LinkDown,
@@ -34,7 +35,6 @@ from robot_agent.service_notifier import ServiceNotifier
 from robot_agent.streams import encode
 from robot_agent.telemetry import Telemetry
 
-TICK_S = 0.05
 FAREWELL_S = 0.3
 """How long the last commands get to leave and take effect before the ports close."""
 

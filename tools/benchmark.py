@@ -24,7 +24,7 @@ from tools.bench.fleet import Fleet, run_bench
 from tools.bench.fleet_recorder import FleetRecorder
 from tools.color_trial import run_color_trial
 from tools.demo import Demo, DemoOptions, free_endpoint
-from tools.fault import chosen_faults
+from tools.fault_list import chosen_faults
 from tools.fault_table import run_faults
 from tools.localize_benchmark import large_map_mb, update_costs
 from tools.monitor.load_table import measure_load
@@ -33,11 +33,17 @@ from tools.monitor.trouble_table import loop_timings, reconnection_time
 from tools.reaction import WATCHDOG_LIMIT_S
 from tools.recording import read_recording
 from tools.replay import Replay
+from tools.report.alignment import align
+from tools.report.numbers import numbers
+from tools.report.page import page
+from tools.report.run_log import read_run
+from tools.report.team import Team
 
 SEED = 1
 SETTLED_S = 12.0
 """An agent has connected, localized and set off by then."""
 MEASURED_S = 20.0
+REPORTED_S = 120.0
 COLOR_PICTURES = 800
 
 
@@ -183,7 +189,28 @@ def replay_speed(folder_path: Path) -> Iterator[Figure]:
     yield Figure(
         "replay of a recording", result.duration / result.wall, "x real time", 50.0, at_least=True
     )
-    yield Figure("recording of one hour", size * 3600 / result.duration / 2**20, "MB")
+    yield Figure("recording of one hour", size * 3600 / result.duration / 2**20, "MB", 250.0)
+
+
+def report_speed(folder_path: Path) -> Iterator[Figure]:
+    """Record three robots in lockstep for two minutes; time reading and reporting."""
+    folder = load_map_folder(folder_path)
+    with tempfile.TemporaryDirectory() as parent:
+        with FleetRecorder(folder, Path(parent)) as recorder:
+            fleet = Fleet(folder, 3, SEED, observer=recorder.observe)
+            while fleet.t < REPORTED_S:
+                fleet.step()
+            fleet.shut_down()
+        started = time.process_time()
+        runs = [read_run(path) for path in recorder.paths]
+        read = time.process_time()
+        team = Team(runs, align(runs))
+        page(team, numbers(team), lambda _done: None)
+        drawn = time.process_time()
+    yield Figure(
+        "reading a recording for a report", 3 * REPORTED_S / (read - started), "x real time"
+    )
+    yield Figure("report of three runs, figures and page", drawn - read, "s of CPU")
 
 
 def record_lockstep(folder: MapFolder, duration: float, target: Path) -> Path:
@@ -296,6 +323,7 @@ GROUPS: dict[str, Callable[[Path], Iterator[Figure]]] = {
     "decision": decision_step,
     "patrol": patrol_bench,
     "replay": replay_speed,
+    "report": report_speed,
     "localization": localization,
     "drivers": drivers,
     "telemetry": telemetry,

@@ -7,9 +7,17 @@ from typing import Protocol
 from drivers.emulated_port import EmulatedDevice, garbled
 from robot_agent.agent import Agent
 from robot_agent.effects import ChangeBaud, Effect, Send
-from robot_agent.events import BytesReceived, Event, LinkName, LinkUp, OperatorKey, Shutdown, Tick
+from robot_agent.events import (
+    TICK_S,
+    BytesReceived,
+    Event,
+    LinkName,
+    LinkUp,
+    OperatorKey,
+    Shutdown,
+    Tick,
+)
 
-TICK_S = 0.05
 BITS_PER_BYTE = 10
 
 
