@@ -23,7 +23,7 @@ from tools.monitor.operator import Operator
 from tools.recording import read_recording
 
 SEED = 1
-SETTLED_S = 10.0
+SETTLED_S = 7.0
 """An agent has connected, localized and set off by then."""
 
 
@@ -100,7 +100,7 @@ class _Freezer:
 class _Restarter:
     """Kills the operator and starts another, again and again."""
 
-    PERIOD_S = 4.0
+    PERIOD_S = 3.0
 
     def __init__(self, operator: subprocess.Popen[bytes]) -> None:
         self._operator: subprocess.Popen[bytes] | None = operator
@@ -136,11 +136,25 @@ def _kept(_operator: subprocess.Popen[bytes]) -> Disturbance:
     return _nothing
 
 
-def loop_timings(measured: float) -> Iterator[LoopTiming]:
-    """Measure every trouble for ``measured`` s of real time."""
-    for trouble in TROUBLES:
-        with tempfile.TemporaryDirectory() as folder:
-            yield _timing(trouble, Path(folder), measured)
+def loop_timings(measured: float, rounds: int = 3) -> Iterator[LoopTiming]:
+    """Measure every trouble for ``measured`` s of real time, several times in turn.
+
+    Of each figure the best is kept: what others do on the machine meanwhile only adds.
+    """
+    timings: dict[str, list[LoopTiming]] = {trouble: [] for trouble in TROUBLES}
+    for _ in range(rounds):
+        for trouble, found in timings.items():
+            with tempfile.TemporaryDirectory() as folder:
+                found.append(_timing(trouble, Path(folder), measured))
+    for trouble, found in timings.items():
+        yield LoopTiming(
+            trouble,
+            min(timing.median for timing in found),
+            min(timing.p99 for timing in found),
+            min(timing.longest for timing in found),
+            max(timing.memory_mb for timing in found),
+            max(timing.dropped for timing in found),
+        )
 
 
 def _timing(trouble: str, folder: Path, measured: float) -> LoopTiming:
