@@ -288,7 +288,7 @@ def telemetry(_folder_path: Path) -> Iterator[Figure]:
         yield Figure(name, reconnection_time(absence), "s", 2.0)
 
 
-def monitor(_folder_path: Path) -> Iterator[Figure]:
+def operator_page(_folder_path: Path) -> Iterator[Figure]:
     """Load the monitor and its page with many robots at full telemetry."""
     load = measure_load(50, MEASURED_S)
     yield Figure("50 robots: payloads", load.messages_per_s, "1/s")
@@ -327,7 +327,7 @@ GROUPS: dict[str, Callable[[Path], Iterator[Figure]]] = {
     "localization": localization,
     "drivers": drivers,
     "telemetry": telemetry,
-    "monitor": monitor,
+    "page": operator_page,
     "color": color,
 }
 

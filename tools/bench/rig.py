@@ -86,10 +86,9 @@ class RobotRig:
         self._seen = np.full_like(ranges, np.inf) if self.blind and ranges is not None else ranges
         self.laser.advance(t)
 
-    def carry_left(self, distance: float) -> None:
-        """Put the robot down a distance, m, to its left; its wheels do not turn."""
-        self.body.pose = self.body.pose.compose(Pose(0.0, distance, 0.0))
-        self._previous_pose = self.body.pose
+    def put(self, pose: Pose) -> None:
+        """Put the robot down at a true pose, map_from_base; its wheels do not turn."""
+        self.body.pose = self._previous_pose = pose
 
     def _scan(self, t: float, n: int, increment: float) -> NDArray[np.float64]:
         """Measure one mirror turn about time t, which lies within the present step."""
