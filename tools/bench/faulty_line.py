@@ -67,6 +67,8 @@ class OrderTap:
         self._turn_rate = 0
         self.first_order = ""
         self.first_at = math.inf
+        self.last_at = 0.0
+        """When the client last said anything, s; 0 before it has."""
         self.response_times: list[float] = []
         self._last_output: float | None = None
 
@@ -86,6 +88,7 @@ class OrderTap:
 
     def feed(self, data: bytes, t: float) -> None:
         """Pass on bytes from the client, and read them."""
+        self.last_at = t
         for packet in self._framer.feed(data):
             self._read(packet, t)
         self._device.feed(data, t)
