@@ -21,8 +21,10 @@ from tools.bench.bench_fault import (
     BenchFault,
     BenchFaultError,
     FaultKind,
+    Wreck,
     check_robots,
     fault_figures,
+    wrecks_of,
 )
 from tools.bench.ideal_obstacles import IdealObstacles
 from tools.bench.ideal_robot import STEP_S, along_arc, make_ideal_robot
@@ -79,12 +81,10 @@ class IdealFleet:
                 obstacles = self._obstacles.around(robot, self._sight.apart[index], self.robots)
                 robot.decide(self.t, teammates[index], obstacles)
 
-    def wrecks(self) -> list[tuple[float, float]]:
-        """Return where robots stand, (x, y) m, that a fault has stopped for good by now."""
-        stopped = {
-            fault.robot for fault in self.faults if fault.makes_wreck and fault.holds(self.t)
-        }
-        return [(r.body.pose.x, r.body.pose.y) for r in self.robots if r.name in stopped]
+    def wrecks(self) -> list[Wreck]:
+        """Return the robots that a fault has stopped for good by now."""
+        poses = {robot.name: robot.body.pose for robot in self.robots}
+        return wrecks_of(self.faults, poses, self.t)
 
     def _inject(self) -> None:
         """Begin and end faults."""
