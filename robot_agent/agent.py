@@ -48,6 +48,7 @@ from robot_agent.odometry_history import OdometryHistory
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.intruders import Intruder, Intruders
+from robot_agent.perception.pose_sigma import PoseSigma
 from robot_agent.perception.tracker import TeammateTracker
 from robot_agent.reports import Reports
 from robot_agent.scan_points import ScanProjector, hits
@@ -192,7 +193,8 @@ class Agent:
         # 3. Who else is there.
         if estimate.health is not Health.LOST:
             reflectors = None if scan.reflectors is None else scan.reflectors[hits(scan)]
-            self.tracker.update(scan.t, estimate.pose, points, reflectors)
+            sigma = PoseSigma.of(estimate.covariance)
+            self.tracker.update(scan.t, estimate.pose, points, reflectors, sigma)
         if estimate.health is Health.LOCALIZED:
             self._watch_intruders(t, scan.t, estimate.pose, points)
         if self._publishes:
@@ -201,13 +203,13 @@ class Agent:
     def _take_blobs(self, event: BlobsSeen) -> None:
         """Take in what a picture shows of the team's colour."""
         self.camera.hear(event)
-        pose = self._pose_at(event.taken)
+        pose = self.localized_pose_at(event.taken)
         if pose is not None and event.sight == "clear":
             self.tracker.see_bands(event.taken, pose, event.blobs)
 
     def _listen_behind(self, t: float, odometry: Pose) -> None:
         """Let the sonars keep up teammates whom the laser does not see."""
-        pose = self._pose_at(t)
+        pose = self.localized_pose_at(t)
         if pose is not None and self.tracker.awaits_echo(t):
             self.tracker.hear(t, pose, self._sonar_obstacles.around(t, odometry))
 
@@ -234,7 +236,7 @@ class Agent:
     def _take_picture(self, event: PictureTaken) -> None:
         """Add a picture to the report of the intruder it was taken of."""
         intruder, self._pictured = self._pictured, None
-        pose = self._pose_at(event.taken)
+        pose = self.localized_pose_at(event.taken)
         if intruder is None or pose is None:
             return
         place = (intruder.x, intruder.y)
@@ -304,7 +306,7 @@ class Agent:
         elif health is Health.LOST:
             self._pose_trusted = False
 
-    def _pose_at(self, t: float) -> Pose | None:
+    def localized_pose_at(self, t: float) -> Pose | None:
         """Return map_from_base at t, which may be past, while localized; None else."""
         estimate = self.localizer.estimate
         odometry = self.odometry.at(t)
