@@ -58,6 +58,7 @@ from robot_agent.streams import Payload, encode
 STOPPING = DENIALS - {GateReason.MOTORS_OFF, GateReason.BACKING} | {GateReason.OBSTACLE}
 """Reasons of the gate that mean the robot is being held, not merely kept to its limits."""
 
+_LASER_BLIND = 1.0  # s without a scan after which nobody is seen any more
 _CRAWL = 0.05  # m/s; slower than this before an obstacle is as good as held by it
 _REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
 
@@ -406,7 +407,7 @@ class Agent:
         """Return what the robot has to do without at t, s, in words; nothing when all is well."""
         troubles = [self.camera.trouble(t)]
         seen = self._obstacles.seen_at
-        if seen is None or t - seen > self.config.gate.max_scan_age:
+        if seen is None or t - seen > _LASER_BLIND:
             troubles.append("laser blind: nobody is seen, the robot stands")
         return [words for words in troubles if words]
 
