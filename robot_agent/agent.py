@@ -403,6 +403,10 @@ class Agent:
             else:
                 self._effects.append(ChangeBaud(link, request.baud))
 
+    def obstacles_around(self, odometry: Pose) -> NDArray[np.float64]:
+        """Return what the latest scan saw near the robot, (n, 2) m, in base_link."""
+        return self._obstacles.around(odometry)
+
     def degraded(self, t: float) -> list[str]:
         """Return what the robot has to do without at t, s, in words; nothing when all is well."""
         troubles = [self.camera.trouble(t)]

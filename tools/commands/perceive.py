@@ -1,4 +1,4 @@
-"""``patrol perceive``: whom the tracker sees on a log, by laser alone."""
+"""``patrol perceive``: whom the tracker sees on a log, or saw in a recording, as pictures."""
 
 from __future__ import annotations
 
@@ -13,15 +13,22 @@ from robot_agent.config import find_map
 from tools.carmen import LogError, read_carmen
 from tools.localize import log_steps, map_of_log
 from tools.perceive import perceive
+from tools.perception_pictures import draw_picture, draw_scan, moment_of
 from tools.progress import Progress
+from tools.recording import read_recording
 
 RESOLUTION = 0.05  # m
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.epilog = "example: patrol perceive LOG.gz --first-scan 27"
-    parser.add_argument("log", type=Path, metavar="LOG", help="CARMEN log")
+    parser.epilog = (
+        "examples:\n"
+        "  patrol perceive LOG.gz --first-scan 27    figures of the tracker by laser alone\n"
+        "  patrol perceive RUN.mcap --pictures out/  what was seen when an intruder was reported"
+    )
+    parser.add_argument("log", type=Path, metavar="LOG", help="CARMEN log, or recording")
+    parser.add_argument("--pictures", type=Path, metavar="DIR", help="draw scan.png and camera.jpg")
     parser.add_argument(
         "--map",
         metavar="DIR",
@@ -37,6 +44,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Track on one log; print the figures as JSON. Status 1 when anyone is called a teammate."""
     cv2.setNumThreads(1)
+    if options.log.suffix == ".mcap":
+        return _draw(options)
     log = read_carmen(options.log)
     steps = log_steps(log)[options.first_scan :]
     if not steps:
@@ -50,3 +59,13 @@ def run(options: argparse.Namespace) -> int:
         result = perceive(str(options.log), steps, folder, options.seed, progress)
     print(json.dumps({"log": options.log.name, **result.summary}, indent=2))
     return 1 if result.teammates else 0
+
+
+def _draw(options: argparse.Namespace) -> int:
+    if options.pictures is None:
+        raise LogError(f"{options.log}: a recording is drawn: say where with --pictures DIR")
+    moment = moment_of(read_recording(options.log))
+    options.pictures.mkdir(parents=True, exist_ok=True)
+    draw_scan(moment, options.pictures / "scan.png")
+    draw_picture(moment, options.pictures / "camera.jpg")
+    return 0
