@@ -6,6 +6,8 @@ bytes and carries out the effects. The same event list gives the same effects, b
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,6 +27,7 @@ from robot_agent.camera_watch import CameraWatch
 from robot_agent.config import AgentConfig
 from robot_agent.effects import ChangeBaud, Effect, Publish, Send, TakePicture
 from robot_agent.events import (
+    TICK_S,
     BlobsSeen,
     BytesReceived,
     DeviceName,
@@ -32,6 +35,7 @@ from robot_agent.events import (
     LinkDown,
     LinkName,
     LinkUp,
+    OperatorKey,
     PictureTaken,
     Shutdown,
     Tick,
@@ -39,10 +43,21 @@ from robot_agent.events import (
 from robot_agent.evidence import cut_out, points_near
 from robot_agent.foxglove import LogLevel
 from robot_agent.motion.deadline_watch import DeadlineWatch
+from robot_agent.motion.frozen_watch import FrozenWatch
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
 from robot_agent.motion.gate_reason import DENIALS, LATCHED, GateReason
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.motion.recovery_turn import RecoveryTurn
+from robot_agent.motion.trust import (
+    BASE,
+    FROZEN_BASE,
+    FROZEN_LASER,
+    LASER,
+    LEAST_RETURNS,
+    POSE,
+    SONAR,
+    TrustWatch,
+)
 from robot_agent.obstacles import Obstacles
 from robot_agent.odometry_history import OdometryHistory
 from robot_agent.patrol.actions import Action
@@ -54,6 +69,7 @@ from robot_agent.reports import Reports
 from robot_agent.scan_points import ScanProjector, hits
 from robot_agent.sonar_obstacles import SonarObstacles
 from robot_agent.streams import Payload, encode
+from robot_agent.teleop import Teleop
 
 STOPPING = DENIALS - {GateReason.MOTORS_OFF, GateReason.BACKING} | {GateReason.OBSTACLE}
 """Reasons of the gate that mean the robot is being held, not merely kept to its limits."""
@@ -103,8 +119,13 @@ class Agent:
             else None
         )
         self.heading_loop = HeadingLoop(config.heading)
+        self.teleop = Teleop(config.teleop) if config.teleop.enabled else None
         self.recovery = RecoveryTurn(config.recovery)
         self.deadline = DeadlineWatch()
+        self._trust = TrustWatch()
+        self._frozen_base = FrozenWatch(FROZEN_BASE)
+        self._frozen_laser = FrozenWatch(FROZEN_LASER)
+        self._last_tick = math.inf
         self.gate = SafetyGate(config.gate)
         self.reports = Reports(self, start_wall_ns)
         self.decision: PatrolDecision | None = None
@@ -136,11 +157,7 @@ class Agent:
             case BytesReceived(t, "laser", data):
                 self._take_laser_bytes(t, data)
             case Tick(t):
-                self.base.tick(t)
-                self.laser.tick(t)
-                self._tell_degraded(t)
-                if self._publishes:
-                    self._publish(self.reports.on_time(t))
+                self._tick(t)
             case BlobsSeen():
                 self._take_blobs(event)
             case PictureTaken():
@@ -149,6 +166,8 @@ class Agent:
                 self._link_up(t, link)
             case LinkDown(t, link, reason):
                 self._link_down(t, link, reason)
+            case OperatorKey() if self.teleop is not None:
+                self.teleop.press(event)
             case Shutdown(t):
                 self._ending = True
                 self.base.shut_down(t)
@@ -159,12 +178,28 @@ class Agent:
 
     # --- input -------------------------------------------------------------------------------
 
+    def _tick(self, t: float) -> None:
+        """Do what time alone asks for."""
+        self.deadline.note(t, t - self._last_tick - TICK_S)
+        self._last_tick = t
+        self.base.tick(t)
+        self.laser.tick(t)
+        self._miss_streams(t)
+        self._tell_degraded(t)
+        if self._publishes:
+            self._publish(self.reports.on_time(t))
+
     def _take_base_bytes(self, t: float, data: bytes) -> None:
         """Decode base reports; each is one control step."""
         states = self.base.feed(data, t)
         self.reports.hear("base", t, data, understood=bool(states))
         for state in states:
             self.odometry.add(state)
+            self._frozen_base.take((state.x, state.y, state.theta), moving=_is_moving(state))
+            if not self._frozen_base.frozen:
+                self._trust.well(BASE, t)
+            if state.sonar:
+                self._trust.well(SONAR, t)
             at_report = Pose(state.x, state.y, state.theta)
             self._sonar_obstacles.hear(state, at_report, self.base.model)
             self._listen_behind(t, at_report)
@@ -175,7 +210,17 @@ class Agent:
         scans = self.laser.feed(data, t)
         self.reports.hear("laser", t, data, understood=bool(scans))
         for scan in scans:
-            self._look(t, scan)
+            if self._shows_the_world(scan):
+                self._trust.well(LASER, t)
+                self._look(t, scan)
+
+    def _shows_the_world(self, scan: Scan) -> bool:
+        """Tell a scan from that of a laser that is blind, or shows the same for ever."""
+        base = self.odometry.latest
+        moving = base is not None and _is_moving(base)
+        self._frozen_laser.take(scan.ranges.tobytes(), moving=moving)
+        returns = float(np.isfinite(scan.ranges).mean())
+        return returns >= LEAST_RETURNS and not self._frozen_laser.frozen
 
     def _look(self, t: float, scan: Scan) -> None:
         """Take in one scan: obstacles, pose, teammates."""
@@ -185,6 +230,10 @@ class Agent:
         # 1. What stands in the way, wherever the map says we are.
         points = self._projector.points(scan, *self.odometry.twist_at(scan.t))
         self._obstacles.see(scan.t, odometry, points)
+        if self.teleop is not None:
+            if self._publishes:
+                self._publish(self.reports.on_scan(t, scan))
+            return  # there is no map to find a place in
         # 2. Where the robot was.
         estimate = self.localizer.update(
             scan.t, odometry, points, self._on_teammates(scan.t, odometry, points)
@@ -258,7 +307,11 @@ class Agent:
 
     def _control_step(self, t: float, state: BaseState) -> None:
         """Decide and act, once per base report; t: its arrival, s."""
-        self.deadline.note(self._now - t)
+        self.deadline.note(self._now, self._now - t)
+        if self.teleop is not None and not self._ending:
+            gate = self._drive(t, self.teleop.wish(t), self._gate_inputs(t, state, limited=True))
+            self._note_gate(t, gate)
+            return
         if self.patrol is None or self._ending:
             self.base.drive(t, 0.0, 0.0)
             return
@@ -300,10 +353,18 @@ class Agent:
         self.base.drive(t, gate.v, gate.w)
         return gate
 
+    def _miss_streams(self, t: float) -> None:
+        """Raise an alarm for each stream that is missed, and end it when the stream is back."""
+        for stream, well in self._trust.changes(t):
+            words = "is back" if well else f"none for {stream.max_age:g} s: {stream.reaction}"
+            level = LogLevel.INFO if well else stream.level
+            self._say(t, f"trust.{stream.name}", f"{stream.what}: {words}", level)
+
     def _trust_pose(self, health: Health) -> None:
         """Trust the pose once localized, until lost: unsure alone gives no trust and takes none."""
         if health is Health.LOCALIZED:
             self._pose_trusted = True
+            self._trust.well(POSE, self._now)
         elif health is Health.LOST:
             self._pose_trusted = False
 
@@ -331,7 +392,7 @@ class Agent:
         estimate = self.localizer.estimate
         assert odometry is not None
         return GateInputs(
-            base_time=state.t,
+            base_time=None if self._frozen_base.frozen else state.t,
             scan_time=self._obstacles.seen_at,
             health=None if estimate is None else estimate.health,
             motors_enabled=state.motors_enabled,
@@ -344,7 +405,7 @@ class Agent:
             ),
             v=state.v,
             w=state.w,
-            overloaded=self.deadline.overloaded,
+            overloaded=self.deadline.overloaded(self._now),
             limited=limited,
         )
 
@@ -427,6 +488,8 @@ class Agent:
             return f"base {self.base.state}"
         if self.laser.state is not LaserState.STREAMING:
             return f"laser {self.laser.state}"
+        if self.teleop is not None:
+            return "driven by keys"
         estimate = self.localizer.estimate
         if estimate is None or not self._pose_trusted:
             return "not localized"
@@ -435,6 +498,11 @@ class Agent:
         if self.gate_decision is not None and self.gate_decision.reason in STOPPING:
             return f"gate: {self.gate_decision.reason}"
         return "ok"
+
+
+def _is_moving(state: BaseState) -> bool:
+    """Tell whether a base says that it moves, faster than its counters' resolution."""
+    return abs(state.v) > 0.05 or abs(state.w) > 0.1
 
 
 def _blocked_words(decision: PatrolDecision) -> str:

@@ -20,6 +20,7 @@ from robot_agent.events import (
     LinkDown,
     LinkName,
     LinkUp,
+    OperatorKey,
     PictureTaken,
     Shutdown,
     Tick,
@@ -107,6 +108,7 @@ def _decode_picture(t: float, data: bytes) -> Event:
 CODECS: tuple[EventCodec, ...] = (
     plain_event("tick", Tick, "patrol.Tick"),
     plain_event("shutdown", Shutdown, "patrol.Shutdown"),
+    plain_event("key", OperatorKey, "patrol.OperatorKey"),
     plain_event("blobs", BlobsSeen, "patrol.Blobs"),
     EventCodec(
         "picture",

@@ -16,6 +16,9 @@ LinkName = Literal["base", "laser"]
 DeviceName = Literal["base", "laser", "camera"]
 """What can be plugged in or not."""
 
+TICK_S = 0.05
+"""Between two ticks, while the agent keeps up."""
+
 
 @dataclass(frozen=True, slots=True)
 class BytesReceived:
@@ -76,4 +79,16 @@ class Shutdown:
     t: float
 
 
-Event = BytesReceived | LinkUp | LinkDown | BlobsSeen | PictureTaken | Tick | Shutdown
+@dataclass(frozen=True, slots=True)
+class OperatorKey:
+    """A key typed at the robot's own terminal: where to drive, for a moment.
+
+    ahead: 1 forwards, 0 not; left: 1 turn left, -1 right, 0 straight.
+    """
+
+    t: float
+    ahead: int
+    left: int
+
+
+Event = BytesReceived | LinkUp | LinkDown | BlobsSeen | PictureTaken | Tick | Shutdown | OperatorKey

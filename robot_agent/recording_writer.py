@@ -16,6 +16,7 @@ topic                        encoding           one message is
 ``link``                     json               a link that went up or down
 ``baud``                     json               a change of a link's rate
 ``tick``, ``shutdown``       json, empty object those events; further kinds: ``event_codec``
+``key``                      json               a key of the robot's own terminal
 ``take_picture``             json, empty object the agent asked for a picture
 ``gap``                      json               how many records were lost at this place
 ``reference``                json               where the robot truly was, if a log says so

@@ -99,10 +99,15 @@ class Recording:
                 return
             yield item
 
-    def messages(self, topics: Collection[str]) -> Iterator[tuple[str, float, bytes]]:
-        """Yield topic, agent time (s) and content of the messages of some topics only, in order."""
+    def messages(self, topics: Collection[str] | None) -> Iterator[tuple[str, float, bytes]]:
+        """Yield topic, agent time (s) and content of the messages of some topics, in order.
+
+        None means all topics.
+        """
         return (
-            (channel.topic, t, data) for channel, t, data in self._raw() if channel.topic in topics
+            (channel.topic, t, data)
+            for channel, t, data in self._raw()
+            if topics is None or channel.topic in topics
         )
 
     def end(self) -> float:

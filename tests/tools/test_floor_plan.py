@@ -53,10 +53,11 @@ def test_each_shape_is_where_the_plan_puts_it(tmp_path: Path) -> None:
     assert state(1.35, 2.05) == FREE
 
 
-def test_paper_lab_is_drawn_from_its_plan(tmp_path: Path) -> None:
-    draw_floor_plan(MAPS / "paper_lab" / "floor_plan.toml", tmp_path)
+@pytest.mark.parametrize("shipped", ["paper_lab", "large_hall"])
+def test_shipped_maps_are_drawn_from_their_plans(shipped: str, tmp_path: Path) -> None:
+    draw_floor_plan(MAPS / shipped / "floor_plan.toml", tmp_path)
     for name in ("map.yaml", "map.pgm"):
-        assert (tmp_path / name).read_bytes() == (MAPS / "paper_lab" / name).read_bytes()
+        assert (tmp_path / name).read_bytes() == (MAPS / shipped / name).read_bytes()
     assert np.isin([FREE, OCCUPIED, UNKNOWN], load_map(tmp_path / "map.yaml").cells).all()
 
 

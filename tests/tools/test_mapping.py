@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import shutil
+from itertools import product
 from pathlib import Path
 
 import cv2
@@ -134,7 +135,8 @@ def test_intel_lab_is_built_from_its_log(data_folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "border"), [("paper_lab", "border"), ("paper_lab", "open"), ("intel_lab", "border")]
+    ("name", "border"),
+    [*product(("paper_lab", "intel_lab"), ("border", "open")), ("large_hall", "border")],
 )
 def test_shipped_maps_pass_the_check(name: str, border: str) -> None:
     report = check_map(MAPS / name, border)

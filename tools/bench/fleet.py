@@ -14,7 +14,14 @@ from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, RobotSettings, StartSettings
-from tools.bench.bench_fault import BenchFault, FaultInjector, check_robots, fault_figures
+from tools.bench.bench_fault import (
+    BenchFault,
+    FaultInjector,
+    Wreck,
+    check_robots,
+    fault_figures,
+    wrecks_of,
+)
 from tools.bench.emulated_camera import EmulatedCamera
 from tools.bench.lockstep import LockstepAgent, Observer
 from tools.bench.lockstep_camera import LockstepCamera
@@ -89,7 +96,7 @@ class Fleet:
         for number, rig in enumerate(rigs):
             settings = _configure(config or AgentConfig(), rig, seed * 1000 + number)
             own = [fault for fault in self.faults if fault.robot == rig.name]
-            injector = FaultInjector(own, rig, settings.robot.seed) if own else None
+            injector = FaultInjector(own, rig, folder, settings.robot.seed) if own else None
             devices = injector or rig
             camera = self._make_camera(rig, settings) if cameras else None
             lockstep = LockstepAgent(
@@ -138,13 +145,10 @@ class Fleet:
         for robot in self.robots:
             robot.lockstep.shut_down(self.t)
 
-    def wrecks(self) -> list[tuple[float, float]]:
-        """Return where robots stand, (x, y) m, that a fault has stopped for good by now."""
-        stopped = {
-            fault.robot for fault in self.faults if fault.makes_wreck and fault.holds(self.t)
-        }
-        bodies = [robot.rig.body for robot in self.robots if robot.rig.name in stopped]
-        return [(body.pose.x, body.pose.y) for body in bodies]
+    def wrecks(self) -> list[Wreck]:
+        """Return the robots that a fault has stopped for good by now."""
+        poses = {robot.rig.name: robot.rig.body.pose for robot in self.robots}
+        return wrecks_of(self.faults, poses, self.t)
 
 
 def _configure(config: AgentConfig, rig: RobotRig, seed: int) -> AgentConfig:

@@ -7,10 +7,18 @@ from typing import Protocol
 from drivers.emulated_port import EmulatedDevice, garbled
 from robot_agent.agent import Agent
 from robot_agent.effects import ChangeBaud, Effect, Send, TakePicture
-from robot_agent.events import BytesReceived, Event, LinkName, LinkUp, Shutdown, Tick
+from robot_agent.events import (
+    TICK_S,
+    BytesReceived,
+    Event,
+    LinkName,
+    LinkUp,
+    OperatorKey,
+    Shutdown,
+    Tick,
+)
 from tools.bench.lockstep_camera import LockstepCamera
 
-TICK_S = 0.05
 BITS_PER_BYTE = 10
 
 
@@ -62,6 +70,10 @@ class LockstepAgent:
             self._tick_until(event.t)
             self._handle(event)
         self._tick_until(t)
+
+    def press(self, t: float, ahead: int, left: int) -> None:
+        """Type a key at the robot's terminal."""
+        self._handle(OperatorKey(round(t, 6), ahead, left))
 
     def shut_down(self, t: float) -> None:
         """End the agent as SIGTERM does."""

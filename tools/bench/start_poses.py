@@ -14,9 +14,9 @@ from maps.pose import Pose
 _CLEAR = 0.5  # m from every wall
 _WAY_CLEAR = 0.4  # m from every wall on the straight way to the border
 _FROM_BORDER = (1.0, 3.0)  # m
-_APART = 3.0  # m between any two
+_APART = (3.0, 2.5, 2.0, 1.6, 1.3)  # m between any two: as much as there is room for
 _CANDIDATES = 3000  # cells looked at
-_ORDERS = 30  # in which they are tried, before giving up
+_ORDERS = 30  # in which they are tried, before they are put nearer together
 
 
 class StartPoseError(ValueError):
@@ -29,7 +29,8 @@ def free_start_poses(
     """Return ``count`` poses (map_from_base) with random headings.
 
     Each is at least 0.5 m clear of walls, 1 to 3 m from the border, with a straight way to the
-    border's closest point that stays 0.4 m clear, and more than 3 m from the others.
+    border's closest point that stays 0.4 m clear, and more than 3 m from the others, or as far as
+    there is room for so many, but more than 1.3 m.
 
     Raises StartPoseError if the map has no room for them.
     """
@@ -39,21 +40,37 @@ def free_start_poses(
     )
     points = _points_near_border(occupancy, clearance, border, rng)
     most = 0
-    for _ in range(_ORDERS):
-        chosen: list[NDArray[np.float64]] = []
-        for point in points[rng.permutation(len(points))]:
-            if all(np.hypot(*(point - other)) > _APART for other in chosen) and _way_is_free(
-                occupancy, clearance, border, point
-            ):
-                chosen.append(point)
-                if len(chosen) == count:
-                    return [_turned_at_random(place, rng) for place in chosen]
-        most = max(most, len(chosen))
+    for apart in _APART:
+        for _ in range(_ORDERS):
+            order = points[rng.permutation(len(points))]
+            chosen = _far_apart(order, apart, count, occupancy, clearance, border)
+            if len(chosen) == count:
+                return [_turned_at_random(place, rng) for place in chosen]
+            most = max(most, len(chosen))
     raise StartPoseError(
         f"no room for {count} robots, found places for {most} "
-        f"({_FROM_BORDER[0]:g} to {_FROM_BORDER[1]:g} m from the border, {_APART:g} m apart): "
+        f"({_FROM_BORDER[0]:g} to {_FROM_BORDER[1]:g} m from the border, {_APART[-1]:g} m apart): "
         "use fewer robots or a larger map"
     )
+
+
+def _far_apart(
+    points: NDArray[np.float64],
+    apart: float,
+    count: int,
+    occupancy: OccupancyMap,
+    clearance: NDArray[np.float64],
+    border: Border,
+) -> list[NDArray[np.float64]]:
+    """Return the first points, at most ``count``, that are apart and have a free way."""
+    chosen: list[NDArray[np.float64]] = []
+    left = points
+    while len(left) and len(chosen) < count:
+        point, left = left[0], left[1:]
+        if _way_is_free(occupancy, clearance, border, point):
+            chosen.append(point)
+            left = left[np.hypot(*(left - point).T) > apart]
+    return chosen
 
 
 def _turned_at_random(place: NDArray[np.float64], rng: np.random.Generator) -> Pose:

@@ -55,6 +55,14 @@ def test_poses_depend_on_the_seed_alone(divided_hall: OccupancyMap, border: Bord
     assert poses(7) != poses(8)
 
 
+def test_many_robots_stand_as_far_apart_as_there_is_room(
+    divided_hall: OccupancyMap, border: Border
+) -> None:
+    poses = free_start_poses(divided_hall, border, 12, np.random.default_rng(1))
+    nearest = min(math.hypot(a.x - b.x, a.y - b.y) for a, b in combinations(poses, 2))
+    assert 1.3 < nearest < 3.0
+
+
 def test_too_many_robots_are_refused(divided_hall: OccupancyMap, border: Border) -> None:
-    with pytest.raises(StartPoseError, match="no room for 30 robots"):
-        free_start_poses(divided_hall, border, 30, np.random.default_rng(1))
+    with pytest.raises(StartPoseError, match="no room for 60 robots"):
+        free_start_poses(divided_hall, border, 60, np.random.default_rng(1))
