@@ -53,7 +53,11 @@ class TeammateTracker:
     @property
     def tracks(self) -> list[Track]:
         """The confirmed tracks, oldest first, as of the latest scan."""
-        return [each.track_at(self._t) for each in self._filters if each.confirmed]
+        return self.tracks_at(self._t)
+
+    def tracks_at(self, t: float) -> list[Track]:
+        """Return the confirmed tracks, oldest first, predicted to t, s."""
+        return [each.track_at(t) for each in self._filters if each.confirmed]
 
     def update(
         self,
