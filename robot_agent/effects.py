@@ -31,4 +31,11 @@ class Publish:
     payload: bytes
 
 
-Effect = Send | ChangeBaud | Publish
+@dataclass(frozen=True, slots=True)
+class Remember:
+    """Keep this for the next start: a ``RememberedPose`` as JSON; ``{}``: none is sure any more."""
+
+    payload: bytes
+
+
+Effect = Send | ChangeBaud | Publish | Remember

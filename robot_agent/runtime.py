@@ -14,7 +14,7 @@ from types import FrameType
 
 from drivers.link import Link
 from robot_agent.agent import Agent
-from robot_agent.effects import ChangeBaud, Effect, Publish, Send
+from robot_agent.effects import ChangeBaud, Effect, Publish, Remember, Send
 from robot_agent.events import (
     BytesReceived,
     Event,
@@ -27,6 +27,7 @@ from robot_agent.events import (
 )
 from robot_agent.foxglove import Log, LogLevel, timestamp_at
 from robot_agent.journal import Journal
+from robot_agent.pose_file import PoseFile
 from robot_agent.process_watch import ProcessWatch
 from robot_agent.recorder import Recorder
 from robot_agent.recording_writer import Note
@@ -85,6 +86,7 @@ class Runtime:
         recorder: Recorder | None,
         telemetry: Telemetry,
         journal: Journal,
+        pose_file: PoseFile | None = None,
     ) -> None:
         """Wire everything up; nothing is opened before ``run``."""
         self._agent = agent
@@ -92,6 +94,7 @@ class Runtime:
         self._recorder = recorder
         self._telemetry = telemetry
         self._journal = journal
+        self._pose_file = pose_file
         self._notifier = ServiceNotifier()
         self._watch = ProcessWatch(agent.config.robot.name, clock.start_wall_ns)
         self._recorder_trouble = ""
@@ -199,6 +202,9 @@ class Runtime:
                 self._links[link].write(data)
             case ChangeBaud(link, baud):
                 self._links[link].set_baud(baud)
+            case Remember(payload):
+                if self._pose_file is not None:
+                    self._pose_file.keep(payload)
             case Publish(stream, payload):
                 self._telemetry.publish(stream, payload)
                 if stream == "event":
