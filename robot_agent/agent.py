@@ -22,7 +22,7 @@ from drivers.requests import Request, Write
 from localization.health import Health
 from localization.localizer import Localizer
 from maps.map_folder import MapFolder
-from maps.pose import Pose
+from maps.pose import Pose, wrap_angle
 from robot_agent.camera_watch import CameraWatch
 from robot_agent.config import AgentConfig
 from robot_agent.effects import ChangeBaud, Effect, Publish, Send, TakePicture
@@ -65,6 +65,7 @@ from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.intruders import Intruder, Intruders
 from robot_agent.perception.pose_sigma import PoseSigma
 from robot_agent.perception.tracker import TeammateTracker
+from robot_agent.pose_memory import PoseMemory
 from robot_agent.reports import Reports
 from robot_agent.scan_points import ScanProjector, hits
 from robot_agent.sonar_obstacles import SonarObstacles
@@ -140,6 +141,8 @@ class Agent:
         self._projector = ScanProjector(Pose(*(config.laser.mount or model.laser_mount)))
         self._obstacles = Obstacles()
         self._sonar_obstacles = SonarObstacles(model)
+        self._memory = PoseMemory(config.memory)
+        self._to_recall = config.remembered
         self._pose_trusted = False
         self._ending = False
         self._now = 0.0  # s: what is handled late happens now
@@ -176,6 +179,7 @@ class Agent:
                 self.teleop.press(event)
             case Shutdown(t):
                 self._ending = True
+                self._remember(t, at_once=True)
                 self.base.shut_down(t)
                 self.laser.shut_down(t)
         self._carry_out("base", self.base.take_requests())
@@ -201,6 +205,8 @@ class Agent:
         self.reports.hear("base", t, data, understood=bool(states))
         if t < self._old_until:
             return
+        if states:
+            self._recall(t)
         for state in states:
             self.odometry.add(state)
             self._frozen_base.take((state.x, state.y, state.theta), moving=_is_moving(state))
@@ -212,6 +218,8 @@ class Agent:
             self._sonar_obstacles.hear(state, at_report, self.base.model)
             self._listen_behind(t, at_report)
             self._control_step(t, state)
+        if states:
+            self._remember(t)
 
     def _take_laser_bytes(self, t: float, data: bytes) -> None:
         """Decode scans and look at each."""
@@ -318,6 +326,39 @@ class Agent:
         if estimate is None or estimate.health is not Health.LOCALIZED:
             return None
         return self.tracker.covered(t, estimate.pose_at(odometry), points)
+
+    # --- pose over restarts --------------------------------------------------------------------
+
+    def _recall(self, t: float) -> None:
+        """At the first base report, start from the remembered pose if the odometer agrees."""
+        remembered, counters = self._to_recall, self.base.odometer_found
+        if remembered is None or counters is None:
+            return
+        self._to_recall = None
+        start = remembered.carried_to(
+            counters, self.base.model.conversion.distance, self.config.memory.reach
+        )
+        if start is None:
+            words = "not believed: the odometer does not go on from it"
+            self._say(t, "memory", f"remembered pose {words}", LogLevel.WARNING)
+            return
+        self.localizer.start_at(*start)
+        self._say(t, "memory", "starts from the remembered pose", LogLevel.INFO)
+
+    def _remember(self, t: float, *, at_once: bool = False) -> None:
+        """Note the pose for the next start, when it is time or at once."""
+        state = self.odometry.latest
+        if state is None:
+            return
+        note = self._memory.note(
+            t,
+            self.localizer.estimate,
+            Pose(state.x, state.y, wrap_angle(state.theta)),
+            self.base.odometer_counters,
+            at_once=at_once,
+        )
+        if note is not None:
+            self._effects.append(note)
 
     # --- one control step ----------------------------------------------------------------------
 
