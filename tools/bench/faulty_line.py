@@ -81,6 +81,8 @@ class OrderTap:
         self._turn_rate = 0
         self.first_order = ""
         self.first_at = math.inf
+        self.sessions = 0
+        """How many a client has opened."""
         self.last_at = 0.0
         """When the client last said anything, s; 0 before it has."""
         self.response_times: list[float] = []
@@ -118,6 +120,7 @@ class OrderTap:
         command = decode_command(packet)
         number, value = command.number, command.integer
         if number == CommandNumber.OPEN:
+            self.sessions += 1
             self.forget()
         elif number == CommandNumber.VEL:
             self._time_response(t, is_new=value != self._speed)
