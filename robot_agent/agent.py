@@ -74,6 +74,11 @@ from robot_agent.teleop import Teleop
 STOPPING = DENIALS - {GateReason.MOTORS_OFF, GateReason.BACKING} | {GateReason.OBSTACLE}
 """Reasons of the gate that mean the robot is being held, not merely kept to its limits."""
 
+PAUSE_S = 0.3
+"""A process held up for longer finds bytes in its ports whose age it cannot tell."""
+OLD_BYTES_S = 0.15
+"""So long after a pause reports and scans may have come from these buffers, and are left out."""
+
 _LASER_BLIND = 1.0  # s without a scan after which nobody is seen any more
 _CRAWL = 0.05  # m/s; slower than this before an obstacle is as good as held by it
 _REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
@@ -126,6 +131,7 @@ class Agent:
         self._frozen_base = FrozenWatch(FROZEN_BASE)
         self._frozen_laser = FrozenWatch(FROZEN_LASER)
         self._last_tick = math.inf
+        self._old_until = -math.inf  # s: bytes that arrive before had waited for us
         self.gate = SafetyGate(config.gate)
         self.reports = Reports(self, start_wall_ns)
         self.decision: PatrolDecision | None = None
@@ -180,7 +186,7 @@ class Agent:
 
     def _tick(self, t: float) -> None:
         """Do what time alone asks for."""
-        self.deadline.note(t, t - self._last_tick - TICK_S)
+        self._take_pause(t, t - self._last_tick - TICK_S)
         self._last_tick = t
         self.base.tick(t)
         self.laser.tick(t)
@@ -193,6 +199,8 @@ class Agent:
         """Decode base reports; each is one control step."""
         states = self.base.feed(data, t)
         self.reports.hear("base", t, data, understood=bool(states))
+        if t < self._old_until:
+            return
         for state in states:
             self.odometry.add(state)
             self._frozen_base.take((state.x, state.y, state.theta), moving=_is_moving(state))
@@ -209,10 +217,18 @@ class Agent:
         """Decode scans and look at each."""
         scans = self.laser.feed(data, t)
         self.reports.hear("laser", t, data, understood=bool(scans))
+        if t < self._old_until:
+            return
         for scan in scans:
             if self._shows_the_world(scan):
                 self._trust.well(LASER, t)
                 self._look(t, scan)
+
+    def _take_pause(self, t: float, lag: float) -> None:
+        """After a pause of the whole process, what comes first is old: nobody knows how old."""
+        self.deadline.note(t, lag)
+        if lag > PAUSE_S:
+            self._old_until = t + OLD_BYTES_S
 
     def _shows_the_world(self, scan: Scan) -> bool:
         """Tell a scan from that of a laser that is blind, or shows the same for ever."""

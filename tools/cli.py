@@ -25,6 +25,7 @@ COMMANDS = {
     "soak": "a team under random faults for hours",
     "doctor": "check one robot before it patrols",
     "install": "make this machine a robot: service, port names, configuration",
+    "bundle": "everything for an installation with no network",
     "ports": "list serial adapters and a udev line for each",
     "emulate": "one emulated robot for any client",
     "faults": "measure how a patrolling robot takes faults",
