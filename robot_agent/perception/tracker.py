@@ -185,10 +185,9 @@ class TeammateTracker:
         ranges = np.hypot(points[:, 0], points[:, 1])
         unexplained = self._unexplained.mask(pose, points, ranges, sigma)
         segments = find_segments(points, ranges, unexplained, self._settings, reflectors)
-        nominal = PoseSigma(self._settings.pose_sigma_xy, self._settings.pose_sigma_theta)
-        if sigma is not None:
-            nominal = PoseSigma(*map(max, nominal, sigma))
-        return [_in_map(pose, segment, nominal) for segment in segments]
+        if sigma is None:
+            sigma = PoseSigma(self._settings.pose_sigma_xy, self._settings.pose_sigma_theta)
+        return [_in_map(pose, segment, sigma) for segment in segments]
 
     def _associate(self, t: float, detections: list[Detection]) -> list[Detection]:
         """Give each track its detection, all in all the nearest; return those that fit no track."""
