@@ -447,9 +447,11 @@ class Agent:
     def _gate_inputs(self, t: float, state: BaseState, *, limited: bool = False) -> GateInputs:
         odometry = self.odometry.at(t)
         estimate = self.localizer.estimate
-        assert odometry is not None
+        # A report that waited so long that nobody knows where the robot is now (the process was
+        # stopped for a while) is none: the gate denies.
+        unknown = odometry is None or self._frozen_base.frozen
         return GateInputs(
-            base_time=None if self._frozen_base.frozen else state.t,
+            base_time=None if unknown else state.t,
             scan_time=self._obstacles.seen_at,
             health=None if estimate is None else estimate.health,
             motors_enabled=state.motors_enabled,
@@ -457,13 +459,17 @@ class Agent:
             stalled=state.stall_left or state.stall_right,
             bumpers=state.front_bumpers | state.rear_bumpers,
             battery=state.battery,
-            obstacles=np.concatenate(
-                (self._obstacles.around(odometry), self._sonar_obstacles.around(t, odometry))
-            ),
+            obstacles=np.empty((0, 2)) if odometry is None else self._around(t, odometry),
             v=state.v,
             w=state.w,
             overloaded=self.deadline.overloaded(self._now),
             limited=limited,
+        )
+
+    def _around(self, t: float, odometry: Pose) -> NDArray[np.float64]:
+        """Return (n, 2) m in base_link: what laser and sonar have seen about the robot."""
+        return np.concatenate(
+            (self._obstacles.around(odometry), self._sonar_obstacles.around(t, odometry))
         )
 
     def _held_by_obstacle(self) -> bool:

@@ -75,8 +75,12 @@ class Monitor:
             self._stack = stack.pop_all()
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def close(self) -> None:
+        """Close everything; idempotent."""
         self._stack.close()
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def _open_taps(self, stack: ExitStack) -> Iterator[Tap]:
         """Yield what gets every payload as it comes: recording, office, viewer."""
