@@ -63,6 +63,7 @@ from robot_agent.odometry_history import OdometryHistory
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.intruders import Intruder, Intruders
+from robot_agent.perception.pose_sigma import PoseSigma
 from robot_agent.perception.tracker import TeammateTracker
 from robot_agent.reports import Reports
 from robot_agent.scan_points import ScanProjector, hits
@@ -78,6 +79,7 @@ PAUSE_S = 0.3
 OLD_BYTES_S = 0.15
 """So long after a pause reports and scans may have come from these buffers, and are left out."""
 
+_LASER_BLIND = 1.0  # s without a scan after which nobody is seen any more
 _CRAWL = 0.05  # m/s; slower than this before an obstacle is as good as held by it
 _REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
 
@@ -257,7 +259,8 @@ class Agent:
         # 3. Who else is there.
         if estimate.health is not Health.LOST:
             reflectors = None if scan.reflectors is None else scan.reflectors[hits(scan)]
-            self.tracker.update(scan.t, estimate.pose, points, reflectors)
+            sigma = PoseSigma.of(estimate.covariance)
+            self.tracker.update(scan.t, estimate.pose, points, reflectors, sigma)
         if estimate.health is Health.LOCALIZED:
             self._watch_intruders(t, scan.t, estimate.pose, points)
         if self._publishes:
@@ -266,13 +269,13 @@ class Agent:
     def _take_blobs(self, event: BlobsSeen) -> None:
         """Take in what a picture shows of the team's colour."""
         self.camera.hear(event)
-        pose = self._pose_at(event.taken)
+        pose = self.localized_pose_at(event.taken)
         if pose is not None and event.sight == "clear":
             self.tracker.see_bands(event.taken, pose, event.blobs)
 
     def _listen_behind(self, t: float, odometry: Pose) -> None:
         """Let the sonars keep up teammates whom the laser does not see."""
-        pose = self._pose_at(t)
+        pose = self.localized_pose_at(t)
         if pose is not None and self.tracker.awaits_echo(t):
             self.tracker.hear(t, pose, self._sonar_obstacles.around(t, odometry))
 
@@ -299,7 +302,7 @@ class Agent:
     def _take_picture(self, event: PictureTaken) -> None:
         """Add a picture to the report of the intruder it was taken of."""
         intruder, self._pictured = self._pictured, None
-        pose = self._pose_at(event.taken)
+        pose = self.localized_pose_at(event.taken)
         if intruder is None or pose is None:
             return
         place = (intruder.x, intruder.y)
@@ -381,7 +384,7 @@ class Agent:
         elif health is Health.LOST:
             self._pose_trusted = False
 
-    def _pose_at(self, t: float) -> Pose | None:
+    def localized_pose_at(self, t: float) -> Pose | None:
         """Return map_from_base at t, which may be past, while localized; None else."""
         estimate = self.localizer.estimate
         odometry = self.odometry.at(t)
@@ -477,11 +480,15 @@ class Agent:
             else:
                 self._effects.append(ChangeBaud(link, request.baud))
 
+    def obstacles_around(self, odometry: Pose) -> NDArray[np.float64]:
+        """Return what the latest scan saw near the robot, (n, 2) m, in base_link."""
+        return self._obstacles.around(odometry)
+
     def degraded(self, t: float) -> list[str]:
         """Return what the robot has to do without at t, s, in words; nothing when all is well."""
         troubles = [self.camera.trouble(t)]
         seen = self._obstacles.seen_at
-        if seen is None or t - seen > self.config.gate.max_scan_age:
+        if seen is None or t - seen > _LASER_BLIND:
             troubles.append("laser blind: nobody is seen, the robot stands")
         return [words for words in troubles if words]
 

@@ -38,6 +38,8 @@ COMMANDS = {
     "rules": "draw and check the supervisor's fuzzy sets and rules",
     "convert": "logs and captures to recordings of real device bytes, and back",
     "localize": "run localization alone on a log or recording",
+    "perceive": "whom the tracker sees on a log, by laser alone",
+    "calibrate": "learn the team's colour and the camera's place from pictures",
     "report": "what happened in a run: figures, tables and numbers",
     "replay": "feed a recording to the agent again",
     "regression": "have decisions of short runs changed",
