@@ -62,7 +62,8 @@ def run_fault(fault: Fault, folder: Path) -> Reaction:
         )
         stage.traitor = ""
         stage.end_agent()
-    measure_stop(reaction, begun, [moment for moment in stage.trace if moment.t >= begun])
+    watched = [moment for moment in stage.trace if begun <= moment.t <= after[-1].t]
+    measure_stop(reaction, begun, watched)
     note_detection(reaction, begun, after[-1].t, stage.recordings[0])
     if patrols(after) and not (fault.to_border and stage.off_border > 0.15):
         since = after[-1].t if fault.to_border else steady_since(after)
