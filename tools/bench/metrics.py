@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from maps.border import Border
 from robot_agent.patrol.actions import PATROLLING, Action
 from tools.bench.idleness import border_visits, idleness_figures
+from tools.bench.settled import settled_figures
 
 ARRIVED_M = 0.10
 MEETING_M = 2.5
@@ -226,6 +227,9 @@ def bench_figures(
         ],
         "interferences": interferences(runs),
         **_patrol_figures(border, runs, wrecks),
+        "settled": settled_figures(
+            border, [run.position for run in runs], runs[0].t, [wreck[:2] for wreck in wrecks]
+        ),
         "action_share": action_share(runs),
         "longest_avoid_s": longest_avoid(runs),
     }

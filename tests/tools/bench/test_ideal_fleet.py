@@ -7,7 +7,7 @@ import pytest
 
 from maps.map_folder import MapFolder, load_map_folder
 from maps.pose import Pose
-from robot_agent.config import find_map
+from robot_agent.config import find_map, parse_config
 from robot_agent.patrol.actions import Action
 from tools.bench.bench_fault import BenchFault, BenchFaultError, FaultKind
 from tools.bench.fleet import Fleet
@@ -80,6 +80,13 @@ def test_a_dead_robot_stands_and_is_turned_back_from(folder):
 def test_faults_of_devices_are_refused(folder):
     with pytest.raises(BenchFaultError, match=r"robot1 is one of devices.*use dead or stuck"):
         IdealFleet(folder, 1, 1, faults=[BenchFault("robot1", FaultKind.BLIND, 3.0)])
+
+
+def test_even_gaps_bring_the_worst_idleness_near_the_least_possible(folder):
+    content = b'[patrol]\nstrategy = "even_gaps"\nreversal_probability = 0.0'
+    figures = run_ideal_bench(IdealFleet(folder, 3, 1, parse_config(content, "test")), 2000.0)
+    assert figures["settled"]["idleness_s"]["worst"] < 1.15 * 51.0 / (3 * 0.35)
+    assert figures["contacts"] == 0
 
 
 def test_the_gate_keeps_a_robot_off_walls_and_bodies_while_many_reach_one_border(intel):
