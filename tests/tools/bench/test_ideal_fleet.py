@@ -3,12 +3,16 @@
 import math
 from pathlib import Path
 
+import msgspec
+import numpy as np
 import pytest
 
 from maps.map_folder import MapFolder, load_map_folder
 from maps.pose import Pose
 from robot_agent.config import find_map, parse_config
 from robot_agent.patrol.actions import Action
+from robot_agent.patrol.patrol import Patrol
+from robot_agent.patrol.settings import PatrolSettings
 from tools.bench.bench_fault import BenchFault, BenchFaultError, FaultKind
 from tools.bench.fleet import Fleet
 from tools.bench.ideal_fleet import IdealFleet, run_ideal_bench
@@ -64,6 +68,28 @@ def test_robots_that_meet_turn_back_and_part(folder):
     assert meeting["closest_m"] > 1.1
     assert figures["contacts"] == 0
     assert figures["action_share"][Action.AVOID_TEAMMATE] == 0.0
+
+
+def test_three_that_meet_at_one_place_all_get_away(folder):
+    starts = [Pose(7.0, 13.75, 0.0), Pose(9.4, 13.75, 0.0), Pose(12.0, 13.75, math.pi)]
+    figures = run_ideal_bench(IdealFleet(folder, 3, 1, starts=starts), 40.0)
+    assert len(figures["meetings"]) >= 2
+    assert figures["contacts"] == 0
+    assert figures["closest_m"] > 1.1
+    assert figures["longest_avoid_s"] < 5.0
+
+
+def test_one_that_overtakes_a_slow_one_turns_back(folder):
+    starts = [Pose(7.0, 13.75, 0.0), Pose(10.0, 13.75, 0.0)]
+    fleet = IdealFleet(folder, 2, 1, starts=starts)
+    slow = msgspec.structs.replace(PatrolSettings(), patrol_speed=0.1, reversal_probability=0.0)
+    assert folder.border is not None
+    fleet.robots[1].patrol = Patrol(slow, folder.border, np.random.default_rng(1))
+    figures = run_ideal_bench(fleet, 20.0)
+    (meeting,) = figures["meetings"]
+    assert meeting["actions"] == [Action.PATROL_COUNTER_CLOCKWISE, Action.KEEP_GOING]
+    assert figures["contacts"] == 0
+    assert figures["closest_m"] > 1.1
 
 
 def test_a_dead_robot_stands_and_is_turned_back_from(folder):
