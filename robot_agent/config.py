@@ -73,7 +73,6 @@ class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     base: BaseSettings = BaseSettings()
     laser: LaserSettings = LaserSettings()
     camera: CameraSettings = CameraSettings()
-    """Looked at by `patrol doctor` only: no decision uses pictures yet."""
     localization: LocalizationSettings = LocalizationSettings()
     perception: PerceptionSettings = PerceptionSettings()
     patrol: PatrolSettings = PatrolSettings()

@@ -12,10 +12,13 @@ from contextlib import ExitStack
 from queue import Empty, SimpleQueue
 from types import FrameType
 
+from drivers.camera import Camera
 from drivers.link import Link
 from robot_agent.agent import Agent
-from robot_agent.effects import ChangeBaud, Effect, Publish, Send
+from robot_agent.camera_eye import CameraEye
+from robot_agent.effects import ChangeBaud, Effect, Publish, Send, TakePicture
 from robot_agent.events import (
+    TICK_S,
     BytesReceived,
     Event,
     LinkDown,
@@ -34,7 +37,6 @@ from robot_agent.service_notifier import ServiceNotifier
 from robot_agent.streams import encode
 from robot_agent.telemetry import Telemetry
 
-TICK_S = 0.05
 FAREWELL_S = 0.3
 """How long the last commands get to leave and take effect before the ports close."""
 
@@ -101,6 +103,13 @@ class Runtime:
             "laser": self._make_link("laser", agent.config.laser.url, agent.config.laser.baud),
         }
 
+        self._eye: CameraEye | None = None
+        self._camera: Camera | None = None
+        if agent.config.camera.url:
+            color = agent.config.perception.color
+            self._eye = CameraEye(agent.config.camera, color, self._inbox.put)
+            self._camera = Camera(agent.config.camera, clock, self._eye)
+
     def _make_link(self, name: LinkName, url: str, baud: int) -> Link:
         return Link(url, baud, LinkInbox(name, self._inbox), self._clock)
 
@@ -119,6 +128,9 @@ class Runtime:
         """
         with ExitStack() as stack:
             stack.callback(self._close_links)
+            if self._camera is not None:
+                stack.callback(self._camera.close)
+                self._camera.start()
             for link in self._links.values():
                 link.start()
             self._notifier.ready()
@@ -199,6 +211,9 @@ class Runtime:
                 self._links[link].write(data)
             case ChangeBaud(link, baud):
                 self._links[link].set_baud(baud)
+            case TakePicture():
+                if self._eye is not None:
+                    self._eye.want_picture()
             case Publish(stream, payload):
                 self._telemetry.publish(stream, payload)
                 if stream == "event":

@@ -31,6 +31,7 @@ COMMANDS = {
     "faults": "measure how a patrolling robot takes faults",
     "mutation": "change the safety gate in every way and see whether its tests notice",
     "record": "record a robot driven by keys, for a map",
+    "campaign": "the same as faults: every fault, one table",
     "monitor": "watch the team: the operator's side",
     "keys": "make certificates for robots and operator",
     "map": "build, draw, show and check maps",

@@ -70,9 +70,9 @@ class ScanDecoder:
             case Tick(t):
                 self._base.tick(t)
                 self._laser.tick(t)
-            case LinkUp(t, link):
+            case LinkUp(t, "base" | "laser" as link):
                 self._session(link).link_up(t)
-            case LinkDown(t, link):
+            case LinkDown(t, "base" | "laser" as link):
                 self._session(link).link_down(t)
         # What the sessions ask of their links was done, and recorded, long ago.
         self._base.take_requests()

@@ -34,9 +34,16 @@ POSE = Trusted(
     "unsure: the robot is slow; lost: it stands, then turns slowly to find itself",
     LogLevel.WARNING,
 )
+FROZEN_BASE = 4
+"""Reports in a row that tell of speed but not of motion."""
+FROZEN_LASER = 2
+"""Scans in a row that are the last one again, beam for beam, while the robot moves."""
+LEAST_RETURNS = 0.05
+"""Share of beams; a scan with less is that of a blind laser, and counts for none."""
+
 CONTROL = Trusted(
     *("control", "control step in time", 10.0, 0.1),
-    "late three times in a row: the robot stands until ten in a row were in time",
+    "three late within 3 s: the robot stands until they are older than that",
     LogLevel.ERROR,
 )
 STREAMS = (BASE, LASER, SONAR, POSE)

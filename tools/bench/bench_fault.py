@@ -5,24 +5,38 @@ from __future__ import annotations
 import math
 import re
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from maps.map_folder import MapFolder
 from maps.pose import Pose
 from tools.bench.faulty_line import FaultyLine
 from tools.bench.rig import RobotRig
+from tools.bench.start_poses import free_start_poses
 
 CARRIED_M = 0.5
 CARRY_ROOM_M = 0.5
 """Left free beside the place where a robot is put down, if it is carried at all."""
 NOISE = 0.2
 """Share of corrupt packets on a noisy line."""
+AWAY_M = 3.0
+_ALONE_M = 1.5  # from all others, where a robot is put down
+_PLACES = 6  # looked at for it
 
-_SPEC = re.compile(r"(?P<robot>\w+):(?P<kind>\w+)@(?P<start>\d+\.?\d*)(?:-(?P<end>\d+\.?\d*))?")
+_TIME = r"\d+\.?\d*"
+_SPEC = re.compile(
+    rf"(?P<robot>\w+):(?P<kind>\w+)@(?P<start>{_TIME})(?:\.\.(?P<latest>{_TIME}))?"
+    rf"(?:-(?P<end>{_TIME})|\+(?P<lasts>{_TIME}))?"
+)
+_ANY = re.compile(r"any(?P<count>[1-9]\d*)")
+_REMEDY = (
+    "write ROBOT:KIND@START, START-END or START+LASTING, in s, START a time or FIRST..LATEST for "
+    "one drawn at random, ROBOT a name or any2 for two drawn at random, and KIND one of "
+)
 
 
 class BenchFaultError(ValueError):
@@ -38,6 +52,10 @@ class FaultKind(StrEnum):
     STUCK = "stuck"  # the wheels do not turn
     NOISY = "noisy"  # a share of the packets and telegrams of both devices is corrupt
     CARRIED = "carried"  # once, half a metre to its left, if there is room
+    AWAY = "away"  # once, somebody puts the robot elsewhere, turned anyhow: it is lost
+
+
+_ONCE = (FaultKind.CARRIED, FaultKind.AWAY)
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,26 +74,75 @@ class BenchFault:
     @property
     def makes_wreck(self) -> bool:
         """Whether the robot stands still for good."""
-        return math.isinf(self.end) and self.kind is not FaultKind.CARRIED
+        return math.isinf(self.end) and self.kind not in _ONCE
+
+
+class Wreck(NamedTuple):
+    """A robot that stands for good: where, m, its name, and since when, s."""
+
+    x: float
+    y: float
+    robot: str
+    since: float
+
+
+def wrecks_of(faults: Sequence[BenchFault], poses: Mapping[str, Pose], t: float) -> list[Wreck]:
+    """Return the robots, by name at their poses, that faults have stopped for good by t."""
+    since: dict[str, float] = {}
+    for fault in faults:
+        if fault.makes_wreck and fault.holds(t):
+            since[fault.robot] = min(fault.start, since.get(fault.robot, math.inf))
+    return [Wreck(poses[name].x, poses[name].y, name, start) for name, start in since.items()]
 
 
 def parse_fault(text: str) -> BenchFault:
-    """Read ``robot2:dead@120`` or ``robot1:blind@60-90`` (s).
+    """Read a fault that leaves nothing to chance: ``robot2:dead@120``, ``robot1:blind@60-90`` (s).
 
     Raises BenchFaultError.
     """
-    match = _SPEC.fullmatch(text)
-    remedy = (
-        "write ROBOT:KIND@START or ROBOT:KIND@START-END, in s, with KIND one of "
-        f"{', '.join(FaultKind)}"
-    )
-    if match is None or match["kind"] not in set(FaultKind):
-        raise BenchFaultError(f"fault {text!r} is none: {remedy}")
+    (fault,) = draw_faults([text], [], seed=0)
+    return fault
+
+
+def draw_faults(texts: Sequence[str], team: Sequence[str], seed: int) -> list[BenchFault]:
+    """Read faults as ``parse_fault`` does, also ``any2:dead@60..300``: robots and times that a
+    seed draws, no robot twice.
+
+    Raises BenchFaultError.
+    """
+    rng = np.random.default_rng((seed, _FAULT_STREAM))
+    order = [team[index] for index in rng.permutation(len(team))]
+    faults: list[BenchFault] = []
+    for text in texts:
+        match = _SPEC.fullmatch(text)
+        if match is None or match["kind"] not in set(FaultKind):
+            raise BenchFaultError(f"fault {text!r} is none: {_REMEDY}{', '.join(FaultKind)}")
+        anybody = _ANY.fullmatch(match["robot"])
+        count = int(anybody["count"]) if anybody else 1
+        if anybody and count > len(order):
+            raise BenchFaultError(f"fault {text!r}: there are not so many robots; name fewer")
+        names = [order.pop() for _ in range(count)] if anybody else [match["robot"]]
+        faults += [_drawn(text, match, name, rng) for name in names]
+    return faults
+
+
+_FAULT_STREAM = 17  # keeps the draws of faults apart from those of starts
+
+
+def _drawn(text: str, match: re.Match[str], robot: str, rng: np.random.Generator) -> BenchFault:
     start = float(match["start"])
-    end = math.inf if match["end"] is None else float(match["end"])
+    if match["latest"] is not None:
+        start = round(rng.uniform(start, max(start, float(match["latest"]))), 2)
+    end = math.inf
+    if match["end"] is not None:
+        end = float(match["end"])
+    elif match["lasts"] is not None:
+        end = start + float(match["lasts"])
     if end <= start:
-        raise BenchFaultError(f"fault {text!r} ends before it starts: {remedy}")
-    return BenchFault(match["robot"], FaultKind(match["kind"]), start, end)
+        raise BenchFaultError(
+            f"fault {text!r} ends before it starts: {_REMEDY}{', '.join(FaultKind)}"
+        )
+    return BenchFault(robot, FaultKind(match["kind"]), start, end)
 
 
 def check_robots(faults: Sequence[BenchFault], names: Sequence[str]) -> None:
@@ -103,12 +170,15 @@ def fault_figures(faults: Sequence[BenchFault]) -> list[dict[str, Any]]:
 class FaultInjector:
     """Does to one robot what its faults say, as time passes."""
 
-    def __init__(self, faults: Sequence[BenchFault], rig: RobotRig, seed: int) -> None:
+    def __init__(
+        self, faults: Sequence[BenchFault], rig: RobotRig, folder: MapFolder, seed: int
+    ) -> None:
         """Put lines that can fail between a robot's devices and its agent."""
-        rng = np.random.default_rng(seed)
-        self.base = FaultyLine(rig.base, rng)
-        self.laser = FaultyLine(rig.laser, rng)
+        self._rng = np.random.default_rng(seed)
+        self.base = FaultyLine(rig.base, self._rng)
+        self.laser = FaultyLine(rig.laser, self._rng)
         self._rig = rig
+        self._folder = folder
         self._to_come = deque(sorted(faults, key=lambda fault: fault.start))
         self._present: list[BenchFault] = []
         self.agent_dead = False
@@ -120,7 +190,9 @@ class FaultInjector:
             fault = self._to_come.popleft()
             self._present.append(fault)
             if fault.kind is FaultKind.CARRIED:
-                self._carry()
+                self._carry_aside()
+            elif fault.kind is FaultKind.AWAY:
+                self._rig.put(self._elsewhere())
         self._present = [fault for fault in self._present if fault.holds(t)]
         on = {fault.kind for fault in self._present}
         self.agent_dead = FaultKind.DEAD in on
@@ -129,7 +201,8 @@ class FaultInjector:
         self.base.corrupt = self.laser.corrupt = NOISE if FaultKind.NOISY in on else 0.0
         self._rig.stuck = FaultKind.STUCK in on
 
-    def _carry(self) -> None:
+    def _carry_aside(self) -> None:
+        """Put the robot to its left if there is room."""
         pose = self._rig.body.pose
         left = pose.compose(Pose(0.0, CARRIED_M, 0.0))
         directions = np.linspace(0.0, math.tau, 16, endpoint=False)
@@ -138,7 +211,18 @@ class FaultInjector:
         others = [body for body in self._rig.world.bodies if body is not self._rig.body]
         apart = min((math.dist(left[:2], body.pose[:2]) for body in others), default=math.inf)
         if min(walls, way - CARRIED_M) > CARRY_ROOM_M and apart > 2.0 * CARRY_ROOM_M:
-            self._rig.carry_left(CARRIED_M)
+            self._rig.put(left)
+
+    def _elsewhere(self) -> Pose:
+        """Return a place to put the robot down at: off the border, away from here and others."""
+        folder, here = self._folder, self._rig.body.pose
+        assert folder.border is not None, "robots patrol a border"
+        others = [body.pose for body in self._rig.world.bodies if body is not self._rig.body]
+        while True:
+            for pose in free_start_poses(folder.map, folder.border, _PLACES, self._rng):
+                alone = all(math.dist(pose[:2], other[:2]) > _ALONE_M for other in others)
+                if alone and math.dist(pose[:2], here[:2]) > AWAY_M:
+                    return pose
 
     def lose_output(self, t: float) -> None:
         """Let go what the devices have sent by t to nobody."""

@@ -21,13 +21,16 @@ from tools.bench.bench_fault import (
     BenchFault,
     BenchFaultError,
     FaultKind,
+    Wreck,
     check_robots,
     fault_figures,
+    wrecks_of,
 )
 from tools.bench.ideal_obstacles import IdealObstacles
 from tools.bench.ideal_robot import STEP_S, along_arc, make_ideal_robot
 from tools.bench.ideal_sight import IdealSight
 from tools.bench.metrics import RobotRun, bench_figures
+from tools.bench.perception_log import PerceptionLog
 from tools.bench.start_poses import free_start_poses
 from tools.bench.world import World
 from tools.bench.world_noise import NO_NOISE
@@ -79,12 +82,10 @@ class IdealFleet:
                 obstacles = self._obstacles.around(robot, self._sight.apart[index], self.robots)
                 robot.decide(self.t, teammates[index], obstacles)
 
-    def wrecks(self) -> list[tuple[float, float]]:
-        """Return where robots stand, (x, y) m, that a fault has stopped for good by now."""
-        stopped = {
-            fault.robot for fault in self.faults if fault.makes_wreck and fault.holds(self.t)
-        }
-        return [(r.body.pose.x, r.body.pose.y) for r in self.robots if r.name in stopped]
+    def wrecks(self) -> list[Wreck]:
+        """Return the robots that a fault has stopped for good by now."""
+        poses = {robot.name: robot.body.pose for robot in self.robots}
+        return wrecks_of(self.faults, poses, self.t)
 
     def _inject(self) -> None:
         """Begin and end faults."""
@@ -195,11 +196,7 @@ def run_ideal_bench(
         "wall_s": time.perf_counter() - started,
         "faults": fault_figures(fleet.faults),
         **bench_figures(fleet.folder.border, log.runs(), fleet.world.contacts, fleet.wrecks()),
-        "perception": {
-            "recall": None,
-            "class_right": None,
-            "false_teammate": None,
-            "position_error_m": {"p95": None},
-        },
+        "strangers": 0,
+        "perception": PerceptionLog(fleet.world, fleet.folder.border).figures(),  # of nothing
         "gate_stops": sum(robot.gate_stops for robot in fleet.robots),
     }

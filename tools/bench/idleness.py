@@ -28,11 +28,14 @@ ENTROPY_BIN_S = 10.0
 class BorderVisits:
     """When the border's points were visited.
 
-    t: (n,) s, evenly spaced. gaps: for each point, its gaps in s, in order; whole: for each
-    point, those of them that lie between two visits. visits: how many each point had.
+    t: (n,) s, evenly spaced. abscissae: (points,) m. visited: (n, points), whether a robot was
+    there. gaps: for each point, its gaps in s, in order; whole: for each point, those of them that
+    lie between two visits. visits: how many each point had.
     """
 
     t: NDArray[np.float64]
+    abscissae: NDArray[np.float64]
+    visited: NDArray[np.bool_]
     gaps: list[NDArray[np.float64]]
     whole: list[NDArray[np.float64]]
     visits: list[int]
@@ -64,7 +67,7 @@ def border_visits(
         ends = np.diff(np.concatenate((t[:1], seen, t[-1:])))
         gaps.append(ends[ends > 1.5 * step])
         visits.append(len(whole[-1]) + 1 if seen.size else 0)
-    return BorderVisits(t, gaps, whole, visits)
+    return BorderVisits(t, border.project_many(points)[0], visited, gaps, whole, visits)
 
 
 def idleness_figures(visits: BorderVisits | None) -> dict[str, Any]:

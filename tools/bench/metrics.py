@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 
 from maps.border import Border
 from robot_agent.patrol.actions import PATROLLING, Action
+from tools.bench.bench_fault import Wreck
 from tools.bench.idleness import border_visits, idleness_figures
+from tools.bench.intruder import intruder_figures
+from tools.bench.recovery import recovery_figures
 from tools.bench.settled import settled_figures
 
 ARRIVED_M = 0.10
@@ -184,29 +187,38 @@ def _reaction(run: RobotRun, start: int, end: int) -> str:
 
 
 def _patrol_figures(
-    border: Border, runs: Sequence[RobotRun], wrecks: Sequence[tuple[float, float]]
+    border: Border, runs: Sequence[RobotRun], wrecks: Sequence[Wreck]
 ) -> dict[str, Any]:
     """Idleness and what goes with it, counted from the time the last robot has arrived."""
     arrivals = [arrival_index(distance_from_border(border, run)) for run in runs]
     reached = [index for index in arrivals if index is not None]
     if not reached:
-        return idleness_figures(None)
+        return {
+            **idleness_figures(None),
+            **intruder_figures(None),
+            **recovery_figures(border, [], None, wrecks),
+        }
     start = max(reached)
     positions = [run.position[start:] for run in runs]
-    visits = border_visits(border, positions, runs[0].t[start:], wrecks)
-    return idleness_figures(visits)
+    visits = border_visits(border, positions, runs[0].t[start:], [wreck[:2] for wreck in wrecks])
+    stopped = {wreck.robot for wreck in wrecks}
+    left = [place for run, place in zip(runs, positions, strict=True) if run.name not in stopped]
+    return {
+        **idleness_figures(visits),
+        **intruder_figures(visits),
+        **recovery_figures(border, left, visits, wrecks),
+    }
 
 
 def bench_figures(
     border: Border,
     runs: Sequence[RobotRun],
     contacts: int,
-    wrecks: Sequence[tuple[float, float]] = (),
+    wrecks: Sequence[Wreck] = (),
 ) -> dict[str, Any]:
     """Return the figures of a run that need only true positions and actions.
 
-    wrecks: places (x, y), m, of robots that stand for good; the border beside them is left out of
-    the idleness.
+    wrecks: robots that stand for good; the border beside them is left out of the idleness.
     """
     return {
         "contacts": contacts,

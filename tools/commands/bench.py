@@ -13,7 +13,7 @@ import cv2
 from maps.border import BorderError
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
-from tools.bench.bench_fault import FaultKind, parse_fault
+from tools.bench.bench_fault import FaultKind, draw_faults
 from tools.bench.fleet_recorder import FleetRecorder
 from tools.bench.sensing import Sensing, bench
 from tools.progress import Progress
@@ -38,7 +38,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="SPEC",
-        help="robot2:dead@120 or robot1:blind@60-90 (s); kinds: " + ", ".join(FaultKind),
+        help="robot2:dead@120, robot1:blind@60-90 or @60+30 (s), any2:dead@60..300 (drawn by the "
+        "seed); kinds: " + ", ".join(FaultKind),
+    )
+    parser.add_argument(
+        "--strangers", type=int, default=0, metavar="N", help="people and carts that walk about"
+    )
+    parser.add_argument(
+        "--camera", choices=["on", "off"], default="off", help="robots have cameras; slower"
     )
     parser.add_argument("--record", type=Path, metavar="DIR", help="keep a recording per robot")
     parser.add_argument("--json", type=Path, metavar="OUT", help="write the figures to this file")
@@ -51,10 +58,15 @@ def run(options: argparse.Namespace) -> int:
     folder = load_map_folder(path, options.border)
     if folder.border is None:
         raise BorderError(f"{path}: has no border.toml to patrol; add one")
-    faults = [parse_fault(text) for text in options.fault]
+    team = [f"robot{number}" for number in range(1, options.robots + 1)]
+    faults = draw_faults(options.fault, team, options.seed)
     sensing = Sensing(options.sensing)
     if options.record and sensing is Sensing.IDEAL:
         print("patrol bench: --record keeps bytes, and --sensing ideal has none", file=sys.stderr)
+        return 2
+    cameras = options.camera == "on"
+    if (options.strangers or cameras) and sensing is Sensing.IDEAL:
+        print("patrol bench: --strangers and --camera need --sensing bytes", file=sys.stderr)
         return 2
     with ExitStack() as stack:
         recorder = None
@@ -68,6 +80,8 @@ def run(options: argparse.Namespace) -> int:
             options.duration,
             faults=faults,
             observer=recorder.observe if recorder else None,
+            strangers=options.strangers,
+            cameras=cameras,
             progress=stack.enter_context(Progress("bench", options.duration, "s")),
         )
     text = json.dumps(figures, indent=2)

@@ -10,7 +10,14 @@ from maps.map_folder import MapFolder, load_map_folder
 from maps.pose import Pose
 from robot_agent.config import find_map
 from robot_agent.motion.gate_reason import GateReason
-from tools.bench.bench_fault import BenchFault, BenchFaultError, FaultKind, parse_fault
+from tools.bench.bench_fault import (
+    AWAY_M,
+    BenchFault,
+    BenchFaultError,
+    FaultKind,
+    draw_faults,
+    parse_fault,
+)
 from tools.bench.fleet import Fleet, run_bench
 from tools.bench.idleness import border_visits
 
@@ -83,7 +90,9 @@ def test_stuck_wheels_are_a_stall_to_the_gate(folder: MapFolder) -> None:
         gate = fleet.robots[0].agent.gate_decision
         reasons.add(gate.reason if gate else None)
     assert GateReason.STALLED in reasons
-    assert fleet.wrecks() == [fleet.robots[0].rig.body.pose[:2]]
+    (wreck,) = fleet.wrecks()
+    assert wreck[:2] == fleet.robots[0].rig.body.pose[:2]
+    assert (wreck.robot, wreck.since) == ("robot1", SETTLED + 0.005)
 
 
 def test_carried_robot_comes_back_to_the_border(folder: MapFolder) -> None:
@@ -94,6 +103,19 @@ def test_carried_robot_comes_back_to_the_border(folder: MapFolder) -> None:
     assert folder.border.project(body.pose.x, body.pose.y).distance > 0.3
     run_until(fleet, SETTLED + 30.0)
     assert folder.border.project(body.pose.x, body.pose.y).distance < 0.1
+    assert fleet.world.contacts == 0
+
+
+def test_robot_that_is_put_elsewhere_is_lost_and_finds_itself(folder: MapFolder) -> None:
+    fleet = one_robot(folder, FaultKind.AWAY, lasts=1.0)
+    body, agent = fleet.robots[0].rig.body, fleet.robots[0].agent
+    before = body.pose
+    run_until(fleet, SETTLED + 0.02)
+    assert math.dist(before[:2], body.pose[:2]) > AWAY_M
+    run_until(fleet, SETTLED + 60.0)
+    estimate = agent.localizer.estimate
+    assert estimate is not None
+    assert math.dist(estimate.pose[:2], body.pose[:2]) < 0.5
     assert fleet.world.contacts == 0
 
 
@@ -123,6 +145,20 @@ def test_the_border_beside_a_wreck_is_left_out(folder: MapFolder) -> None:
 def test_what_is_no_fault_is_refused(text: str) -> None:
     with pytest.raises(BenchFaultError, match="write ROBOT:KIND@START"):
         parse_fault(text)
+
+
+def test_robots_and_times_are_drawn_by_the_seed() -> None:
+    team = [f"robot{number}" for number in range(1, 21)]
+    texts = ["any5:dead@100..400", "any1:blind@10+5"]
+    drawn = draw_faults(texts, team, seed=1)
+    assert drawn == draw_faults(texts, team, seed=1)
+    assert drawn != draw_faults(texts, team, seed=2)
+    assert len({fault.robot for fault in drawn}) == 6
+    assert len({fault.start for fault in drawn[:5]}) == 5
+    assert all(100.0 <= fault.start <= 400.0 and fault.makes_wreck for fault in drawn[:5])
+    assert (drawn[5].start, drawn[5].end) == (10.0, 15.0)
+    with pytest.raises(BenchFaultError, match="not so many robots"):
+        draw_faults(["any3:dead@1"], team[:2], seed=1)
 
 
 def test_faults_are_read() -> None:

@@ -1,0 +1,84 @@
+"""What becomes of the border once robots stand on it for good.
+
+Wrecks part the border into stretches. What robots are left drives its own stretch again; a stretch
+between two wrecks on which no robot is left stays undriven, since nobody passes a wreck.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maps.border import Border
+from robot_agent.patrol.settings import PatrolSettings
+from tools.bench.bench_fault import Wreck
+from tools.bench.idleness import BESIDE_WRECK, BORDER_STEP, BorderVisits
+
+
+def recovery_figures(
+    border: Border,
+    places: Sequence[NDArray[np.float64]],
+    visits: BorderVisits | None,
+    wrecks: Sequence[Wreck],
+) -> dict[str, Any]:
+    """Return the wrecks with the stretch beside each, and how soon the rest was driven again.
+
+    places: (n, 2) m of each robot that is left, at the times of visits. driven_again_s: from the
+    last wreck until every point that somebody is left for was visited, None if one was not;
+    laps: the same in times round (or along) the border at patrol speed; abandoned_m: between
+    wrecks, with nobody left.
+    """
+    if not wrecks:
+        return {"wrecks": []}
+    figures: dict[str, Any] = {"wrecks": [_described(border, wreck) for wreck in wrecks]}
+    if visits is None or not visits.visited.size:
+        return {**figures, "after_wrecks": None}
+    start = int(np.searchsorted(visits.t, max(wreck.since for wreck in wrecks)))
+    start = min(start, len(visits.t) - 1)
+    cuts = np.sort(border.project_many([wreck[:2] for wreck in wrecks])[0])
+    here = np.array([place[start] for place in places]).reshape(-1, 2)
+    manned = np.unique(_stretch(border, cuts, border.project_many(here)[0]))
+    left_for = np.isin(_stretch(border, cuts, visits.abscissae), manned)
+    after = visits.visited[start:]
+    seen = np.asarray(after.any(axis=0))
+    first = visits.t[start:][after.argmax(axis=0)] - visits.t[start]
+    again = float(first[left_for].max()) if left_for.any() and seen[left_for].all() else None
+    lap = border.length / PatrolSettings().patrol_speed
+    return {
+        **figures,
+        "after_wrecks": {
+            "since_s": float(visits.t[start]),
+            "driven_again_s": again,
+            "laps": None if again is None else again / lap,
+            "undriven_m": float(np.count_nonzero(left_for & ~seen)) * BORDER_STEP,
+            "abandoned_m": float(np.count_nonzero(~left_for)) * BORDER_STEP,
+        },
+    }
+
+
+def _described(border: Border, wreck: Wreck) -> dict[str, Any]:
+    """A wreck, and the border that is left out of the idleness beside it (wrapped if closed)."""
+    s = border.project(wreck.x, wreck.y).abscissa
+    ends = (s - BESIDE_WRECK, s + BESIDE_WRECK)
+    if border.closed:
+        stretch = [end % border.length for end in ends]
+    else:
+        stretch = [min(max(end, 0.0), border.length) for end in ends]
+    return {
+        "robot": wreck.robot,
+        "since_s": wreck.since,
+        "abscissa_m": s,
+        "stretch_m": stretch,
+        "distance_from_border_m": border.project(wreck.x, wreck.y).distance,
+    }
+
+
+def _stretch(
+    border: Border, cuts: NDArray[np.float64], abscissae: NDArray[np.float64]
+) -> NDArray[np.intp]:
+    """Return the number of the stretch between cuts (ascending) that each abscissa lies on."""
+    number = np.searchsorted(cuts, abscissae)
+    return number % len(cuts) if border.closed else number
