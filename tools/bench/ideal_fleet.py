@@ -30,6 +30,7 @@ from tools.bench.ideal_obstacles import IdealObstacles
 from tools.bench.ideal_robot import STEP_S, along_arc, make_ideal_robot
 from tools.bench.ideal_sight import IdealSight
 from tools.bench.metrics import RobotRun, bench_figures
+from tools.bench.perception_log import PerceptionLog
 from tools.bench.start_poses import free_start_poses
 from tools.bench.world import World
 from tools.bench.world_noise import NO_NOISE
@@ -195,11 +196,7 @@ def run_ideal_bench(
         "wall_s": time.perf_counter() - started,
         "faults": fault_figures(fleet.faults),
         **bench_figures(fleet.folder.border, log.runs(), fleet.world.contacts, fleet.wrecks()),
-        "perception": {
-            "recall": None,
-            "class_right": None,
-            "false_teammate": None,
-            "position_error_m": {"p95": None},
-        },
+        "strangers": 0,
+        "perception": PerceptionLog(fleet.world, fleet.folder.border).figures(),  # of nothing
         "gate_stops": sum(robot.gate_stops for robot in fleet.robots),
     }
