@@ -6,6 +6,9 @@ bytes and carries out the effects. The same event list gives the same effects, b
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,6 +28,7 @@ from robot_agent.config import AgentConfig
 from robot_agent.effects import ChangeBaud, Effect, Publish, Send
 from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
 from robot_agent.foxglove import LogLevel
+from robot_agent.known_walls import KnownWalls
 from robot_agent.motion.deadline_watch import DeadlineWatch
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
 from robot_agent.motion.gate_reason import DENIALS, LATCHED, GateReason
@@ -36,13 +40,16 @@ from robot_agent.patrol.actions import Action
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.tracker import TeammateTracker
 from robot_agent.reports import Reports
-from robot_agent.scan_points import ScanProjector
+from robot_agent.scan_points import ScanProjector, move_points
 from robot_agent.sonar_obstacles import SonarObstacles
 from robot_agent.streams import Payload, encode
+from robot_agent.turning_room import turning_room
 
 STOPPING = DENIALS - {GateReason.MOTORS_OFF, GateReason.BACKING} | {GateReason.OBSTACLE}
 """Reasons of the gate that mean the robot is being held, not merely kept to its limits."""
 
+_JUST_SEEN = 0.6  # s since a teammate was seen that is taken to be there
+_NEAR = 2.5  # m; teammates farther off are no obstacle yet
 _CRAWL = 0.05  # m/s; slower than this before an obstacle is as good as held by it
 _REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
 
@@ -92,6 +99,7 @@ class Agent:
         self.gate_stops = 0
         self._projector = ScanProjector(Pose(*(config.laser.mount or model.laser_mount)))
         self._obstacles = Obstacles()
+        self._known_walls = KnownWalls(folder.map, config.gate)
         self._sonar_obstacles = SonarObstacles(model)
         self._pose_trusted = False
         self._ending = False
@@ -258,13 +266,34 @@ class Agent:
             bumpers=state.front_bumpers | state.rear_bumpers,
             battery=state.battery,
             obstacles=np.concatenate(
-                (self._obstacles.around(odometry), self._sonar_obstacles.around(t, odometry))
+                (
+                    self._obstacles.around(odometry),
+                    self._sonar_obstacles.around(t, odometry),
+                    *self._known_obstacles(t, odometry),
+                )
             ),
             v=state.v,
             w=state.w,
             overloaded=self.deadline.overloaded,
             limited=limited,
         )
+
+    def _known_obstacles(self, t: float, odometry: Pose) -> Iterator[NDArray[np.float64]]:
+        """Yield points (n, 2), base_link, of what no sensor shows, while the pose is known."""
+        estimate = self.localizer.estimate
+        if estimate is None or estimate.health is not Health.LOCALIZED:
+            return
+        pose = estimate.pose_at(odometry)
+        yield self._known_walls.behind(pose)
+        near = [
+            (track.x, track.y)
+            for track in self.tracker.tracks
+            if track.teammate
+            and t - track.last_seen <= _JUST_SEEN
+            and math.hypot(track.x - pose.x, track.y - pose.y) < _NEAR
+        ]
+        if near:
+            yield turning_room(move_points(np.array(near), pose.inverse()))
 
     def _held_by_obstacle(self) -> bool:
         """Tell whether the gate's last word was to stand still before an obstacle, or about to."""

@@ -12,6 +12,7 @@ from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose
 from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.patrol.actions import PATROLLING
+from robot_agent.turning_room import turning_room
 from tools.bench.ideal_robot import IdealRobot
 from tools.bench.robot_body import Outline
 
@@ -44,9 +45,14 @@ class IdealObstacles:
             parts.append(self._wall_points(pose))
         if not parts:
             return _NOTHING
-        points = np.concatenate(parts) - (pose.x, pose.y)
         c, s = math.cos(pose.theta), math.sin(pose.theta)
-        return np.asarray(points @ np.array(((c, -s), (s, c))))
+        into_base = np.array(((c, -s), (s, c)))
+        here = np.array((pose.x, pose.y))
+        points = np.asarray((np.concatenate(parts) - here) @ into_base)
+        if not others:
+            return points
+        middles = np.array([other.body.rectangle()[:2] for other in others])
+        return np.concatenate((points, turning_room((middles - here) @ into_base)))
 
     def free(self, pose: Pose, distance: float) -> bool:
         """Tell whether there is no wall within a distance, m, of a pose."""
