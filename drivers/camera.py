@@ -1,7 +1,7 @@
 """The camera: one thread that opens it, grabs, keeps the newest picture, and opens it again.
 
 Sources: a V4L2 device (``/dev/video0``), an MJPEG stream (``http://host:port/path``), or a file, of
-pictures or of one. No decision of the agent uses pictures yet: the preflight grabs one.
+pictures or of one.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Protocol
 
 import cv2
 import numpy as np
@@ -71,6 +72,19 @@ class CameraStatus:
     times_lost: int
 
 
+class CameraListener(Protocol):
+    """Hears of every picture, on the camera's thread; while it is busy no other is grabbed."""
+
+    def camera_up(self, t: float) -> None:
+        """Pictures come from now on."""
+
+    def camera_down(self, t: float, reason: str) -> None:
+        """None come, and why; told when either changes."""
+
+    def picture(self, picture: Picture) -> None:
+        """Take a picture."""
+
+
 class Camera:
     """Grabs on a thread of its own from ``start`` to ``close``; ``clock`` returns s.
 
@@ -78,10 +92,15 @@ class Camera:
     """
 
     def __init__(
-        self, settings: CameraSettings, clock: Callable[[], float] = time.monotonic
+        self,
+        settings: CameraSettings,
+        clock: Callable[[], float] = time.monotonic,
+        listener: CameraListener | None = None,
     ) -> None:
         self._settings = settings
         self._clock = clock
+        self._listener = listener
+        self._told: str | None = None  # why it is down; empty while up
         self._lock = threading.Lock()
         self._newest: Picture | None = None
         self._status = CameraStatus(CameraState.CLOSED, None, "", None, (), 0, 0)
@@ -155,7 +174,8 @@ class Camera:
     def _keep(self, pixels: cv2.typing.MatLike, fixed: tuple[str, ...]) -> None:
         with self._lock:
             number = self._status.pictures + 1
-            self._newest = Picture(self._clock(), number, np.asarray(pixels, dtype=np.uint8))
+            picture = Picture(self._clock(), number, np.asarray(pixels, dtype=np.uint8))
+            self._newest = picture
             self._status = replace(
                 self._status,
                 state=CameraState.STREAMING,
@@ -164,6 +184,11 @@ class Camera:
                 fixed=fixed,
                 pictures=number,
             )
+        if self._listener is not None:
+            if self._told != "":
+                self._listener.camera_up(picture.t)
+            self._told = ""
+            self._listener.picture(picture)
 
     def _note(self, state: CameraState) -> None:
         """Enter a state that is nobody's fault; why the camera was down stays readable."""
@@ -183,6 +208,9 @@ class Camera:
                 fixed=(),
                 times_lost=self._status.times_lost + lost,
             )
+        if self._listener is not None and self._told != str(failure):
+            self._told = str(failure)
+            self._listener.camera_down(self._clock(), self._told)
 
 
 class _Pacer:

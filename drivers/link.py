@@ -134,6 +134,11 @@ class Link:
                 self.state, self.trouble, self.reason, self._port_name, self._next_try
             )
 
+    @property
+    def alive(self) -> bool:
+        """Whether the thread is there; only ``close`` ends it, or a fault of ours."""
+        return self._thread is not None and self._thread.is_alive()
+
     def write(self, data: bytes) -> None:
         """Queue bytes, in order with changes of rate; dropped while the link is down."""
         self._enqueue(Write(data), len(data))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,18 +45,38 @@ def best_cluster(particles: NDArray[np.float64], weights: NDArray[np.float64]) -
     best = _moments(particles, weights, 1.0)
     if best.spread < _TIGHT and best.covariance[2, 2] < _TIGHT**2:
         return best
-    _, members = np.unique(bin_keys(particles, _BIN_XY, _BIN_THETA), return_inverse=True)
-    left, best_share = weights.copy(), 0.0
-    for _ in range(_CANDIDATES):
-        heaviest = members == np.bincount(members, left).argmax()
-        cluster = _grown(particles, weights, heaviest)
+    best_share = 0.0
+    for cluster, left in islice(_clusters(particles, weights), _CANDIDATES):
         if cluster.share > best_share:
             best, best_share = cluster, cluster.share
-        # The heaviest bin need not be of the heaviest cluster: one across an edge fills several.
-        left[heaviest | near(particles, cluster.mean)] = 0.0
-        if float(left.sum()) <= best_share:
+        if left <= best_share:
             break
     return best
+
+
+def heavy_clusters(
+    particles: NDArray[np.float64], weights: NDArray[np.float64], most: int
+) -> list[Cluster]:
+    """Return at most that many heavy clusters of particles (n, 3); weights (n,) sum to 1."""
+    return [cluster for cluster, _ in islice(_clusters(particles, weights), most)]
+
+
+def _clusters(
+    particles: NDArray[np.float64], weights: NDArray[np.float64]
+) -> Iterator[tuple[Cluster, float]]:
+    """Yield a cluster round each of the heaviest bins, and the weight left outside of all so far.
+
+    The heaviest bin need not be of the heaviest cluster: one across an edge fills several.
+    """
+    _, members = np.unique(bin_keys(particles, _BIN_XY, _BIN_THETA), return_inverse=True)
+    outside = weights.copy()
+    left = 1.0
+    while left > 0.0:
+        heaviest = members == np.bincount(members, outside).argmax()
+        cluster = _grown(particles, weights, heaviest)
+        outside[heaviest | near(particles, cluster.mean)] = 0.0
+        left = float(outside.sum())
+        yield cluster, left
 
 
 def _grown(

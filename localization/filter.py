@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,9 +78,9 @@ class ParticleFilter:
         self.particles, self.weights, self._slips = belief.particles, belief.weights, belief.slips
         self.effective_sample_size = effective_sample_size(self.weights)
 
-    def doubt(self, others: NDArray[np.float64], kept: int) -> None:
-        """Believe as much in the particles ``others`` (n, 3) as in ``kept`` drawn from before."""
-        self.belief = self.belief.drawn(self._draw(kept)).mixed_with(Belief.in_each_of(others))
+    def drawn(self, count: int) -> Belief:
+        """Return the belief in ``count`` particles drawn by their weights."""
+        return self.belief.drawn(self._draw(count))
 
     def rule_out(self, impossible: NDArray[np.bool_]) -> bool:
         """Believe no more in some particles (n,); return False, changing nothing, if in all."""
@@ -90,6 +91,11 @@ class ParticleFilter:
         self.weights = left / total
         self.effective_sample_size = effective_sample_size(self.weights)
         return True
+
+    def scatter(self, sigma_xy: float, sigma_theta: float) -> None:
+        """Move every particle a little way at random; standard deviations in m and rad."""
+        sigmas = (sigma_xy, sigma_xy, sigma_theta)
+        self.particles = self.particles + self._rng.standard_normal(self.particles.shape) * sigmas
 
     def predict(self, increment: Pose) -> None:
         """Move the particles by a step of the odometry (base_then_from_base_now)."""
@@ -102,16 +108,19 @@ class ParticleFilter:
         points: NDArray[np.float64],
         independent_beams: float,
         least_effective: float = 0.0,
+        least_log_likelihood: float = -math.inf,
     ) -> None:
         """Multiply the weights by the likelihood of a scan's end points (m, 2) in base_link.
 
         independent_beams: how many independent beams the scan is worth. least_effective: share of
         the particles that must stay effective; the scan is made worth less until they do, so that
         one particle that happens to lie well does not outweigh a place where none does.
+        least_log_likelihood: of the scan; where it fits worse, people are thought to hide the map.
         """
         with np.errstate(divide="ignore"):
             prior = np.log(self.weights)
         evidence = self._field.log_weights(self.particles, points, independent_beams)
+        np.maximum(evidence, least_log_likelihood, out=evidence)
         before = effective_sample_size(self.weights)
         least = min(least_effective * len(self.weights), _TEMPERED * before)
         while True:

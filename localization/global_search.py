@@ -7,7 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from localization.settings import GlobalSettings
+from localization.filter import ParticleFilter
+from localization.settings import GlobalSettings, SampleSettings
 from maps.occupancy_map import FREE, MapError, OccupancyMap
 
 
@@ -49,3 +50,27 @@ class GlobalSearch:
                 rng.uniform(-math.pi, math.pi, count),
             )
         )
+
+    def weigh_first(
+        self, particles: ParticleFilter, points: NDArray[np.float64], samples: SampleSettings
+    ) -> None:
+        """Weigh a fresh sample by its first scan, end points (m, 2) in base_link, in two looks.
+
+        The sample is so thin that the particle nearest to the robot may see the scan badly. So
+        those that see it not too badly are scattered over the gaps between them, and look again.
+        """
+        search = self._settings
+        for look in range(2):
+            if look > 0:
+                particles.resample(samples)
+                particles.scatter(search.closer_xy, search.closer_theta)
+            particles.weigh(points, search.independent_beams, search.least_effective)
+
+    def weigh(
+        self, particles: ParticleFilter, points: NDArray[np.float64], worth: float = 1.0
+    ) -> None:
+        """Weigh particles by a further scan, so that no place is given up on it alone."""
+        search = self._settings
+        beams = worth * search.independent_beams
+        hidden = beams * search.hidden_log_likelihood
+        particles.weigh(points, beams, search.least_effective, hidden)

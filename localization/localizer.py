@@ -70,6 +70,7 @@ class Localizer:
         self._monitor = HealthMonitor(settings.health)
         self._started = False
         self._searching = False
+        self._uprooted = False  # whether it has gone where no odometry led, and not arrived yet
         self._last_odometry: Pose | None = None
         self._still_scans = 0
         self._doubt = 0.0  # once whole, the whole map is searched
@@ -91,7 +92,7 @@ class Localizer:
         count = samples.fixed if samples.fixed is not None else samples.maximum
         scatter = self._rng.standard_normal((count, 3)) * (sigma_xy, sigma_xy, sigma_theta)
         self._start_with(np.array(pose) + scatter, Health.UNSURE)
-        self._searching = False
+        self._searching = self._uprooted = False
 
     def start_anywhere(self) -> None:
         """Believe in nothing: the robot may stand anywhere on the map's free floor.
@@ -99,7 +100,7 @@ class Localizer:
         Raises MapError on a map without free floor.
         """
         self._start_with(self._search.sample(self._rng), Health.LOST)
-        self._searching = True
+        self._searching = self._uprooted = True
 
     def _start_with(self, particles: NDArray[np.float64], health: Health) -> None:
         self._filter.restart(particles)
@@ -128,18 +129,21 @@ class Localizer:
             raise RuntimeError("the localizer was told no start: call start_at or start_anywhere")
         if ignore is not None:
             points = points[~ignore]
-        if self._doubt >= 1.0 and self._search.possible:
-            self._search_again()
         # 1. Move the particles by what the wheels counted since the last scan.
         increment = None if self._last_odometry is None else self._last_odometry.between(odometry)
         if increment is not None:
             self._filter.predict(increment)
         self._last_odometry = odometry
-        if self._searching:
+        if self._uprooted:
             self._rivals.remember(increment, points)
         # 2. Weigh them by the scan.
         worth = self._worth(increment)
-        self._weigh(points, worth)
+        if self._doubt >= 1.0 and self._search.possible:
+            self._search_again(points)
+        elif self._searching and increment is None:
+            self._search.weigh_first(self._filter, points, self._search_samples)
+        else:
+            self._weigh(points, worth)
         # 3. Take the best cluster, slid to where the scan fits best.
         sight = self._look(points)
         # 4. If the scan does not fit there, see whether it fits nearby: wheels slip.
@@ -151,11 +155,15 @@ class Localizer:
         self._filter.resample(self._search_samples if self._searching else self._settings.samples)
         return self.estimate
 
-    def _search_again(self) -> None:
+    def _search_again(self, points: NDArray[np.float64]) -> None:
         """Search the whole map, but keep the old belief: a crowd may only have hidden the map."""
-        self._filter.doubt(self._search.sample(self._rng), self._settings.search.kept)
+        kept = self._filter.drawn(self._settings.search.kept)
+        self._filter.restart(self._search.sample(self._rng))
+        self._search.weigh_first(self._filter, points, self._search_samples)
+        self._filter.belief = kept.mixed_with(self._filter.belief)
         self._rivals.forget()
-        self._searching = True
+        self._rivals.remember(None, points)
+        self._searching = self._uprooted = True
         self._doubt = 0.0
 
     def _worth(self, increment: Pose | None) -> float:
@@ -178,8 +186,7 @@ class Localizer:
 
     def _weigh(self, points: NDArray[np.float64], worth: float) -> None:
         if self._searching:
-            search = self._settings.search
-            self._filter.weigh(points, worth * search.independent_beams, search.least_effective)
+            self._search.weigh(self._filter, points, worth)
         else:
             self._filter.weigh(points, worth * self._settings.sensor.independent_beams)
 
@@ -208,10 +215,17 @@ class Localizer:
             through = self._check.through(refined.pose, points)
             possible = through <= self._settings.health.localized_through
             if fit is not None and fit.whole >= needed and possible:
+                self._uproot(points)
                 cluster = best_cluster(self.particles, self.weights)
                 return _Sight(cluster, refined, refined.pose, fit, strayed=True)
         self._filter.belief = before
         return sight
+
+    def _uproot(self, points: NDArray[np.float64]) -> None:
+        """Begin a new way: the robot is found where the odometry does not lead."""
+        self._uprooted = True
+        self._rivals.forget()
+        self._rivals.remember(None, points)
 
     def _judge(
         self, t: float, odometry: Pose, points: NDArray[np.float64], sight: _Sight, worth: float
@@ -233,7 +247,7 @@ class Localizer:
             jump_theta=abs(jump.theta),
             worth=worth,
         )
-        if self._searching and self._monitor.preview(evidence) is Health.LOCALIZED:
+        if self._uprooted and self._monitor.preview(evidence) is Health.LOCALIZED:
             evidence = self._contested(evidence, pose)
         health = self._monitor.update(evidence)
         self._renew_doubt(before, health, sight.fit, worth)
@@ -252,19 +266,23 @@ class Localizer:
         )
 
     def _contested(self, evidence: Evidence, pose: Pose) -> Evidence:
-        """Let the best other place contest a pose found; believe in both if it holds out."""
-        rival = self._rivals.find(pose)
-        if rival is None:
+        """Let the best other place contest a pose found; believe in both if it holds out.
+
+        A search must win clearly. A pose found near where the odometry led has that in its favour,
+        and must only not lose clearly.
+        """
+        rival, clear = self._rivals.find(pose), self._settings.health.localized_share
+        if rival is None or rival.share >= (clear if self._searching else 1.0 - clear):
             return evidence
-        if rival.share < self._settings.health.localized_share:
-            self._filter.belief = self._filter.belief.mixed_with(rival.belief, rival.share)
+        self._filter.belief = self._filter.belief.mixed_with(rival.belief, rival.share)
+        self._searching = True
         return replace(evidence, share=evidence.share * rival.share)
 
     def _renew_doubt(self, before: Health, health: Health, fit: Fit | None, worth: float) -> None:
         """Count up to the next search of the whole map: at once when lost, then now and then."""
         search = self._settings.search
         if health is Health.LOCALIZED:
-            self._doubt, self._searching = 0.0, False
+            self._doubt, self._searching, self._uprooted = 0.0, False, False
         elif health is Health.LOST and before is not Health.LOST and not self._searching:
             self._doubt = 1.0
         elif fit is not None and fit.whole < self._settings.health.localized_above:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from localization.cluster import best_cluster, near
+from localization.cluster import heavy_clusters, near
 from localization.filter import Belief, ParticleFilter
 from localization.global_search import GlobalSearch
 from localization.likelihood_field import LikelihoodField
@@ -24,6 +24,7 @@ from localization.refinement import Refinement
 from localization.settings import LocalizationSettings, SampleSettings
 from maps.pose import Pose
 
+_CONTENDERS = 8  # other places compared
 _ODDS_LIMIT = 700.0  # exp() of more is infinite
 
 
@@ -100,24 +101,26 @@ class RivalSearch:
         rivals = self._replay(believed)
         if rivals is None:
             return None
-        other = best_cluster(rivals.particles, rivals.weights).mean
-        odds = self._log_likelihood(believed) - self._log_likelihood(self._trace(other))
+        others = heavy_clusters(rivals.particles, rivals.weights, _CONTENDERS)
+        best = max(self._log_likelihood(self._trace(other.mean)) for other in others)
+        odds = self._log_likelihood(believed) - best
         rivals.predict(self._since)
         return Rival(rivals.belief, odds)
 
     def _replay(self, avoided: list[Pose]) -> ParticleFilter | None:
         """Search the way anew but for the poses avoided (one a stop); None if nothing is left."""
-        search, motion = self._settings.search, self._settings.motion
-        particles = ParticleFilter(motion, self._field, self._rng)
+        particles = ParticleFilter(self._settings.motion, self._field, self._rng)
         particles.restart(self._search.sample(self._rng))
         for number, (stop, pose) in enumerate(zip(self._way, avoided, strict=True)):
             if number > 0:
+                particles.resample(self._samples)
                 particles.predict(stop.increment)
             if not particles.rule_out(near(particles.particles, pose)):
                 return None
-            particles.weigh(stop.points, search.independent_beams, search.least_effective)
-            if number + 1 < len(self._way):
-                particles.resample(self._samples)
+            if number > 0:
+                self._search.weigh(particles, stop.points)
+            else:
+                self._search.weigh_first(particles, stop.points, self._samples)
         return particles
 
     def _trace(self, pose: Pose) -> list[Pose]:
@@ -136,9 +139,17 @@ class RivalSearch:
         return poses[::-1]
 
     def _log_likelihood(self, poses: list[Pose]) -> float:
-        """Return how likely the scans of the way are, one from each of poses."""
-        beams = self._settings.search.independent_beams
+        """Return how likely the scans of the way are, one from each of poses.
+
+        A scan that people hide fits nowhere, and better or worse by chance: it shall not decide.
+        """
+        search = self._settings.search
+        least = search.independent_beams * search.hidden_log_likelihood
         return sum(
-            float(self._field.log_weights(np.array([pose]), stop.points, beams)[0])
+            max(least, self._log_likelihood_at(pose, stop.points))
             for stop, pose in zip(self._way, poses, strict=True)
         )
+
+    def _log_likelihood_at(self, pose: Pose, points: NDArray[np.float64]) -> float:
+        beams = self._settings.search.independent_beams
+        return float(self._field.log_weights(np.array([pose]), points, beams)[0])

@@ -97,7 +97,7 @@ class HealthSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     same place in part (``SensorSettings.still_worth``).
     """
 
-    unsure_below: Share = 0.6  # mean fit of the scan
+    unsure_below: Share = 0.65  # mean fit of the scan
     localized_above: Share = 0.7
     lost_below: Share = 0.45
     found_above: Share = 0.5
@@ -150,12 +150,15 @@ class GlobalSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     particles_per_area: Positive = 300.0  # 1/m^2 of free floor
     maximum: Count = 200000  # particles at the start
     maximum_after: Count = 20000  # particles until the robot is found
+    closer_xy: NotNegative = 0.1  # m round particles that fit, looked at again: half their spacing
+    closer_theta: NotNegative = 0.09  # rad; likewise
     kept: Count = 1000  # particles of the old belief, when a lost robot is searched for
     independent_beams: Positive = 6.0  # few, so that no place is given up on one scan
     least_effective: Share = 0.05  # of the particles, left by one scan at least
     remembered: Count = 16  # scans of the way, for the second opinion before the search ends
     stop_xy: Positive = 0.4  # m between them
     stop_theta: Positive = 0.4  # rad; likewise
+    hidden_log_likelihood: float = -1.0  # mean of the beams of a scan too ill-fitting to decide
     clearance: NotNegative = 0.2  # m between a particle and a wall
     repeat_lost: NotNegative = 15.0  # scans lost until the search starts again; 0: never
     repeat_unsure: NotNegative = 4.0  # scans unsure and ill-fitting until then; 0: never

@@ -24,25 +24,53 @@ from localization.health import Health
 from localization.localizer import Localizer
 from maps.map_folder import MapFolder
 from maps.pose import Pose
+from robot_agent.camera_watch import CameraWatch
 from robot_agent.config import AgentConfig
-from robot_agent.effects import ChangeBaud, Effect, Publish, Send
-from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
+from robot_agent.effects import ChangeBaud, Effect, Publish, Send, TakePicture
+from robot_agent.events import (
+    TICK_S,
+    BlobsSeen,
+    BytesReceived,
+    DeviceName,
+    Event,
+    LinkDown,
+    LinkName,
+    LinkUp,
+    OperatorKey,
+    PictureTaken,
+    Shutdown,
+    Tick,
+)
+from robot_agent.evidence import cut_out, points_near
 from robot_agent.foxglove import LogLevel
 from robot_agent.known_walls import KnownWalls
 from robot_agent.motion.deadline_watch import DeadlineWatch
+from robot_agent.motion.frozen_watch import FrozenWatch
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
 from robot_agent.motion.gate_reason import DENIALS, LATCHED, GateReason
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.motion.recovery_turn import RecoveryTurn
+from robot_agent.motion.trust import (
+    BASE,
+    FROZEN_BASE,
+    FROZEN_LASER,
+    LASER,
+    LEAST_RETURNS,
+    POSE,
+    SONAR,
+    TrustWatch,
+)
 from robot_agent.obstacles import Obstacles
 from robot_agent.odometry_history import OdometryHistory
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
+from robot_agent.perception.intruders import Intruder, Intruders
 from robot_agent.perception.tracker import TeammateTracker
 from robot_agent.reports import Reports
-from robot_agent.scan_points import ScanProjector, move_points
+from robot_agent.scan_points import ScanProjector, hits, move_points
 from robot_agent.sonar_obstacles import SonarObstacles
 from robot_agent.streams import Payload, encode
+from robot_agent.teleop import Teleop
 from robot_agent.turning_room import turning_room
 
 STOPPING = DENIALS - {GateReason.MOTORS_OFF, GateReason.BACKING} | {GateReason.OBSTACLE}
@@ -83,15 +111,24 @@ class Agent:
         self.laser = Lms200Session(config.laser)
         self.odometry = OdometryHistory()
         self.localizer = Localizer(config.localization, folder.map, rng)
-        self.tracker = TeammateTracker(config.perception, folder.map)
+        self.tracker = TeammateTracker(config.perception, folder.map, config.camera)
+        self.border = folder.border
+        self.camera = CameraWatch(config.camera)
+        self.intruders = Intruders(config.perception, folder.border) if folder.border else None
+        self._pictured: Intruder | None = None
         self.patrol = (
             Patrol(config.patrol, folder.border, rng, folder.approach_field)
             if folder.border
             else None
         )
         self.heading_loop = HeadingLoop(config.heading)
+        self.teleop = Teleop(config.teleop) if config.teleop.enabled else None
         self.recovery = RecoveryTurn(config.recovery)
         self.deadline = DeadlineWatch()
+        self._trust = TrustWatch()
+        self._frozen_base = FrozenWatch(FROZEN_BASE)
+        self._frozen_laser = FrozenWatch(FROZEN_LASER)
+        self._last_tick = math.inf
         self.gate = SafetyGate(config.gate)
         self.reports = Reports(self, start_wall_ns)
         self.decision: PatrolDecision | None = None
@@ -124,14 +161,17 @@ class Agent:
             case BytesReceived(t, "laser", data):
                 self._take_laser_bytes(t, data)
             case Tick(t):
-                self.base.tick(t)
-                self.laser.tick(t)
-                if self._publishes:
-                    self._publish(self.reports.on_time(t))
+                self._tick(t)
+            case BlobsSeen():
+                self._take_blobs(event)
+            case PictureTaken():
+                self._take_picture(event)
             case LinkUp(t, link):
                 self._link_up(t, link)
             case LinkDown(t, link, reason):
                 self._link_down(t, link, reason)
+            case OperatorKey() if self.teleop is not None:
+                self.teleop.press(event)
             case Shutdown(t):
                 self._ending = True
                 self.base.shut_down(t)
@@ -142,14 +182,31 @@ class Agent:
 
     # --- input -------------------------------------------------------------------------------
 
+    def _tick(self, t: float) -> None:
+        """Do what time alone asks for."""
+        self.deadline.note(t, t - self._last_tick - TICK_S)
+        self._last_tick = t
+        self.base.tick(t)
+        self.laser.tick(t)
+        self._miss_streams(t)
+        self._tell_degraded(t)
+        if self._publishes:
+            self._publish(self.reports.on_time(t))
+
     def _take_base_bytes(self, t: float, data: bytes) -> None:
         """Decode base reports; each is one control step."""
         states = self.base.feed(data, t)
         self.reports.hear("base", t, data, understood=bool(states))
         for state in states:
             self.odometry.add(state)
+            self._frozen_base.take((state.x, state.y, state.theta), moving=_is_moving(state))
+            if not self._frozen_base.frozen:
+                self._trust.well(BASE, t)
+            if state.sonar:
+                self._trust.well(SONAR, t)
             at_report = Pose(state.x, state.y, state.theta)
             self._sonar_obstacles.hear(state, at_report, self.base.model)
+            self._listen_behind(t, at_report)
             self._control_step(t, state)
 
     def _take_laser_bytes(self, t: float, data: bytes) -> None:
@@ -157,7 +214,17 @@ class Agent:
         scans = self.laser.feed(data, t)
         self.reports.hear("laser", t, data, understood=bool(scans))
         for scan in scans:
-            self._look(t, scan)
+            if self._shows_the_world(scan):
+                self._trust.well(LASER, t)
+                self._look(t, scan)
+
+    def _shows_the_world(self, scan: Scan) -> bool:
+        """Tell a scan from that of a laser that is blind, or shows the same for ever."""
+        base = self.odometry.latest
+        moving = base is not None and _is_moving(base)
+        self._frozen_laser.take(scan.ranges.tobytes(), moving=moving)
+        returns = float(np.isfinite(scan.ranges).mean())
+        return returns >= LEAST_RETURNS and not self._frozen_laser.frozen
 
     def _look(self, t: float, scan: Scan) -> None:
         """Take in one scan: obstacles, pose, teammates."""
@@ -167,6 +234,10 @@ class Agent:
         # 1. What stands in the way, wherever the map says we are.
         points = self._projector.points(scan, *self.odometry.twist_at(scan.t))
         self._obstacles.see(scan.t, odometry, points)
+        if self.teleop is not None:
+            if self._publishes:
+                self._publish(self.reports.on_scan(t, scan))
+            return  # there is no map to find a place in
         # 2. Where the robot was.
         estimate = self.localizer.update(
             scan.t, odometry, points, self._on_teammates(scan.t, odometry, points)
@@ -175,9 +246,56 @@ class Agent:
         self._say(t, "localization", estimate.health, _LEVELS[estimate.health])
         # 3. Who else is there.
         if estimate.health is not Health.LOST:
-            self.tracker.update(scan.t, estimate.pose, points)
+            reflectors = None if scan.reflectors is None else scan.reflectors[hits(scan)]
+            self.tracker.update(scan.t, estimate.pose, points, reflectors)
+        if estimate.health is Health.LOCALIZED:
+            self._watch_intruders(t, scan.t, estimate.pose, points)
         if self._publishes:
             self._publish(self.reports.on_scan(t, scan))
+
+    def _take_blobs(self, event: BlobsSeen) -> None:
+        """Take in what a picture shows of the team's colour."""
+        self.camera.hear(event)
+        pose = self._pose_at(event.taken)
+        if pose is not None and event.sight == "clear":
+            self.tracker.see_bands(event.taken, pose, event.blobs)
+
+    def _listen_behind(self, t: float, odometry: Pose) -> None:
+        """Let the sonars keep up teammates whom the laser does not see."""
+        pose = self._pose_at(t)
+        if pose is not None and self.tracker.awaits_echo(t):
+            self.tracker.hear(t, pose, self._sonar_obstacles.around(t, odometry))
+
+    def _watch_intruders(
+        self, t: float, scanned: float, pose: Pose, points: NDArray[np.float64]
+    ) -> None:
+        """Report strangers who stay near the border: once, then what has changed."""
+        if self.intruders is None:
+            return
+        for new in self.intruders.update(scanned, self.tracker.tracks):
+            words = (
+                f"intruder {new.number} at ({new.x:.1f}, {new.y:.1f}), {new.distance:.1f} m from "
+                f"the border at s = {new.abscissa:.1f} m"
+            )
+            self._say(t, "intruder", words, LogLevel.WARNING)
+            near = points_near(points, pose, (new.x, new.y))
+            self._publish(self.reports.on_intruder(t, new, scan=near))
+            if self.camera.state(t) == "clear":
+                self._pictured = new
+                self._effects.append(TakePicture())
+        if self._publishes:
+            self._publish(self.reports.on_intruders(t, self.intruders.known))
+
+    def _take_picture(self, event: PictureTaken) -> None:
+        """Add a picture to the report of the intruder it was taken of."""
+        intruder, self._pictured = self._pictured, None
+        pose = self._pose_at(event.taken)
+        if intruder is None or pose is None:
+            return
+        place = (intruder.x, intruder.y)
+        picture = cut_out(event.jpeg, self.config.camera, pose, place)
+        if picture:
+            self._publish(self.reports.on_intruder(event.t, intruder, picture=picture))
 
     def _on_teammates(
         self, t: float, odometry: Pose, points: NDArray[np.float64]
@@ -192,7 +310,11 @@ class Agent:
 
     def _control_step(self, t: float, state: BaseState) -> None:
         """Decide and act, once per base report; t: its arrival, s."""
-        self.deadline.note(self._now - t)
+        self.deadline.note(self._now, self._now - t)
+        if self.teleop is not None and not self._ending:
+            gate = self._drive(t, self.teleop.wish(t), self._gate_inputs(t, state, limited=True))
+            self._note_gate(t, gate)
+            return
         if self.patrol is None or self._ending:
             self.base.drive(t, 0.0, 0.0)
             return
@@ -216,7 +338,7 @@ class Agent:
             self._say(t, "patrol", _blocked_words(decision), LogLevel.WARNING)
         self.decision = decision
         if self._publishes:
-            self._publish(self.reports.on_decision(t, pose, decision, wish, gate, teammate))
+            self._publish(self.reports.on_decision(t, pose, decision, wish, gate, track))
 
     def _look_around(self, t: float, state: BaseState) -> None:
         """Stand, and turn slowly where that is clear, until the pose is known."""
@@ -234,12 +356,28 @@ class Agent:
         self.base.drive(t, gate.v, gate.w)
         return gate
 
+    def _miss_streams(self, t: float) -> None:
+        """Raise an alarm for each stream that is missed, and end it when the stream is back."""
+        for stream, well in self._trust.changes(t):
+            words = "is back" if well else f"none for {stream.max_age:g} s: {stream.reaction}"
+            level = LogLevel.INFO if well else stream.level
+            self._say(t, f"trust.{stream.name}", f"{stream.what}: {words}", level)
+
     def _trust_pose(self, health: Health) -> None:
         """Trust the pose once localized, until lost: unsure alone gives no trust and takes none."""
         if health is Health.LOCALIZED:
             self._pose_trusted = True
+            self._trust.well(POSE, self._now)
         elif health is Health.LOST:
             self._pose_trusted = False
+
+    def _pose_at(self, t: float) -> Pose | None:
+        """Return map_from_base at t, which may be past, while localized; None else."""
+        estimate = self.localizer.estimate
+        odometry = self.odometry.at(t)
+        if estimate is None or odometry is None or estimate.health is not Health.LOCALIZED:
+            return None
+        return estimate.pose_at(odometry)
 
     def _pose_now(self, t: float) -> Pose | None:
         """Return map_from_base at t: the last estimate carried forward by odometry.
@@ -257,7 +395,7 @@ class Agent:
         estimate = self.localizer.estimate
         assert odometry is not None
         return GateInputs(
-            base_time=state.t,
+            base_time=None if self._frozen_base.frozen else state.t,
             scan_time=self._obstacles.seen_at,
             health=None if estimate is None else estimate.health,
             motors_enabled=state.motors_enabled,
@@ -274,7 +412,7 @@ class Agent:
             ),
             v=state.v,
             w=state.w,
-            overloaded=self.deadline.overloaded,
+            overloaded=self.deadline.overloaded(self._now),
             limited=limited,
         )
 
@@ -314,12 +452,20 @@ class Agent:
 
     # --- links and output --------------------------------------------------------------------
 
-    def _link_up(self, t: float, link: LinkName) -> None:
+    def _link_up(self, t: float, link: DeviceName) -> None:
+        if link == "camera":
+            self.camera.opened(t)
+            self._say(t, "camera", "pictures come", LogLevel.INFO)
+            return
         self.reports.links[link].opened()
         self._session(link).link_up(t)
         self._say(t, link, "port open", LogLevel.INFO)
 
-    def _link_down(self, t: float, link: LinkName, reason: str) -> None:
+    def _link_down(self, t: float, link: DeviceName, reason: str) -> None:
+        if link == "camera":
+            self.camera.lost(reason)
+            self._say(t, "camera", reason, LogLevel.ERROR)
+            return
         self.reports.links[link].lost(reason)
         self._session(link).link_down(t)
         self._say(t, link, reason, LogLevel.ERROR)
@@ -342,12 +488,28 @@ class Agent:
             else:
                 self._effects.append(ChangeBaud(link, request.baud))
 
+    def degraded(self, t: float) -> list[str]:
+        """Return what the robot has to do without at t, s, in words; nothing when all is well."""
+        troubles = [self.camera.trouble(t)]
+        seen = self._obstacles.seen_at
+        if seen is None or t - seen > self.config.gate.max_scan_age:
+            troubles.append("laser blind: nobody is seen, the robot stands")
+        return [words for words in troubles if words]
+
+    def _tell_degraded(self, t: float) -> None:
+        words = "; ".join(self.degraded(t))
+        level = LogLevel.WARNING if words else LogLevel.INFO
+        if words or self.reports.has_spoken("perception"):
+            self._say(t, "perception", words or "all senses work", level)
+
     def health(self) -> str:
         """Return "ok", or the first thing that keeps the robot from patrolling."""
         if self.base.state is not SessionState.READY:
             return f"base {self.base.state}"
         if self.laser.state is not LaserState.STREAMING:
             return f"laser {self.laser.state}"
+        if self.teleop is not None:
+            return "driven by keys"
         estimate = self.localizer.estimate
         if estimate is None or not self._pose_trusted:
             return "not localized"
@@ -356,6 +518,11 @@ class Agent:
         if self.gate_decision is not None and self.gate_decision.reason in STOPPING:
             return f"gate: {self.gate_decision.reason}"
         return "ok"
+
+
+def _is_moving(state: BaseState) -> bool:
+    """Tell whether a base says that it moves, faster than its counters' resolution."""
+    return abs(state.v) > 0.05 or abs(state.w) > 0.1
 
 
 def _blocked_words(decision: PatrolDecision) -> str:

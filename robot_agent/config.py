@@ -22,6 +22,7 @@ from robot_agent.motion.recovery_turn import RecoverySettings
 from robot_agent.patrol.settings import PatrolSettings
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.telemetry import TelemetrySettings
+from robot_agent.teleop import TeleopSettings
 
 KeyPart = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9_-]+$")]
 
@@ -72,7 +73,6 @@ class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     base: BaseSettings = BaseSettings()
     laser: LaserSettings = LaserSettings()
     camera: CameraSettings = CameraSettings()
-    """Looked at by `patrol doctor` only: no decision uses pictures yet."""
     localization: LocalizationSettings = LocalizationSettings()
     perception: PerceptionSettings = PerceptionSettings()
     patrol: PatrolSettings = PatrolSettings()
@@ -81,6 +81,7 @@ class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     recovery: RecoverySettings = RecoverySettings()
     telemetry: TelemetrySettings = TelemetrySettings()
     recorder: RecorderSettings = RecorderSettings()
+    teleop: TeleopSettings = TeleopSettings()
 
 
 def load_config(path: Path) -> AgentConfig:

@@ -31,4 +31,9 @@ class Publish:
     payload: bytes
 
 
-Effect = Send | ChangeBaud | Publish
+@dataclass(frozen=True, slots=True)
+class TakePicture:
+    """Have the camera's next picture sent, as evidence; ``PictureTaken`` brings it."""
+
+
+Effect = Send | ChangeBaud | Publish | TakePicture

@@ -12,7 +12,20 @@ from typing import Any, get_args, get_type_hints
 
 import msgspec
 
-from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
+from robot_agent.events import (
+    BlobsSeen,
+    BytesReceived,
+    DeviceName,
+    Event,
+    LinkDown,
+    LinkName,
+    LinkUp,
+    OperatorKey,
+    PictureTaken,
+    Shutdown,
+    Tick,
+)
+from robot_agent.foxglove import CompressedImage, timestamp_at
 
 LINKS: tuple[LinkName, ...] = get_args(LinkName)
 
@@ -63,7 +76,7 @@ def plain_event(topic: str, event_type: type, schema_name: str) -> EventCodec:
 class LinkMessage(msgspec.Struct, frozen=True):
     """A link that went up or down, and why."""
 
-    link: LinkName
+    link: DeviceName
     up: bool
     reason: str = ""
 
@@ -79,9 +92,32 @@ def _decode_link(t: float, data: bytes) -> Event:
     return LinkUp(t, message.link) if message.up else LinkDown(t, message.link, message.reason)
 
 
+def _encode_picture(event: PictureTaken) -> bytes:
+    image = CompressedImage(
+        timestamp=timestamp_at(event.taken), frame_id="camera", data=event.jpeg, format="jpeg"
+    )
+    return msgspec.json.encode(image)
+
+
+def _decode_picture(t: float, data: bytes) -> Event:
+    image = msgspec.json.decode(data, type=CompressedImage)
+    taken = round(image.timestamp.sec + 1e-9 * image.timestamp.nsec, 6)
+    return PictureTaken(t, taken, image.data)
+
+
 CODECS: tuple[EventCodec, ...] = (
     plain_event("tick", Tick, "patrol.Tick"),
     plain_event("shutdown", Shutdown, "patrol.Shutdown"),
+    plain_event("key", OperatorKey, "patrol.OperatorKey"),
+    plain_event("blobs", BlobsSeen, "patrol.Blobs"),
+    EventCodec(
+        "picture",
+        "foxglove.CompressedImage",
+        CompressedImage,
+        (PictureTaken,),
+        _encode_picture,
+        _decode_picture,
+    ),
     EventCodec("link", "patrol.Link", LinkMessage, (LinkUp, LinkDown), _encode_link, _decode_link),
 )
 

@@ -9,7 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from robot_agent.perception.blob import Blob, Sight
+
 LinkName = Literal["base", "laser"]
+"""What the agent exchanges bytes with."""
+DeviceName = Literal["base", "laser", "camera"]
+"""What can be plugged in or not."""
+
+TICK_S = 0.05
+"""Between two ticks, while the agent keeps up."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,19 +31,38 @@ class BytesReceived:
 
 @dataclass(frozen=True, slots=True)
 class LinkUp:
-    """A link's port was opened."""
+    """A link's port was opened, or the camera gives pictures."""
 
     t: float
-    link: LinkName
+    link: DeviceName
 
 
 @dataclass(frozen=True, slots=True)
 class LinkDown:
-    """A link's port could not be opened, or was lost."""
+    """A link's port, or the camera, could not be opened or was lost."""
 
     t: float
-    link: LinkName
+    link: DeviceName
     reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class BlobsSeen:
+    """What a picture taken at ``taken`` (s) showed of the team's colour; found before t."""
+
+    t: float
+    taken: float
+    sight: Sight
+    blobs: tuple[Blob, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PictureTaken:
+    """A picture the agent asked for, as JPEG, taken at ``taken`` (s)."""
+
+    t: float
+    taken: float
+    jpeg: bytes
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,4 +79,16 @@ class Shutdown:
     t: float
 
 
-Event = BytesReceived | LinkUp | LinkDown | Tick | Shutdown
+@dataclass(frozen=True, slots=True)
+class OperatorKey:
+    """A key typed at the robot's own terminal: where to drive, for a moment.
+
+    ahead: 1 forwards, 0 not; left: 1 turn left, -1 right, 0 straight.
+    """
+
+    t: float
+    ahead: int
+    left: int
+
+
+Event = BytesReceived | LinkUp | LinkDown | BlobsSeen | PictureTaken | Tick | Shutdown | OperatorKey

@@ -131,6 +131,15 @@ def laser_scan(
     )
 
 
+class CompressedImage(msgspec.Struct, frozen=True, kw_only=True):
+    """``foxglove.CompressedImage``; in a recording its time counts from the agent's start."""
+
+    timestamp: Timestamp
+    frame_id: str
+    data: bytes
+    format: str
+
+
 class LogLevel(IntEnum):
     """Severity of a ``foxglove.Log``."""
 
@@ -223,7 +232,11 @@ TRACK_LIFETIME = Timestamp(sec=1, nsec=0)  # a track that is no longer published
 TRACK_DIAMETER = 0.5  # m, about a robot
 TRACK_HEIGHT = 0.3  # m
 TEAMMATE_COLOR = Color(0.1, 0.4, 0.9, 0.8)
-STRANGER_COLOR = Color(0.6, 0.6, 0.6, 0.8)
+STRANGER_COLOR = Color(0.9, 0.3, 0.1, 0.8)
+UNKNOWN_COLOR = Color(0.6, 0.6, 0.6, 0.8)
+
+
+TRACK_COLORS = {"teammate": TEAMMATE_COLOR, "stranger": STRANGER_COLOR}
 
 
 def track_entity(
@@ -232,10 +245,14 @@ def track_entity(
     position: Sequence[float],
     velocity: Sequence[float],
     *,
-    teammate: bool,
+    kind: str,
+    probability: float,
 ) -> SceneEntity:
-    """Draw one track (map frame, m and m/s): a cylinder, and an arrow as long as it goes in 1 s."""
-    color = TEAMMATE_COLOR if teammate else STRANGER_COLOR
+    """Draw one track (map frame, m and m/s): a cylinder, and an arrow as long as it goes in 1 s.
+
+    kind: teammate, stranger or unknown; probability: that it is.
+    """
+    color = TRACK_COLORS.get(kind, UNKNOWN_COLOR)
     x, y = position[0], position[1]
     vx, vy = velocity[0], velocity[1]
     arrow = ArrowPrimitive(
@@ -256,7 +273,11 @@ def track_entity(
         frame_id="map",
         id=f"track {track_id}",
         lifetime=TRACK_LIFETIME,
-        metadata=[KeyValuePair("teammate", "true" if teammate else "false")],
+        metadata=[
+            KeyValuePair("teammate", "true" if kind == "teammate" else "false"),
+            KeyValuePair("kind", kind),
+            KeyValuePair("probability", f"{probability:.3f}"),
+        ],
         arrows=[arrow],
         cylinders=[cylinder],
     )

@@ -44,6 +44,7 @@ class Recorder:
         capacity: int = CAPACITY,
         drain_period: float = DRAIN_S,
         flush_period: float = FLUSH_S,
+        close_wait: float = CLOSE_S,
         room: DiskRoom | None = None,
     ) -> None:
         """Create the file, with its header, and start writing; ``room`` bounds the disk's use."""
@@ -53,6 +54,7 @@ class Recorder:
         self._capacity = capacity
         self._period = drain_period
         self._flush_period = flush_period
+        self._close_wait = close_wait
         self._room = room
         self._queue: deque[tuple[float, Event | Effect | Gap | Note]] = deque()
         self._unmarked = 0  # lost since the last gap mark
@@ -80,7 +82,7 @@ class Recorder:
         if self._unmarked:
             self._mark_gap(self._last_t)
         self._ending.set()
-        self._thread.join(CLOSE_S)
+        self._thread.join(self._close_wait)
         if self._thread.is_alive():
             self.failed = f"{self.path}: the disk hangs: the recording's end is lost"
 

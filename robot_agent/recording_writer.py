@@ -16,6 +16,8 @@ topic                        encoding           one message is
 ``link``                     json               a link that went up or down
 ``baud``                     json               a change of a link's rate
 ``tick``, ``shutdown``       json, empty object those events; further kinds: ``event_codec``
+``key``                      json               a key of the robot's own terminal
+``take_picture``             json, empty object the agent asked for a picture
 ``gap``                      json               how many records were lost at this place
 ``reference``                json               where the robot truly was, if a log says so
 a stream's name              json               one telemetry payload, as published
@@ -33,7 +35,7 @@ from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import Writer
 
 from maps.pose import Pose
-from robot_agent.effects import ChangeBaud, Effect, Publish, Send
+from robot_agent.effects import ChangeBaud, Effect, Publish, Send, TakePicture
 from robot_agent.event_codec import CODECS, LINKS, encode_event
 from robot_agent.events import Event, LinkName
 from robot_agent.run_header import RunHeader
@@ -94,8 +96,13 @@ class ReferenceMessage(msgspec.Struct, frozen=True):
     theta: float
 
 
+class EmptyMessage(msgspec.Struct, frozen=True):
+    """A message whose topic and time say all."""
+
+
 MESSAGES: dict[str, tuple[type[msgspec.Struct], str]] = {
     "baud": (BaudMessage, "patrol.Baud"),
+    "take_picture": (EmptyMessage, "patrol.TakePicture"),
     "gap": (GapMessage, "patrol.Gap"),
     "reference": (ReferenceMessage, "patrol.Reference"),
     **{codec.topic: (codec.message, codec.schema_name) for codec in CODECS},
@@ -164,6 +171,8 @@ class RecordingWriter:
                 self._write(t, f"{link}/tx", data)
             case Publish(stream, payload):
                 self._write(t, stream, payload)
+            case TakePicture():
+                self._write(t, "take_picture", _encode(EmptyMessage()))
             case ChangeBaud(link, baud):
                 self._write(t, "baud", _encode(BaudMessage(link, baud)))
 

@@ -6,7 +6,8 @@ Rates follow the events' times, so a replay publishes the same payloads.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,9 +31,13 @@ from robot_agent.foxglove import (
 from robot_agent.motion.gate import GateDecision
 from robot_agent.motion.gate_reason import GateReason
 from robot_agent.patrol.patrol import PatrolDecision
+from robot_agent.perception.intruders import Intruder
+from robot_agent.perception.track import Track
 from robot_agent.streams import (
+    CameraReport,
     DecisionPayload,
     DeviceStatus,
+    IntruderPayload,
     LocalizationStatus,
     Payload,
     PlanarPose,
@@ -47,6 +52,7 @@ if TYPE_CHECKING:
 STATUS_PERIOD_S = 0.5
 SCAN_PERIOD_S = 0.2
 PARTICLES_PERIOD_S = 0.5
+INTRUDER_PERIOD_S = 1.0
 PARTICLES_SHOWN = 200
 
 
@@ -96,6 +102,7 @@ class Reports:
         self._scan_pace = Pace(SCAN_PERIOD_S)
         self._particles_pace = Pace(PARTICLES_PERIOD_S)
         self.links: dict[LinkName, LinkReport] = {"base": LinkReport(), "laser": LinkReport()}
+        self._intruder_pace = Pace(INTRUDER_PERIOD_S)
         self._last_words: dict[str, str] = {}
 
     def hear(self, link: LinkName, t: float, data: bytes, *, understood: bool) -> None:
@@ -127,7 +134,7 @@ class Reports:
         decision: PatrolDecision,
         wish: tuple[float, float],
         gate: GateDecision,
-        teammate: tuple[float, float] | None,
+        neighbor: Track | None,
     ) -> list[tuple[str, Payload]]:
         """Return the pose and the decision of one control step."""
         stamp = self._stamp(t)
@@ -140,7 +147,8 @@ class Reports:
             way_to_border=_finite(decision.way_to_border),
             abscissa=decision.abscissa,
             distance_from_neighbor=_finite(decision.distance_from_neighbor),
-            neighbor=_bearing_pose(pose, teammate),
+            neighbor=_bearing_pose(pose, neighbor),
+            **self._on_border(neighbor),
             gamma=decision.gamma,
             degrees={str(action): degree for action, degree in decision.degrees.items()},
             winner=decision.raw_winner,
@@ -155,6 +163,37 @@ class Reports:
         )
         in_frame = PoseInFrame(timestamp=stamp, frame_id="map", pose=pose3(pose))
         return [("pose", in_frame), ("decision", payload)]
+
+    def on_intruder(
+        self, t: float, intruder: Intruder, *, scan: Sequence[float] = (), picture: str = ""
+    ) -> list[tuple[str, Payload]]:
+        """Return what is known of an intruder, with evidence (``evidence``) if there is any."""
+        payload = IntruderPayload(
+            timestamp=self._stamp(t),
+            robot=self._robot.name,
+            number=intruder.number,
+            x=round(intruder.x, 3),
+            y=round(intruder.y, 3),
+            abscissa=round(intruder.abscissa, 3),
+            distance=round(intruder.distance, 3),
+            closest=round(intruder.closest, 3),
+            first_seen=self._stamp(intruder.first_seen),
+            last_seen=self._stamp(intruder.last_seen),
+            scan=list(scan),
+            picture=picture,
+        )
+        return [("intruder", payload)]
+
+    def on_intruders(self, t: float, known: Sequence[Intruder]) -> list[tuple[str, Payload]]:
+        """Return those still seen, when due."""
+        fresh = [each for each in known if t - each.last_seen < INTRUDER_PERIOD_S]
+        if not fresh or not self._intruder_pace.due(t):
+            return []
+        return [payload for each in fresh for payload in self.on_intruder(t, each)]
+
+    def has_spoken(self, part: str) -> bool:
+        """Tell whether a part of the agent has said anything yet."""
+        return part in self._last_words
 
     def on_news(
         self, t: float, part: str, words: str, level: LogLevel
@@ -184,6 +223,8 @@ class Reports:
             bumpers=_bumpers(base),
             base=self._device(t, "base"),
             laser=self._device(t, "laser"),
+            camera=self._camera(t),
+            degraded=agent.degraded(t),
             localization=self._localization(),
         )
 
@@ -201,6 +242,37 @@ class Reports:
             bytes_received=report.bytes_received,
             last_heard=None if report.last_heard is None else round(t - report.last_heard, 3),
         )
+
+    def _camera(self, t: float) -> CameraReport | None:
+        camera = self._agent.camera
+        if not camera.exists:
+            return None
+        latest = camera.latest
+        return CameraReport(
+            state=camera.state(t),
+            link_reason=camera.reason,
+            pictures=camera.pictures,
+            bands=0 if latest is None else len(latest.blobs),
+            last_heard=None if latest is None else round(t - latest.t, 3),
+        )
+
+    def _on_border(self, neighbor: Track | None) -> dict[str, Any]:
+        """Return where the neighbor is along and beside the border, and how well that is known."""
+        border = self._agent.border
+        if neighbor is None or border is None:
+            return {}
+        foot = border.project(neighbor.x, neighbor.y)
+        tangent = np.array(foot.tangent)
+        normal = np.array((-tangent[1], tangent[0]))
+        P = neighbor.covariance
+        return {
+            "neighbor_border_distance": foot.distance,
+            "neighbor_abscissa": foot.abscissa,
+            "neighbor_sigma": [
+                math.sqrt(float(normal @ P @ normal)),
+                math.sqrt(float(tangent @ P @ tangent)),
+            ],
+        }
 
     def _localization(self) -> LocalizationStatus:
         estimate = self._agent.localizer.estimate
@@ -228,7 +300,12 @@ class Reports:
                     track.id,
                     (track.x, track.y),
                     (track.vx, track.vy),
-                    teammate=track.teammate,
+                    kind=track.kind,
+                    probability=max(
+                        track.probabilities.teammate,
+                        track.probabilities.stranger,
+                        track.probabilities.unknown,
+                    ),
                 )
                 for track in self._agent.tracker.tracks
             ]
@@ -244,11 +321,12 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _bearing_pose(pose: Pose, teammate: tuple[float, float] | None) -> PlanarPose | None:
+def _bearing_pose(pose: Pose, neighbor: Track | None) -> PlanarPose | None:
     """Return the teammate's place, with the direction it is seen in."""
-    if teammate is None:
+    if neighbor is None:
         return None
-    return PlanarPose(*teammate, math.atan2(teammate[1] - pose.y, teammate[0] - pose.x))
+    x, y = neighbor.x, neighbor.y
+    return PlanarPose(x, y, math.atan2(y - pose.y, x - pose.x))
 
 
 def _bumpers(base: BaseState | None) -> int:

@@ -12,19 +12,31 @@ from contextlib import ExitStack
 from queue import Empty, SimpleQueue
 from types import FrameType
 
+from drivers.camera import Camera
 from drivers.link import Link
 from robot_agent.agent import Agent
-from robot_agent.effects import ChangeBaud, Effect, Publish, Send
-from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
+from robot_agent.camera_eye import CameraEye
+from robot_agent.effects import ChangeBaud, Effect, Publish, Send, TakePicture
+from robot_agent.events import (
+    TICK_S,
+    BytesReceived,
+    Event,
+    LinkDown,
+    LinkName,
+    LinkUp,
+    OperatorKey,
+    Shutdown,
+    Tick,
+)
 from robot_agent.foxglove import Log, LogLevel, timestamp_at
 from robot_agent.journal import Journal
 from robot_agent.process_watch import ProcessWatch
 from robot_agent.recorder import Recorder
 from robot_agent.recording_writer import Note
+from robot_agent.service_notifier import ServiceNotifier
 from robot_agent.streams import encode
 from robot_agent.telemetry import Telemetry
 
-TICK_S = 0.05
 FAREWELL_S = 0.3
 """How long the last commands get to leave and take effect before the ports close."""
 
@@ -61,6 +73,10 @@ class LinkInbox:
         self._inbox.put(LinkDown(t, self._link, reason))
 
 
+class WorkerDiedError(RuntimeError):
+    """A thread that the robot cannot do without has ended; the agent must be started again."""
+
+
 class Runtime:
     """Runs one agent until it is told to end."""
 
@@ -78,6 +94,7 @@ class Runtime:
         self._recorder = recorder
         self._telemetry = telemetry
         self._journal = journal
+        self._notifier = ServiceNotifier()
         self._watch = ProcessWatch(agent.config.robot.name, clock.start_wall_ns)
         self._recorder_trouble = ""
         self._inbox: SimpleQueue[Event] = SimpleQueue()
@@ -86,6 +103,13 @@ class Runtime:
             "laser": self._make_link("laser", agent.config.laser.url, agent.config.laser.baud),
         }
 
+        self._eye: CameraEye | None = None
+        self._camera: Camera | None = None
+        if agent.config.camera.url:
+            color = agent.config.perception.color
+            self._eye = CameraEye(agent.config.camera, color, self._inbox.put)
+            self._camera = Camera(agent.config.camera, clock, self._eye)
+
     def _make_link(self, name: LinkName, url: str, baud: int) -> Link:
         return Link(url, baud, LinkInbox(name, self._inbox), self._clock)
 
@@ -93,12 +117,23 @@ class Runtime:
         """Ask the agent to stop the robot and end; safe from any thread and signal handler."""
         self._inbox.put(Shutdown(self._clock()))
 
+    def press(self, ahead: int, left: int) -> None:
+        """Pass on a key of this terminal; safe from any thread."""
+        self._inbox.put(OperatorKey(self._clock(), ahead, left))
+
     def run(self) -> None:
-        """Serve events until a Shutdown has been handled; the robot is stopped on every way out."""
+        """Serve events until a Shutdown has been handled; the robot is stopped on every way out.
+
+        Raises WorkerDiedError when a link's thread has died.
+        """
         with ExitStack() as stack:
             stack.callback(self._close_links)
+            if self._camera is not None:
+                stack.callback(self._camera.close)
+                self._camera.start()
             for link in self._links.values():
                 link.start()
+            self._notifier.ready()
             try:
                 self._serve()
             except BaseException:
@@ -112,10 +147,19 @@ class Runtime:
             event = self._next_event(next_tick)
             if isinstance(event, Tick):
                 next_tick = event.t + TICK_S
+                self._check_workers()
             self._handle(event)
+            self._notifier.alive(event.t)  # by this thread: the one that must not hang
             if isinstance(event, Shutdown):
+                self._notifier.stopping()
                 self._say_farewell()
                 return
+
+    def _check_workers(self) -> None:
+        """Give up when a link has no thread any more: nothing would ever be heard again."""
+        for name, link in self._links.items():
+            if not link.alive:
+                raise WorkerDiedError(f"the thread of the {name}'s link has died")
 
     def _next_event(self, next_tick: float) -> Event:
         """Return the next event of the inbox, or a tick when one is due."""
@@ -167,6 +211,9 @@ class Runtime:
                 self._links[link].write(data)
             case ChangeBaud(link, baud):
                 self._links[link].set_baud(baud)
+            case TakePicture():
+                if self._eye is not None:
+                    self._eye.want_picture()
             case Publish(stream, payload):
                 self._telemetry.publish(stream, payload)
                 if stream == "event":

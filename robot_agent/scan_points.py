@@ -31,7 +31,7 @@ class ScanProjector:
             self._geometry = geometry
             self._directions = self._beam_directions(*geometry[:3])
             self._delays = beam_time_offsets(*geometry)
-        hit = np.isfinite(scan.ranges)
+        hit = hits(scan)
         points = self._directions[hit] * scan.ranges[hit, None]
         points += (self._mount.x, self._mount.y)
         return deskewed(points, self._delays[hit], v, w) if v or w else points
@@ -39,6 +39,11 @@ class ScanProjector:
     def _beam_directions(self, n: int, angle_min: float, increment: float) -> NDArray[np.float64]:
         angles = self._mount.theta + angle_min + increment * np.arange(n)
         return np.column_stack((np.cos(angles), np.sin(angles)))
+
+
+def hits(scan: Scan) -> NDArray[np.bool_]:
+    """Return (n,) which beams of a scan have a usable return."""
+    return np.isfinite(scan.ranges)
 
 
 def deskewed(

@@ -13,6 +13,7 @@ pose     robot in ``map``; only once localized      10    foxglove.PoseInFrame
 scan     laser in ``laser``                         5     foxglove.LaserScan
 particles particles in ``map``                      2     foxglove.PosesInFrame
 tracks   teammates and strangers in ``map``         5     foxglove.SceneUpdate
+intruder a stranger who stays near the border       1     patrol.Intruder
 event    what the log says                          each  foxglove.Log
 ======== ========================================== ===== ============================
 
@@ -103,6 +104,38 @@ class LocalizationStatus(msgspec.Struct, frozen=True, kw_only=True, omit_default
     likelihood: Annotated[float, Meta(description="mean per beam, 0 to 1")] = 0.0
 
 
+class CameraReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """The camera as the agent hears of it."""
+
+    state: Annotated[str, Meta(description="down, silent, dark, glare, covered or clear")]
+    link_reason: Annotated[str, Meta(description="why there are no pictures")] = ""
+    pictures: Annotated[int, Meta(description="looked at")] = 0
+    bands: Annotated[int, Meta(description="in the latest picture")] = 0
+    last_heard: Annotated[float | None, Meta(description="age of the latest picture (s)")] = None
+
+
+class IntruderPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """A stranger near the border: first when reported, then again as it is seen further."""
+
+    timestamp: Timestamp
+    robot: str
+    number: Annotated[int, Meta(description="of the intruder, from 1; the same in every update")]
+    x: Annotated[float, Meta(description="m, map frame")]
+    y: Annotated[float, Meta(description="m, map frame")]
+    abscissa: Annotated[float, Meta(description="place along the border (m)")]
+    distance: Annotated[float, Meta(description="from the border (m)")]
+    closest: Annotated[float, Meta(description="least distance from the border so far (m)")]
+    first_seen: Timestamp
+    last_seen: Timestamp
+    scan: Annotated[
+        list[float],
+        Meta(description="evidence: laser points near it, x y x y... (m, map frame); or none"),
+    ] = []
+    picture: Annotated[
+        str, Meta(description="evidence: cut-out of the camera's picture (JPEG, base64); or none")
+    ] = ""
+
+
 class StatusPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """Whether this robot is well: power, devices, localization."""
 
@@ -117,6 +150,8 @@ class StatusPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=Tru
     bumpers: Annotated[int, Meta(description="pressed segments, front low byte, rear high")] = 0
     base: DeviceStatus
     laser: DeviceStatus
+    camera: CameraReport | None = None
+    degraded: Annotated[list[str], Meta(description="what the robot has to do without")] = []
     localization: LocalizationStatus
 
 
@@ -138,6 +173,16 @@ class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=T
     neighbor: Annotated[
         PlanarPose | None, Meta(description="nearest teammate, theta its bearing")
     ] = None
+    neighbor_border_distance: Annotated[
+        float | None, Meta(description="of the neighbor from the border (m)")
+    ] = None
+    neighbor_abscissa: Annotated[
+        float | None, Meta(description="of the neighbor along the border (m)")
+    ] = None
+    neighbor_sigma: Annotated[
+        list[float],
+        Meta(description="one sigma of those: distance from the border, abscissa (m); or none"),
+    ] = []
     gamma: Annotated[float, Meta(description="neighbor state, -1 left to +1 right")] = 0.0
     degrees: Annotated[
         dict[str, float],
@@ -186,6 +231,7 @@ class ProcessPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=Tr
 Payload = (
     StatusPayload
     | DecisionPayload
+    | IntruderPayload
     | ProcessPayload
     | PoseInFrame
     | LaserScan
@@ -217,6 +263,7 @@ STREAMS: dict[str, Stream] = {
         Stream("scan", LaserScan, "foxglove.LaserScan"),
         Stream("particles", PosesInFrame, "foxglove.PosesInFrame"),
         Stream("tracks", SceneUpdate, "foxglove.SceneUpdate"),
+        Stream("intruder", IntruderPayload, "patrol.Intruder"),
         Stream("event", Log, "foxglove.Log"),
         Stream("process", ProcessPayload, "patrol.Process"),
         Stream("process_log", Log, "foxglove.Log"),

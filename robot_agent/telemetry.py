@@ -33,10 +33,19 @@ LEASE_MS = 4000
 class TelemetrySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where telemetry goes."""
 
-    operator: Annotated[str, msgspec.Meta(pattern=r"^$|^tcp/[^/\s]+:\d{1,5}$")] = ""
+    operator: Annotated[str, msgspec.Meta(pattern=r"^$|^(tcp|tls)/[^/\s]+:\d{1,5}$")] = ""
     """Endpoint the operator listens on, e.g. ``tcp/192.168.1.10:7447``; empty: no telemetry."""
+    keys: Annotated[str, msgspec.Meta(pattern=r"^$|^/")] = ""
+    """Folder of this robot's keys, as ``patrol keys`` makes it; needed for a tls endpoint."""
     queue: Annotated[int, msgspec.Meta(ge=1, le=10_000)] = 256
     """Payloads that may wait for the network before the oldest is dropped."""
+
+    def __post_init__(self) -> None:
+        """Refuse an endpoint that asks for certificates without any."""
+        if self.operator.startswith("tls/") and not self.keys:
+            raise ValueError(
+                f"operator {self.operator} needs keys, the folder of this robot's keys"
+            )
 
 
 class Telemetry:
@@ -56,6 +65,7 @@ class Telemetry:
         self.connected: bool | None = None
         """Whether the operator was there at the last look, once a second; None: no telemetry."""
         self._operator = settings.operator
+        self._keys = settings.keys
         self._robot = robot
         self._team = team
         self._queue: deque[tuple[str, bytes]] = deque(maxlen=settings.queue)
@@ -91,7 +101,7 @@ class Telemetry:
             self.failed = f"no telemetry: {error}; install eclipse-zenoh"
             return
         try:
-            with zenoh.open(session_config(self._operator)) as session:
+            with zenoh.open(session_config(self._operator, self._keys)) as session:
                 self._serve(session)
         except zenoh.ZError as error:
             self.failed = f"no telemetry to {self._operator}: {plain_reason(error)}"
@@ -122,8 +132,10 @@ class Telemetry:
         token.undeclare()  # type: ignore[no-untyped-call]
 
 
-def session_config(operator: str) -> zenoh.Config:
+def session_config(operator: str, keys: str = "") -> zenoh.Config:
     """Return the configuration of a session that dials the operator and nobody else.
+
+    keys: folder with ``ca.pem``, ``certificate.pem`` and ``key.pem``, for a tls endpoint.
 
     It listens on no port and looks for no peers; an absent operator is dialled again for ever, in
     the background, so that opening never waits.
@@ -145,7 +157,21 @@ def session_config(operator: str) -> zenoh.Config:
         "transport/link/tx/lease": LEASE_MS,
     }.items():
         config.insert_json5(key, json.dumps(value))
+    if keys:
+        config.insert_json5("transport/link/tls", json.dumps(tls_settings(keys)))
     return config
+
+
+def tls_settings(keys: str) -> dict[str, object]:
+    """Return Zenoh's settings for certificates at both ends, from a folder of ``patrol keys``."""
+    return {
+        "root_ca_certificate": f"{keys}/ca.pem",
+        "enable_mtls": True,
+        **{f"{end}_certificate": f"{keys}/certificate.pem" for end in ("connect", "listen")},
+        **{f"{end}_private_key": f"{keys}/key.pem" for end in ("connect", "listen")},
+        "verify_name_on_connect": True,
+        "close_link_on_expiration": True,
+    }
 
 
 def plain_reason(error: BaseException) -> str:

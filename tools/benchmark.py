@@ -24,18 +24,26 @@ from tools.bench.fleet import Fleet, run_bench
 from tools.bench.fleet_recorder import FleetRecorder
 from tools.color_trial import run_color_trial
 from tools.demo import Demo, DemoOptions, free_endpoint
-from tools.fault import chosen_faults
+from tools.fault_list import chosen_faults
 from tools.fault_table import run_faults
 from tools.localize_benchmark import large_map_mb, update_costs
+from tools.monitor.load_table import measure_load
 from tools.monitor.operator import Operator
+from tools.monitor.trouble_table import loop_timings
 from tools.reaction import WATCHDOG_LIMIT_S
 from tools.recording import read_recording
 from tools.replay import Replay
+from tools.report.alignment import align
+from tools.report.numbers import numbers
+from tools.report.page import page
+from tools.report.run_log import read_run
+from tools.report.team import Team
 
 SEED = 1
 SETTLED_S = 12.0
 """An agent has connected, localized and set off by then."""
 MEASURED_S = 20.0
+REPORTED_S = 120.0
 COLOR_PICTURES = 800
 
 
@@ -181,7 +189,28 @@ def replay_speed(folder_path: Path) -> Iterator[Figure]:
     yield Figure(
         "replay of a recording", result.duration / result.wall, "x real time", 50.0, at_least=True
     )
-    yield Figure("recording of one hour", size * 3600 / result.duration / 2**20, "MB")
+    yield Figure("recording of one hour", size * 3600 / result.duration / 2**20, "MB", 250.0)
+
+
+def report_speed(folder_path: Path) -> Iterator[Figure]:
+    """Record three robots in lockstep for two minutes; time reading and reporting."""
+    folder = load_map_folder(folder_path)
+    with tempfile.TemporaryDirectory() as parent:
+        with FleetRecorder(folder, Path(parent)) as recorder:
+            fleet = Fleet(folder, 3, SEED, observer=recorder.observe)
+            while fleet.t < REPORTED_S:
+                fleet.step()
+            fleet.shut_down()
+        started = time.process_time()
+        runs = [read_run(path) for path in recorder.paths]
+        read = time.process_time()
+        team = Team(runs, align(runs))
+        page(team, numbers(team), lambda _done: None)
+        drawn = time.process_time()
+    yield Figure(
+        "reading a recording for a report", 3 * REPORTED_S / (read - started), "x real time"
+    )
+    yield Figure("report of three runs, figures and page", drawn - read, "s of CPU")
 
 
 def record_lockstep(folder: MapFolder, duration: float, target: Path) -> Path:
@@ -245,6 +274,32 @@ def localization(_folder_path: Path) -> Iterator[Figure]:
     yield Figure("localization, map of 100 x 100 m at 0.05 m", large_map_mb(), "MB", 60.0)
 
 
+def telemetry(_folder_path: Path) -> Iterator[Figure]:
+    """Time the control loop with the network in every state of repair."""
+    for timing in loop_timings(MEASURED_S):
+        name = f"report to order, {timing.trouble}"
+        yield Figure(f"{name}: median", 1e3 * timing.median, "ms")
+        yield Figure(f"{name}: p99", 1e3 * timing.p99, "ms", 10.0)
+        yield Figure(f"{name}: longest", 1e3 * timing.longest, "ms")
+        yield Figure(f"{name}: memory", timing.memory_mb, "MB", 150.0)
+        yield Figure(f"{name}: payloads dropped", timing.dropped, "")
+
+
+def operator_page(_folder_path: Path) -> Iterator[Figure]:
+    """Load the monitor and its page with many robots at full telemetry."""
+    load = measure_load(50, MEASURED_S)
+    yield Figure("50 robots: payloads", load.messages_per_s, "1/s")
+    yield Figure("50 robots: server, share of one core", 100 * load.server_cpu, "%", 50.0)
+    yield Figure("50 robots: server, memory", load.server_mb, "MB")
+    if load.page is not None:
+        yield Figure("50 robots: shown on the page", load.page.robots, "", 50, at_least=True)
+        frames = load.page.frames_per_s
+        yield Figure("50 robots: redraws of the page", frames, "1/s", 20.0, at_least=True)
+        yield Figure("50 robots: processor time of a redraw", 1e3 * load.page.cpu_per_frame, "ms")
+        yield Figure("50 robots: robot to pixel, median", 1e3 * load.page.latency_median, "ms")
+        yield Figure("50 robots: robot to pixel, p99", 1e3 * load.page.latency_p99, "ms")
+
+
 def color(_folder_path: Path) -> Iterator[Figure]:
     """Look for bands in composed pictures, 10 to 2000 lux, half of them without any."""
     trial = run_color_trial(COLOR_PICTURES, SEED)
@@ -265,8 +320,11 @@ GROUPS: dict[str, Callable[[Path], Iterator[Figure]]] = {
     "decision": decision_step,
     "patrol": patrol_bench,
     "replay": replay_speed,
+    "report": report_speed,
     "localization": localization,
     "drivers": drivers,
+    "telemetry": telemetry,
+    "page": operator_page,
     "color": color,
 }
 

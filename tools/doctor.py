@@ -177,7 +177,7 @@ def examine_operator(endpoint: str) -> Finding:
     """See whether the operator answers; a robot patrols without, so this never fails."""
     if not endpoint:
         return skipped("operator", "telemetry.operator is not set: nobody is told")
-    address = urlsplit(endpoint.replace("tcp/", "tcp://", 1))
+    address = urlsplit(endpoint.replace("/", "://", 1))
     try:
         with socket.create_connection((address.hostname, address.port), OPERATOR_LIMIT_S):
             return ok("operator", f"{endpoint} answers")

@@ -114,15 +114,19 @@ def open_emulated_port(option: str, place: str, line: LineFaults, name: Path) ->
 
     A pty that is to be cut gets a name that outlives it. Raises EmulateError naming ``option``.
     """
-    port = _open_port(option, place, line, name if line.plan.cuts else None)
+    port = open_port(option, place, line, name if line.plan.cuts else None)
     line.on_cut = lambda _: port.unplug()
     line.on_restored = lambda _: port.plug_in()
     return port
 
 
-def _open_port(
+def open_port(
     option: str, place: str, device: EmulatedDevice, name: Path | None
 ) -> PtyPort | TcpPort:
+    """Put a device behind ``pty`` or ``tcp:PORT``; a pty gets the ``name``, if any.
+
+    Raises EmulateError naming ``option``.
+    """
     if place == "pty":
         return PtyPort(device, name)
     kind, _, number = place.partition(":")

@@ -22,6 +22,7 @@ from tools.reaction import (
     WATCHDOG_LIMIT_S,
     Reaction,
     complaints,
+    data_lost,
     first_scan,
     measure_stop,
     new_reaction,
@@ -43,7 +44,8 @@ def run_fault(fault: Fault, folder: Path) -> Reaction:
     """
     reaction = new_reaction(fault)
     with AgentStage(folder) as stage:
-        if fault.name == "operator-absent":
+        stage.traitor = fault.traitor
+        if fault.name.startswith("operator"):
             stage.seat_operator()
         stage.start_agent()
         _wait_for_patrol(stage)
@@ -53,12 +55,18 @@ def run_fault(fault: Fault, folder: Path) -> Reaction:
         stage.tap.forget()
         ended = time.monotonic()
         fault.end(stage)
-        after = _watch(stage, WATCHED_S, until=patrols)
+        after = _watch(
+            *(stage, max(WATCHED_S, reaction.recover_within)),
+            until=lambda seen: patrols(seen) and not (fault.to_border and stage.off_border > 0.15),
+        )
+        stage.traitor = ""
         stage.end_agent()
     measure_stop(reaction, begun, [*trace, *after])
     note_detection(reaction, begun, after[-1].t, stage.recordings[0])
-    if patrols(after):
-        reaction.recovered = max(0.0, steady_since(after) - ended)
+    if patrols(after) and not (fault.to_border and stage.off_border > 0.15):
+        since = after[-1].t if fault.to_border else steady_since(after)
+        reaction.recovered = max(0.0, since - ended)
+    reaction.data_lost = data_lost(stage.ends, stage.recordings)
     if fault.of_laser:
         reaction.back = first_scan(ended, stage.recordings[0])
     elif stage.tap.first_order:
@@ -124,6 +132,7 @@ HEADINGS = (
     "first order",
     "patrolling again s",
     "contacts",
+    "data lost s",
     "verdict",
 )
 
@@ -141,6 +150,7 @@ def row(reaction: Reaction) -> tuple[str, ...]:
         reaction.first_order,
         _seconds(reaction.recovered),
         str(reaction.contacts),
+        f"{reaction.data_lost:.2f}",
         "; ".join(reaction.complaints) or "ok",
     )
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from drivers.p2os.settings import BaseSettings
 from robot_agent.effects import Publish
+from robot_agent.events import Shutdown
 from robot_agent.foxglove import Log
 from robot_agent.streams import StatusPayload, decode
 from tools.bench.agent_stage import Moment
@@ -26,6 +27,8 @@ WATCHDOG_LIMIT_S = 2.0
 STOP_LIMIT_S = 2.0
 """Within this the wheels must be at rest; the ramp comes on top where the watchdog stops them."""
 RECOVERY_LIMIT_S = 10.0
+BORDER_LIMIT_S = 60.0
+"""Within this a robot that was put elsewhere must be back on its border."""
 SAMPLING_S = 0.05
 """Of the emulator's steps and its watchdog, on a loaded machine."""
 
@@ -41,6 +44,10 @@ class Reaction:
     expected: Expected
     back_within: float | None
     """Limit of ``back``, s."""
+    order_within: float | None = None
+    """Limit of ``ordered``, s, where it is not the usual one."""
+    recover_within: float = 10.0
+    """Limit of ``recovered``, s."""
     detected: float | None = None
     """First event, status or standing order."""
     detected_by: str = ""
@@ -58,12 +65,17 @@ class Reaction:
     first_order: str = ""
     """First motion order after the fault's end, of the new session where there is one."""
     contacts: int = 0
+    data_lost: float = 0.0
+    """s of the runs that their recordings lack, at their ends."""
     complaints: list[str] = field(default_factory=list)
 
 
 def new_reaction(fault: Fault) -> Reaction:
     """Return a reaction of which nothing is known yet."""
-    return Reaction(fault.name, fault.what, fault.expected, fault.back_within)
+    return Reaction(
+        *(fault.name, fault.what, fault.expected, fault.back_within, fault.order_within),
+        RECOVERY_LIMIT_S if not fault.to_border else BORDER_LIMIT_S,
+    )
 
 
 def steady_since(moments: Sequence[Moment]) -> float:
@@ -120,6 +132,22 @@ def first_scan(ended: float, recording: Path) -> float | None:
     return None if first is None else first - ended
 
 
+def data_lost(ends: Sequence[float], recordings: Sequence[Path]) -> float:
+    """Return how much of the ends of runs, s, is not in their recordings."""
+    return sum(_lost_at_end(end, path) for end, path in zip(ends, recordings, strict=True))
+
+
+def _lost_at_end(end: float, path: Path) -> float:
+    """Return how long before its process's end, s, monotonic, a recording ends."""
+    recording = read_recording(path)
+    last = 0.0
+    for item in recording.items():
+        if isinstance(item, Shutdown):
+            return 0.0  # the run had come to its end; what followed was no part of it
+        last = getattr(item, "t", last)
+    return max(0.0, end - 1e-9 * recording.header.start_monotonic_ns - last)
+
+
 def _published(path: Path, since: float) -> list[tuple[float, Publish]]:
     """Return what the agent has told from a time on (s, monotonic), with the times."""
     recording = read_recording(path)
@@ -155,15 +183,16 @@ def complaints(reaction: Reaction) -> list[str]:
     found = []
     if reaction.contacts:
         found.append(f"{reaction.contacts} contacts")
-    if reaction.recovered is None or reaction.recovered > RECOVERY_LIMIT_S:
-        found.append(f"not patrolling within {RECOVERY_LIMIT_S:g} s")
+    if reaction.recovered is None or reaction.recovered > reaction.recover_within:
+        found.append(f"not patrolling within {reaction.recover_within:g} s")
     if reaction.expected is Expected.MAY_PATROL:
         return found
     by_agent = reaction.expected is Expected.AGENT_STOPS
-    order_limit = AGENT_LIMIT_S if by_agent else WATCHDOG_LIMIT_S
+    order_limit = reaction.order_within or (AGENT_LIMIT_S if by_agent else WATCHDOG_LIMIT_S)
     if not _within(reaction.ordered, order_limit):
         found.append(f"no standing order within {order_limit:g} s")
     stop_limit = STOP_LIMIT_S + (0.0 if by_agent else _ramp(reaction.speed))
+    stop_limit += max(0.0, order_limit - AGENT_LIMIT_S) if by_agent else 0.0
     if not _within(reaction.stopped, stop_limit):
         found.append(f"not at rest within {stop_limit:.2f} s")
     if reaction.back_within is not None and not _within(reaction.back, reaction.back_within):

@@ -47,6 +47,19 @@ class ScanDecoder:
 
     def take(self, event: Event) -> list[tuple[float, Pose, NDArray[np.float64]]]:
         """Take one event; return the scans it completes: time, odometry, points (n, 2)."""
+        return [
+            (scan.t, odometry, self._projector.points(scan, *self._odometry.twist_at(scan.t)))
+            for scan, odometry in self.scans(event)
+        ]
+
+    @property
+    def latest(self) -> tuple[float, Pose] | None:
+        """Time, s, and odometry of the newest base report."""
+        state = self._odometry.latest
+        return None if state is None else (state.t, Pose(state.x, state.y, state.theta))
+
+    def scans(self, event: Event) -> list[tuple[Scan, Pose]]:
+        """Take one event; return the scans it completes with the odometry at each."""
         scans: list[Scan] = []
         match event:
             case BytesReceived(t, "base", data):
@@ -57,19 +70,15 @@ class ScanDecoder:
             case Tick(t):
                 self._base.tick(t)
                 self._laser.tick(t)
-            case LinkUp(t, link):
+            case LinkUp(t, "base" | "laser" as link):
                 self._session(link).link_up(t)
-            case LinkDown(t, link):
+            case LinkDown(t, "base" | "laser" as link):
                 self._session(link).link_down(t)
         # What the sessions ask of their links was done, and recorded, long ago.
         self._base.take_requests()
         self._laser.take_requests()
         located = [(scan, self._odometry.at(scan.t)) for scan in scans]
-        return [
-            (scan.t, odometry, self._projector.points(scan, *self._odometry.twist_at(scan.t)))
-            for scan, odometry in located
-            if odometry is not None
-        ]
+        return [(scan, odometry) for scan, odometry in located if odometry is not None]
 
     def _session(self, link: LinkName) -> P2osSession | Lms200Session:
         return self._base if link == "base" else self._laser

@@ -25,7 +25,7 @@ from mcap.stream_reader import get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC
 
 from maps.pose import Pose
-from robot_agent.effects import ChangeBaud, Effect, Publish, Send
+from robot_agent.effects import ChangeBaud, Effect, Publish, Send, TakePicture
 from robot_agent.event_codec import CODECS
 from robot_agent.events import BytesReceived, Event, LinkName
 from robot_agent.recording_writer import (
@@ -99,10 +99,15 @@ class Recording:
                 return
             yield item
 
-    def messages(self, topics: Collection[str]) -> Iterator[tuple[str, float, bytes]]:
-        """Yield topic, agent time (s) and content of the messages of some topics only, in order."""
+    def messages(self, topics: Collection[str] | None) -> Iterator[tuple[str, float, bytes]]:
+        """Yield topic, agent time (s) and content of the messages of some topics, in order.
+
+        None means all topics.
+        """
         return (
-            (channel.topic, t, data) for channel, t, data in self._raw() if channel.topic in topics
+            (channel.topic, t, data)
+            for channel, t, data in self._raw()
+            if topics is None or channel.topic in topics
         )
 
     def end(self) -> float:
@@ -324,6 +329,7 @@ def _reference(t: float, data: bytes) -> Reference:
 
 _INTERPRETERS: dict[str, Interpreter] = {
     "baud": _baud_effect,
+    "take_picture": lambda _t, _data: TakePicture(),
     "gap": lambda t, data: Gap(t, _decode_gap(data).lost),
     "reference": _reference,
     **{codec.topic: codec.decode for codec in CODECS},

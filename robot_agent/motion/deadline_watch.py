@@ -2,33 +2,28 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 from robot_agent.motion.trust import CONTROL
 
 MISSES = 3
-"""Control steps in a row that were late prove an overload."""
-CATCHES = 10
-"""Control steps in a row that were in time end it."""
+WITHIN_S = 3.0
+"""So many missed deadlines within so long are an overload, until the first of them is older."""
 
 
 class DeadlineWatch:
-    """Counts control steps that began too long after their report had arrived."""
+    """Counts what was handled too long after it had happened."""
 
     def __init__(self) -> None:
-        self._late_in_a_row = 0
-        self._in_time_in_a_row = 0
+        self._misses: deque[float] = deque(maxlen=MISSES)
         self.missed = 0
-        self.overloaded = False
 
-    def note(self, lag: float) -> None:
-        """Take one control step's ``lag``, s, from its report's arrival."""
+    def note(self, t: float, lag: float) -> None:
+        """Take something handled at ``t``, ``lag`` after it ought to have been, s."""
         if lag > CONTROL.max_age:
             self.missed += 1
-            self._late_in_a_row += 1
-            self._in_time_in_a_row = 0
-        else:
-            self._late_in_a_row = 0
-            self._in_time_in_a_row += 1
-        if self._late_in_a_row >= MISSES:
-            self.overloaded = True
-        elif self._in_time_in_a_row >= CATCHES:
-            self.overloaded = False
+            self._misses.append(t)
+
+    def overloaded(self, t: float) -> bool:
+        """Tell whether too many deadlines were missed lately."""
+        return len(self._misses) == MISSES and t - self._misses[0] < WITHIN_S

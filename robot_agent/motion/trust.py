@@ -26,13 +26,57 @@ class Trusted:
     """Of the alarm."""
 
 
-BASE = Trusted("base", "base report", 10.0, 0.3, "robot stands", LogLevel.ERROR)
-LASER = Trusted("laser", "laser scan", 5.0, 0.4, "robot stands", LogLevel.ERROR)
+BASE = Trusted("base", "base report", 10.0, 0.3, "the robot stands", LogLevel.ERROR)
+LASER = Trusted("laser", "laser scan", 5.0, 0.4, "the robot stands", LogLevel.ERROR)
+SONAR = Trusted("sonar", "sonar echo", 3.0, 0.5, "old echoes are forgotten", LogLevel.WARNING)
 POSE = Trusted(
-    "localization", "localized pose", 5.0, 10.0, "slow; lost: stands, then turns", LogLevel.WARNING
+    *("pose", "localized pose", 5.0, 1.0),
+    "unsure: the robot is slow; lost: it stands, then turns slowly to find itself",
+    LogLevel.WARNING,
 )
-SONAR = Trusted("sonar", "sonar echo", 3.0, 0.5, "echo is forgotten", LogLevel.WARNING)
+FROZEN_BASE = 4
+"""Reports in a row that tell of speed but not of motion."""
+FROZEN_LASER = 2
+"""Scans in a row that are the last one again, beam for beam, while the robot moves."""
+LEAST_RETURNS = 0.05
+"""Share of beams; a scan with less is that of a blind laser, and counts for none."""
+
 CONTROL = Trusted(
-    "control", "control step", 10.0, 0.1, "late 3 times: robot stands", LogLevel.ERROR
+    *("control", "control step in time", 10.0, 0.1),
+    "three late within 3 s: the robot stands until they are older than that",
+    LogLevel.ERROR,
 )
-TRUSTED = (BASE, LASER, SONAR, POSE, CONTROL)
+STREAMS = (BASE, LASER, SONAR, POSE)
+TRUSTED = (*STREAMS, CONTROL)
+
+
+class TrustWatch:
+    """Follows when each stream was last well, and tells when that is too long ago."""
+
+    def __init__(self) -> None:
+        """Nothing has come yet, and nothing is missed before it has come once."""
+        self._well_at: dict[str, float] = {}
+        self._missed: set[str] = set()
+
+    def well(self, stream: Trusted, t: float) -> None:
+        """Take note that a stream was well at ``t``, s."""
+        self._well_at[stream.name] = t
+
+    def changes(self, t: float) -> list[tuple[Trusted, bool]]:
+        """Return which streams have begun to be missed (False) or have come back (True)."""
+        found = []
+        for stream in STREAMS:
+            well = t - self._well_at.get(stream.name, t) <= stream.max_age
+            if well == (stream.name in self._missed):
+                found.append((stream, well))
+                self._missed ^= {stream.name}
+        return found
+
+
+def markdown() -> str:
+    """Return the table for people."""
+    lines = ["| Stream | at least, Hz | trusted for, s | then |", "| --- | --- | --- | --- |"]
+    lines += [
+        f"| {each.what} | {each.rate:g} | {each.max_age:g} | {each.reaction} |" for each in TRUSTED
+    ]
+    return "\n".join(lines)

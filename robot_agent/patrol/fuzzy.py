@@ -12,9 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain, combinations, pairwise
 from types import MappingProxyType
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import NamedTuple
 
 _NO_HEIGHT = 1e-12  # an overlap lower than this is empty
 
@@ -74,9 +72,20 @@ class MamdaniSystem:
     ) -> None:
         self.inputs, self.outputs, self.rules = tuple(inputs), tuple(outputs), tuple(rules)
         self._input_sets = [(v.name, tuple(v.sets.values())) for v in inputs]
-        self._rule_sets = _index_antecedents(self.inputs, self.rules)
-        self._firing_rules = _index_consequents(self.outputs, self.rules)
-        self._centroid = _Centroid(self.outputs)
+        inside, outside = _indices(self.inputs), _indices(self.outputs)
+        self._rules = [
+            (tuple(inside[key] for key in rule.when), tuple(outside[key] for key in rule.then))
+            for rule in rules
+        ]
+        self._output_sets = len(outside)
+        self._centroids: list[tuple[str, int, int, _Centroid]] = []  # first and last strength
+        first = 0
+        for output in outputs:
+            sets = tuple(output.sets.values())
+            known = (c for *_, c in self._centroids if c.sets == sets)
+            centroid = next(known, None) or _Centroid(sets)
+            self._centroids.append((output.name, first, first + len(sets), centroid))
+            first += len(sets)
         self._last: tuple[list[float], Mapping[str, float]] = [], {}
 
     def evaluate(self, values: Mapping[str, float]) -> Mapping[str, float]:
@@ -87,96 +96,112 @@ class MamdaniSystem:
         """
         degrees = [s(values[name]) for name, sets in self._input_sets for s in sets]
         if degrees != self._last[0]:
-            centroids = self._centroid.of(self._set_strengths(self._rule_strengths(degrees)))
-            levels = dict(zip((v.name for v in self.outputs), centroids.tolist(), strict=True))
-            self._last = degrees, MappingProxyType(levels)
+            self._last = degrees, MappingProxyType(self._levels(self._set_strengths(degrees)))
         return self._last[1]
 
-    def _rule_strengths(self, degrees: Sequence[float]) -> NDArray[np.float64]:
-        """Degree (rules + 1,) to which each rule holds; the last is 0, the rule of the unsaid."""
-        degrees = [*degrees, 1.0, 0.0]
-        return np.array(degrees)[self._rule_sets].min(axis=1)  # type: ignore[no-any-return]
+    def _set_strengths(self, degrees: Sequence[float]) -> list[float]:
+        """Greatest degree (output sets,) to which a rule that names the output set holds."""
+        strengths = [0.0] * self._output_sets
+        for when, then in self._rules:
+            strength = 1.0
+            for index in when:
+                degree = degrees[index]
+                if degree < strength:
+                    strength = degree
+                    if not degree:
+                        break
+            if strength:
+                for index in then:
+                    if strengths[index] < strength:
+                        strengths[index] = strength
+        return strengths
 
-    def _set_strengths(self, rules: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Greatest degree (output sets,) of the rules that name each output set."""
-        return rules[self._firing_rules].max(axis=1)  # type: ignore[no-any-return]
+    def _levels(self, strengths: Sequence[float]) -> dict[str, float]:
+        """Centroid of each output; most outputs share their strengths with another."""
+        levels: dict[str, float] = {}
+        found: dict[tuple[_Centroid, tuple[float, ...]], float] = {}
+        for name, first, last, centroid in self._centroids:
+            key = centroid, tuple(strengths[first:last])
+            level = found.get(key)
+            if level is None:
+                level = found[key] = centroid.of(key[1])
+            levels[name] = level
+        return levels
 
 
-def _index_antecedents(inputs: Sequence[Variable], rules: Sequence[Rule]) -> NDArray[np.intp]:
-    """Indices (rules + 1, widest rule) into the degrees, filled up with the degree 1."""
-    index = {key: i for i, key in enumerate((v.name, name) for v in inputs for name in v.sets)}
-    always, never = len(index), len(index) + 1
-    rows = [[index[key] for key in rule.when] for rule in rules] + [[never]]
-    return _filled(rows, always)
+def _indices(variables: Sequence[Variable]) -> dict[tuple[str, str], int]:
+    """Number all sets of all variables, by (variable, set)."""
+    return {key: i for i, key in enumerate((v.name, name) for v in variables for name in v.sets)}
 
 
-def _index_consequents(outputs: Sequence[Variable], rules: Sequence[Rule]) -> NDArray[np.intp]:
-    """Indices (output sets, most rules) into the rules, filled up with the rule that is 0."""
-    firing: dict[tuple[str, str], list[int]] = {(v.name, n): [] for v in outputs for n in v.sets}
-    for i, rule in enumerate(rules):
-        for key in rule.then:
-            firing[key].append(i)
-    return _filled(list(firing.values()), len(rules))
+class _Layer(NamedTuple):
+    """One layer of an overlap of sets, with its integrals from its bottom up to a height h.
 
+    area = h (area1 + h area2), moment = h (moment1 + h (moment2 + h moment3)); the sign is in them.
+    """
 
-def _filled(rows: Sequence[Sequence[int]], filler: int) -> NDArray[np.intp]:
-    width = max((len(row) for row in rows), default=0)
-    return np.array([[*row, *[filler] * (width - len(row))] for row in rows], dtype=np.intp)
+    group: tuple[int, ...]  # of sets that overlap
+    bottom: float
+    height: float
+    area1: float
+    area2: float
+    moment1: float
+    moment2: float
+    moment3: float
 
 
 class _Centroid:
-    """Centroids of many outputs at once from the strengths of their sets.
+    """Centroid of an output from the strengths of its sets.
 
     Area under max_i min(s_i, mu_i) = sum over groups of sets of (-1)^(size + 1) times the area
     under min over the group of mu_i, cut at min over the group of s_i. Such an overlap is a stack
     of layers between heights h0 and h1 whose ends move linearly with the height.
     """
 
-    def __init__(self, outputs: Sequence[Variable]) -> None:
-        groups: list[list[int]] = []
-        layers: list[tuple[float, float, float, float, float, float]] = []
-        places: list[tuple[int, float]] = []  # output, sign
-        first = 0
-        for output, variable in enumerate(outputs):
-            sets = list(variable.sets.values())
-            for group in _groups(len(sets)):
-                for layer in _layers([sets[i] for i in group]):
-                    groups.append([first + i for i in group])
-                    layers.append(layer)
-                    places.append((output, 1.0 if len(group) % 2 else -1.0))
-            first += len(sets)
-        self._groups = _filled_with_own(groups)
-        h0, h1, left, left_slope, right, right_slope = np.array(layers).T
-        self._bottom, self._height = h0, h1 - h0
-        # width(h) = right - left + (right_slope - left_slope) h, and the same for the moment
-        # (right(h)^2 - left(h)^2) / 2, integrated over the height from 0 to h
-        self._linear = np.array([right - left, (right**2 - left**2) / 2.0])
-        self._quadratic = (
-            np.array([right_slope - left_slope, right * right_slope - left * left_slope]) / 2.0
-        )
-        self._cubic = np.array([np.zeros(len(layers)), (right_slope**2 - left_slope**2) / 6.0])
-        self._signs = np.zeros((len(layers), len(outputs)))
-        for layer_index, (output, sign) in enumerate(places):
-            self._signs[layer_index, output] = sign
+    def __init__(self, sets: tuple[Trapezoid, ...]) -> None:
+        self.sets = sets
+        self._layers = [
+            _integrated(group, layer)
+            for group in _groups(len(sets))
+            for layer in _layers([sets[i] for i in group])
+        ]
 
-    def of(self, strengths: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the centroids (outputs,) of strengths (output sets,); 0 where all are 0."""
-        cut = strengths[self._groups].min(axis=1)
-        h = np.minimum(np.maximum(cut - self._bottom, 0.0), self._height)
-        linear, quadratic, cubic = self._linear, self._quadratic, self._cubic
-        area, moment = (((cubic * h + quadratic) * h + linear) * h) @ self._signs
-        centroids: NDArray[np.float64] = np.zeros_like(area)
-        np.divide(moment, area, out=centroids, where=area > 0.0)
-        return centroids
+    def of(self, strengths: Sequence[float]) -> float:
+        """Return the centroid of strengths (sets,); 0 where all are 0."""
+        area = moment = 0.0
+        for group, bottom, height, area1, area2, moment1, moment2, moment3 in self._layers:
+            cut = strengths[group[0]] if len(group) == 1 else min(strengths[i] for i in group)
+            h = min(cut - bottom, height)
+            if h > 0.0:
+                area += h * (area1 + h * area2)
+                moment += h * (moment1 + h * (moment2 + h * moment3))
+        return moment / area if area > 0.0 else 0.0
+
+
+def _integrated(
+    group: tuple[int, ...], layer: tuple[float, float, float, float, float, float]
+) -> _Layer:
+    """Prepare a layer's integrals.
+
+    width(h) = right - left + (right_slope - left_slope) h, and the same for the moment
+    (right(h)^2 - left(h)^2) / 2, integrated over the height from 0 to h.
+    """
+    h0, h1, left, left_slope, right, right_slope = layer
+    sign = 1.0 if len(group) % 2 else -1.0
+    return _Layer(
+        group,
+        h0,
+        h1 - h0,
+        sign * (right - left),
+        sign * (right_slope - left_slope) / 2.0,
+        sign * (right**2 - left**2) / 2.0,
+        sign * (right * right_slope - left * left_slope) / 2.0,
+        sign * (right_slope**2 - left_slope**2) / 6.0,
+    )
 
 
 def _groups(count: int) -> Iterator[tuple[int, ...]]:
     return chain.from_iterable(combinations(range(count), size) for size in range(1, count + 1))
-
-
-def _filled_with_own(groups: Sequence[Sequence[int]]) -> NDArray[np.intp]:
-    width = max(len(group) for group in groups)
-    return np.array([[*g, *[g[0]] * (width - len(g))] for g in groups], dtype=np.intp)
 
 
 def _layers(

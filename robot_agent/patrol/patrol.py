@@ -15,6 +15,7 @@ from robot_agent.patrol.actions import PATROLLING, Action, Situation, action_vel
 from robot_agent.patrol.automaton import Automaton
 from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
 from robot_agent.patrol.blockage import Blockage
+from robot_agent.patrol.even_gaps import EvenGaps
 from robot_agent.patrol.neighbor_state import NeighborState, NeighborView
 from robot_agent.patrol.reversal import RandomReversal
 from robot_agent.patrol.rules import RULES_FILE, load_rules
@@ -23,6 +24,12 @@ from robot_agent.patrol.supervisor import ActionChooser, Choice, Supervisor
 
 if TYPE_CHECKING:
     from maps.approach_field import Approach, ApproachField
+
+
+_OF_ACTION = {
+    Action.PATROL_CLOCKWISE: CLOCKWISE,
+    Action.PATROL_COUNTER_CLOCKWISE: COUNTER_CLOCKWISE,
+}
 
 
 class PatrolDecision(NamedTuple):
@@ -76,6 +83,11 @@ class Patrol:
         self._reversal = RandomReversal(
             settings.reversal_period, settings.reversal_probability, rng
         )
+        self._even_gaps = (
+            EvenGaps(settings.even_gaps, border, settings.patrol_speed, rng)
+            if settings.strategy == "even_gaps" and border.closed
+            else None
+        )
         self._blockage = Blockage(settings)
         self._abscissa: float | None = None
         self._direction: int | None = None  # of the last patrol; none before the first
@@ -102,6 +114,7 @@ class Patrol:
         way = foot.distance if approach is None else approach.distance
         choice = self._supervisor.choose(t, _inputs(way, neighbor, ends))
         reversed_at_random = self._turned_back(t, choice.winner, ends)
+        self._even_out(t, choice.winner, foot.abscissa)
         blocked = self._blockage.ends_waiting(t, position, neighbor.distance, held=held)
         if blocked:
             self._turn_back(choice.winner)
@@ -149,10 +162,23 @@ class Patrol:
         """Reverse at random while keeping going, but not near an end of an open border."""
         away_from_ends = min(ends) >= self._settings.reversal_end_distance
         keeps_going = action is Action.KEEP_GOING and self._direction is not None
-        if not self._reversal.due(t, permitted=keeps_going and away_from_ends):
+        onwards = self._even_gaps is None or self._even_gaps.goes_onwards
+        if not self._reversal.due(t, permitted=keeps_going and away_from_ends and onwards):
             return False
         self._turn_back(action)
+        if self._even_gaps is not None and self._direction is not None:
+            self._even_gaps.turned(t, self._direction)
         return True
+
+    def _even_out(self, t: float, action: Action, abscissa: float) -> None:
+        """Turn back for the sake of even gaps, if that is the strategy."""
+        if self._even_gaps is None or self._direction is None or action not in PATROLLING:
+            return
+        direction = _OF_ACTION.get(action, self._direction)
+        keeps_going = action is Action.KEEP_GOING
+        if self._even_gaps.turns_back(t, abscissa, direction, keeps_going=keeps_going):
+            self._turn_back(action)
+            self._even_gaps.turned(t, self._direction)
 
     def _turn_back(self, action: Action) -> None:
         """Keep going the other way; any other action has its direction from the supervisor."""
@@ -161,10 +187,7 @@ class Patrol:
 
     def _update_direction(self, action: Action, foot: BorderProjection, theta: float) -> int:
         """Remember the direction of the last Patrol CW or CCW; at first that of the heading."""
-        if action is Action.PATROL_CLOCKWISE:
-            self._direction = CLOCKWISE
-        elif action is Action.PATROL_COUNTER_CLOCKWISE:
-            self._direction = COUNTER_CLOCKWISE
+        self._direction = _OF_ACTION.get(action, self._direction)
         if self._direction is not None:
             return self._direction
         tx, ty = foot.tangent

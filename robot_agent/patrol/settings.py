@@ -38,6 +38,17 @@ class AutomatonSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknow
             )
 
 
+class EvenGapsSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """How robots of the strategy "even_gaps" learn and keep their gaps."""
+
+    learning_laps: Positive = 1.5  # laps of patrol by the rules alone, before the team is counted
+    longest_learning_laps: Positive = 12.0  # when the way round proves blocked again and again
+    slack: Annotated[float, msgspec.Meta(ge=1.0, le=2.0)] = 1.06  # of the gap to leave: a robot
+    # met at that distance was where it should be
+    tolerance: Share = 0.15  # of the gap ahead, within which it counts as even
+    memory: Positive = 3600.0  # s after which the team is counted anew
+
+
 class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of one robot's patrol; the printed values of the paper are marked [paper]."""
 
@@ -68,6 +79,8 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     reading: Literal["R1", "R2", "R3"] = "R1"  # of the damaged cell of Table I
     rules_file: str = ""  # another rule file in place of the shipped rules.toml
     automaton: AutomatonSettings = AutomatonSettings()
+    strategy: Literal["paper", "even_gaps"] = "paper"  # what decides on turning back
+    even_gaps: EvenGapsSettings = EvenGapsSettings()
 
     def __post_init__(self) -> None:
         """Refuse thresholds out of order."""

@@ -66,12 +66,12 @@ class Supervisor:
         best = max(degrees.values())
         safest = _SAFEST_LEFT if left else _SAFEST_RIGHT
 
-        def rank(action: Action) -> tuple[bool, float, bool, int]:
-            tied = degrees[action] >= best - _EQUAL
-            degree = best if tied else degrees[action]
-            return not tied, -degree, action is not self._present.action, safest.index(action)
-
-        return sorted(_ACTIONS, key=rank)
+        tied = [action for action in safest if degrees[action] >= best - _EQUAL]
+        if self._present.action in tied:
+            tied.sort(key=lambda action: action is not self._present.action)
+        rest = [action for action in safest if action not in tied]
+        rest.sort(key=degrees.__getitem__, reverse=True)
+        return tied + rest
 
 
 # Safest first: avoid, reach the border, patrol away from the teammate, keep going.

@@ -3,12 +3,13 @@
 A Pioneer (0.511 x 0.425 m with its bumpers, 0.44 x 0.38 m of body) shows 0.38 to 0.67 m across
 the line of sight. Its centre lies behind its nearest point by half its depth, which follows from
 the width seen: end-on or sideways it is narrow and shallow, seen across a corner wide and deep.
+What is narrower or wider is a person or a thing; two legs make one person.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum, auto
 
 import numpy as np
@@ -17,6 +18,10 @@ from numpy.typing import NDArray
 from robot_agent.perception.settings import PerceptionSettings
 
 _LEAST_POINTS = 3
+_LEG = 0.05  # m; less is a chair's leg or noise
+_LEG_SIGMA = 0.12  # m; a person's middle from the legs, one of which stands still
+_BESIDE = 0.45  # m from the middle of a robot within which thin things are parts of it
+_REFLECTOR_REACH = 0.45  # m from a robot's middle to a reflector on it
 _LEAST_FILL = 0.6  # share of the beams a solid object of this width would return
 _MOST_SEGMENTS = 6  # nearest ones kept: a scan that fits no map must not flood the tracker
 _COARSEST_INCREMENT = math.radians(1.0)
@@ -39,12 +44,13 @@ class Edge(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A robot-sized object in one scan.
+    """A robot, a person or a thing in one scan.
 
     x, y: estimated centre in base_link, m. extent: width seen across the line of sight, m.
     sigma_along, sigma_across: standard deviations of the centre along and across the line of
     sight, m. points: how many beams met it. whole: enough of it is seen to tell its size; otherwise
-    it is a part that may belong to a robot already known, or to somebody's leg.
+    it is a part that may belong to somebody already known. robot_sized: it may be a robot.
+    reflecting: it has a reflector, where the laser tells.
     """
 
     x: float
@@ -54,6 +60,8 @@ class Segment:
     sigma_across: float
     points: int
     whole: bool
+    robot_sized: bool = True
+    reflecting: bool = False
 
 
 def find_segments(
@@ -61,11 +69,13 @@ def find_segments(
     ranges: NDArray[np.float64],
     unexplained: NDArray[np.bool_],
     settings: PerceptionSettings,
+    reflectors: NDArray[np.bool_] | None = None,
 ) -> list[Segment]:
-    """Return the robot-sized segments of a scan, nearest first.
+    """Return the segments of a scan that may be somebody, nearest first.
 
     points: (n, 2) base_link, ordered by bearing, counter-clockwise; ranges: (n,) their distances,
-    m; unexplained: (n,) which of them the map does not account for.
+    m; unexplained: (n,) which of them the map does not account for; reflectors: (n,) which met
+    one, where the laser tells.
     """
     indices = np.flatnonzero(unexplained)
     if len(indices) < _LEAST_POINTS:
@@ -78,8 +88,68 @@ def find_segments(
         if last - first + 1 >= _LEAST_POINTS
         and (segment := _segment(points, ranges, first, last, increment, settings)) is not None
     ]
-    segments.sort(key=lambda segment: math.hypot(segment.x, segment.y))
+    if reflectors is not None and reflectors.any():
+        segments = [_with_reflector(segment, points, reflectors) for segment in segments]
+    segments = _people(segments, settings)
+    segments.sort(key=_distance)
     return segments[:_MOST_SEGMENTS]
+
+
+def _distance(segment: Segment) -> float:
+    return math.hypot(segment.x, segment.y)
+
+
+def _with_reflector(
+    segment: Segment, points: NDArray[np.float64], reflectors: NDArray[np.bool_]
+) -> Segment:
+    away = np.hypot(points[reflectors, 0] - segment.x, points[reflectors, 1] - segment.y)
+    return replace(segment, reflecting=bool((away < _REFLECTOR_REACH).any()))
+
+
+def _people(segments: list[Segment], settings: PerceptionSettings) -> list[Segment]:
+    """Return the segments with legs paired up: two a stride apart are a person, one is a part.
+
+    What is thin and beside something as large as a robot is a part of that.
+    """
+    robots = [each for each in segments if each.whole and each.robot_sized]
+    segments = robots + [
+        each
+        for each in segments
+        if each not in robots
+        and (
+            each.extent > settings.most_extent
+            or all(_apart(each, robot) > _BESIDE for robot in robots)
+        )
+    ]
+    legs = [each for each in segments if each.extent < settings.least_person_extent and each.whole]
+    found = [each for each in segments if each not in legs]
+    while legs:
+        leg = legs.pop()
+        other = min(legs, key=lambda each: _apart(leg, each), default=None)
+        if other is None or _apart(leg, other) > settings.stride:
+            found.append(replace(leg, whole=False))
+            continue
+        legs.remove(other)
+        found.append(_person(leg, other))
+    return found
+
+
+def _apart(a: Segment, b: Segment) -> float:
+    return math.hypot(a.x - b.x, a.y - b.y)
+
+
+def _person(a: Segment, b: Segment) -> Segment:
+    return Segment(
+        x=(a.x + b.x) / 2,
+        y=(a.y + b.y) / 2,
+        extent=_apart(a, b) + (a.extent + b.extent) / 2,
+        sigma_along=_LEG_SIGMA,
+        sigma_across=_LEG_SIGMA,
+        points=a.points + b.points,
+        whole=True,
+        robot_sized=False,
+        reflecting=a.reflecting or b.reflecting,
+    )
 
 
 def _angular_increment(points: NDArray[np.float64]) -> float:
@@ -138,14 +208,21 @@ def _segment(
 
     count = last - first + 1
     partial = Edge.HIDDEN in (right, left)
-    least = settings.least_partial_extent if partial else settings.least_extent
-    if not least <= extent <= settings.most_extent:
+    clear = right is Edge.CLEAR and left is Edge.CLEAR
+    robot_sized = settings.least_extent <= extent <= settings.most_extent
+    if partial and not robot_sized:
+        if not settings.least_partial_extent <= extent < settings.least_extent:
+            return None
+    elif not robot_sized and not (clear and _LEG <= extent <= settings.most_stranger_extent):
         return None
     span = _angle_between(points[first], points[last])
     if count < _LEAST_FILL * (1.0 + span / increment):
         return None
 
-    distance = near + float(np.interp(extent, _WIDTHS, _HALF_DEPTHS))
+    if robot_sized or partial:
+        distance = near + float(np.interp(extent, _WIDTHS, _HALF_DEPTHS))
+    else:
+        distance = near + min(0.4 * extent, _HALF_DEPTHS[-1])
     offset, sigma_across = _across(right, left, rightmost, leftmost, settings.half_width)
     return Segment(
         x=distance * ux - offset * uy,
@@ -154,7 +231,8 @@ def _segment(
         sigma_along=0.08 if partial else 0.05,
         sigma_across=sigma_across,
         points=count,
-        whole=extent >= settings.least_extent,
+        whole=extent >= settings.least_extent or not partial,
+        robot_sized=robot_sized or partial,
     )
 
 

@@ -29,6 +29,9 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     least_extent: Positive = 0.30  # m across the line of sight, both edges in view
     least_partial_extent: Positive = 0.12  # m, an edge hidden by something nearer or out of view
     most_extent: Positive = 0.75  # m
+    most_stranger_extent: Positive = 1.1  # m; larger things are furniture
+    least_person_extent: Positive = 0.22  # m; smaller ones are legs, and count by twos
+    stride: Positive = 0.55  # m between two legs of one person
     half_width: Positive = 0.27  # m from the centre to an edge, mean over headings
 
     # How well a pose is known; adds to each position's covariance.
@@ -49,13 +52,26 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     most_covered: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] = 0.5  # of a scan's beams
     velocity_decay: Positive = 1.0  # s; time constant of an unseen track's velocity
 
-    # What makes a robot-sized track a teammate: it moves.
+    # What makes a robot-sized track a teammate where no camera tells: it moves.
     motion_window: Positive = 2.5  # s over which displacement is judged
     motion_distance: Positive = 0.20  # m, beyond twice the position's sigma
+
+    most_robot_speed: Positive = 0.75  # m/s; whoever is faster is none of the team
+    reflecting_bands: bool = False  # teammates wear reflecting tape at the laser's height
+
+    # What sonars tell of a track that no laser sees.
+    sonar_gate: Positive = 0.5  # m from the track to an echo of it
+    sonar_sigma: Positive = 0.2  # m
+    sonar_memory: Positive = 6.0  # s after the laser saw it last
 
     # What the patrol is told.
     visibility: Positive = 2.5  # m; the paper's visibility range (section III)
     visibility_margin: NotNegative = 0.1  # m; a teammate in view is kept this much farther
+
+    # Who is reported as an intruder.
+    intruder_distance: Positive = 2.0  # m from the border
+    intruder_time: Positive = 3.0  # s there
+    intruder_memory: Positive = 60.0  # s unseen within which whoever comes back is the same
 
     # What teammates wear, where there is a camera.
     color: ColorSettings = ColorSettings()
@@ -66,6 +82,10 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
             raise ValueError(
                 "extents must satisfy least_partial_extent <= least_extent < most_extent"
             )
+        if not self.least_person_extent <= self.least_extent:
+            raise ValueError("least_person_extent must be at most least_extent")
+        if self.most_stranger_extent < self.most_extent:
+            raise ValueError("most_stranger_extent must be at least most_extent")
         if self.detection_range < self.visibility + self.visibility_margin:
             raise ValueError(
                 "detection_range must be at least visibility + visibility_margin "

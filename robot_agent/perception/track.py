@@ -1,4 +1,4 @@
-"""A track: one robot-sized thing followed over time."""
+"""A track: one thing that is not in the map, followed over time."""
 
 from __future__ import annotations
 
@@ -7,14 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from robot_agent.perception.identity import Kind, Probabilities
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Track:
-    """Where a robot-sized thing is, and whether it is a teammate.
+    """Where somebody is, and who.
 
-    x, y: centre of its outline, m, map frame. vx, vy: velocity, m/s, map frame. covariance:
-    (2, 2) of the position, m^2. first_seen, last_seen: times of its first and latest detection,
-    s. teammate: it has been seen moving.
+    x, y: centre of the outline, m, map frame. vx, vy: velocity, m/s, map frame. covariance:
+    (2, 2) of the position, m^2. first_seen, last_seen: times of the laser's first and latest
+    detection, s. robot_sized: as large as a Pioneer, as often as it was seen whole. by_color:
+    whether pictures tell anything of it.
     """
 
     id: int
@@ -25,4 +28,12 @@ class Track:
     covariance: NDArray[np.float64]
     first_seen: float
     last_seen: float
-    teammate: bool
+    kind: Kind
+    probabilities: Probabilities
+    robot_sized: bool
+    by_color: bool
+
+    @property
+    def teammate(self) -> bool:
+        """Whether it is a teammate."""
+        return self.kind is Kind.TEAMMATE

@@ -9,12 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from robot_agent.perception.identity import Identity, Kind
 from robot_agent.perception.kalman import KalmanFilter
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.track import Track
 
 _SAMPLE_PERIOD = 0.2  # s between the past positions kept to judge motion
 _BROKEN_SIGHT = 3  # misses in a row after which the thing seen next may be another one
+_SIZE_KNOWN = 5  # times seen whole after which its size says something
 _POSITION_OF_STATE = np.eye(2, 4)
 
 
@@ -22,7 +24,8 @@ _POSITION_OF_STATE = np.eye(2, 4)
 class Detection:
     """A measured centre: x, y in m, map frame; variances and covariance in m^2.
 
-    whole: its size could be told, so that it may start a track.
+    whole: enough of it was seen to start a track. robot_sized: it may be a robot by its size.
+    reflecting: it has a reflector, where the laser tells.
     """
 
     x: float
@@ -31,6 +34,8 @@ class Detection:
     var_y: float
     cov_xy: float
     whole: bool
+    robot_sized: bool = True
+    reflecting: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,10 +56,15 @@ class TrackFilter:
         self.id = track_id
         self.first_seen = t
         self.last_seen = t
-        self.teammate = False
+        self.supported = t
+        """When laser or sonar last told of it, s."""
+        self.identity = Identity()
         self.hits = 1
         self.misses = 0
         self._t = t
+        self._moved = self._has_moved = False
+        self._next_evidence = t
+        self._whole, self._robot_sized = 1, int(detection.robot_sized)
         self._past: deque[_PastPosition] = deque()
         self._kalman = KalmanFilter(dim_x=4, dim_z=2)
         self._kalman.H = _POSITION_OF_STATE
@@ -67,6 +77,16 @@ class TrackFilter:
     def confirmed(self) -> bool:
         """Whether it was detected often enough to be real."""
         return self.hits >= self._settings.confirm_hits
+
+    @property
+    def robot_sized(self) -> bool:
+        """Whether it is as large as a robot, as often as it was seen whole."""
+        return self._robot_sized > 0.7 * self._whole
+
+    @property
+    def teammate(self) -> bool:
+        """Whether it is a teammate."""
+        return self.identity.kind is Kind.TEAMMATE
 
     def predict(self, t: float) -> None:
         """Carry the state forward to t, s; an unseen robot is expected to come to rest."""
@@ -90,14 +110,26 @@ class TrackFilter:
         squared = (syy * dx * dx - 2.0 * sxy * dx * dy + sxx * dy * dy) / (sxx * syy - sxy * sxy)
         return squared if squared <= self._settings.gate else math.inf
 
-    def hit(self, t: float, detection: Detection) -> None:
-        """Take in a detection made at t; call ``predict(t)`` before."""
+    def hit(self, t: float, detection: Detection, *, motion_tells: bool) -> None:
+        """Take in a detection made at t; call ``predict(t)`` before.
+
+        motion_tells: there are no pictures, so who moves as a robot does is taken for one.
+        """
         self._kalman.update(np.array((detection.x, detection.y)), R=_covariance(detection))
         self.hits += 1
         self.misses = 0
-        self.last_seen = t
+        self.last_seen = self.supported = t
+        if detection.whole:
+            self._whole += 1
+            self._robot_sized += detection.robot_sized
         if self.confirmed:
             self._judge_motion(t)
+            self._judge(t, detection, motion_tells=motion_tells)
+
+    def hear(self, t: float, x: float, y: float, sigma: float) -> None:
+        """Take in a sonar's echo of it from (x, y), m, map frame; call ``predict(t)`` before."""
+        self._kalman.update(np.array((x, y)), R=sigma**2 * np.eye(2))
+        self.supported = t
 
     def miss(self) -> None:
         """Note that a scan did not show it."""
@@ -118,7 +150,10 @@ class TrackFilter:
             covariance=self._kalman.P[:2, :2].copy(),
             first_seen=self.first_seen,
             last_seen=self.last_seen,
-            teammate=self.teammate,
+            kind=self.identity.kind,
+            probabilities=self.identity.probabilities,
+            robot_sized=self.robot_sized,
+            by_color=self.identity.by_color,
         )
 
     def _decay(self, dt: float) -> tuple[float, float]:
@@ -135,15 +170,31 @@ class TrackFilter:
         Q[2, 2] = Q[3, 3] = density * dt
         return Q
 
+    def _judge(self, t: float, detection: Detection, *, motion_tells: bool) -> None:
+        """Note what the laser alone tells of who it is."""
+        if motion_tells and self._moved and self.robot_sized and not self.identity.by_color:
+            self._moved = False  # told once
+            self.identity.note_robot_like()
+        if t < self._next_evidence:
+            return
+        self._next_evidence = t + _SAMPLE_PERIOD
+        vx, vy = self._kalman.x[2:].tolist()
+        if math.hypot(vx, vy) > self._settings.most_robot_speed:
+            self.identity.note_too_fast()
+        if self._whole >= _SIZE_KNOWN and not self.robot_sized:
+            self.identity.note_wrong_size()
+        if detection.reflecting and self._settings.reflecting_bands:
+            self.identity.note_reflector()
+
     def _judge_motion(self, t: float) -> None:
-        """Mark a teammate once it has moved farther than errors can explain.
+        """Note once that it has moved farther than errors can explain.
 
         Judged over a window rather than the track's whole life: the centre of a standing box
         wanders by its own size while we drive round it, but only slowly. Over the window, the
         distance also means a lasting speed.
         """
         settings = self._settings
-        if self.teammate:
+        if self._has_moved:
             return
         x, y = float(self._kalman.x[0]), float(self._kalman.x[1])
         P = self._kalman.P
@@ -154,7 +205,7 @@ class TrackFilter:
         if past:
             moved = math.hypot(x - past[0].x, y - past[0].y)
             noise = 2.0 * math.sqrt(variance + past[0].variance)
-            self.teammate = moved > settings.motion_distance + noise
+            self._moved = self._has_moved = moved > settings.motion_distance + noise
         if not past or t - past[-1].t >= _SAMPLE_PERIOD:
             past.append(_PastPosition(t, x, y, variance))
 

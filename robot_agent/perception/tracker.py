@@ -1,14 +1,19 @@
-"""The teammate tracker: scans and poses in, the closest teammate out."""
+"""The tracker: scans, pictures, echoes and poses in; who is where out."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
 
+from drivers.camera_source import CameraSettings
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
+from robot_agent.perception.band_matching import BandMatcher
+from robot_agent.perception.blob import Blob
 from robot_agent.perception.segments import Segment, find_segments
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.track import Track
@@ -16,36 +21,53 @@ from robot_agent.perception.track_filter import Detection, TrackFilter
 from robot_agent.perception.unexplained import UnexplainedPoints
 
 _TENTATIVE_MISSES = 2  # scans in a row that end an unconfirmed track
+_SEEN_LATELY = 0.35  # s before a picture: who was seen then is where the picture shows it
+_SILENT_CAMERA = 1.5  # s without a clear picture after which motion tells robots again
+_FAR = 1e6
 
 
 class TeammateTracker:
-    """Follows robot-sized things that are not in the map and knows which of them are teammates.
+    """Follows whatever is not in the map and knows who of it is a teammate, who a stranger.
 
-    A track is confirmed after a few detections, a teammate once it has been seen moving (and from
-    then on), and remembered for a while unseen: a robot that turned away does not forget.
+    A track is confirmed after a few detections. Pictures tell who wears the team's band; where none
+    come, who is as large as a robot and has moved is taken for a teammate. A track is remembered
+    for a while unseen: a robot that turned away does not forget.
     """
 
-    def __init__(self, settings: PerceptionSettings, occupancy: OccupancyMap) -> None:
+    def __init__(
+        self,
+        settings: PerceptionSettings,
+        occupancy: OccupancyMap,
+        camera: CameraSettings | None = None,
+    ) -> None:
         self._settings = settings
         self._unexplained = UnexplainedPoints(settings, occupancy)
+        self._matcher = BandMatcher(camera or CameraSettings(), settings.color)
         self._filters: list[TrackFilter] = []
         self._next_id = 1
         self._t = 0.0
         self._visible: set[int] = set()
+        self._clear_picture_at = -math.inf
 
     @property
     def tracks(self) -> list[Track]:
         """The confirmed tracks, oldest first, as of the latest scan."""
         return [each.track_at(self._t) for each in self._filters if each.confirmed]
 
-    def update(self, t: float, pose: Pose, points: NDArray[np.float64]) -> None:
+    def update(
+        self,
+        t: float,
+        pose: Pose,
+        points: NDArray[np.float64],
+        reflectors: NDArray[np.bool_] | None = None,
+    ) -> None:
         """Take in a scan measured at t, s.
 
         pose: map_from_base at t. points: (n, 2) m, base_link, ordered by bearing, beams without
-        a return left out.
+        a return left out. reflectors: (n,) which beams met one, where the laser tells.
         """
         self._t = t
-        detections = self._detect(pose, points)
+        detections = self._detect(pose, points, reflectors)
         for each in self._filters:
             each.predict(t)
         unmatched = self._associate(t, detections)
@@ -55,6 +77,52 @@ class TeammateTracker:
                 continue
             self._filters.append(TrackFilter(self._settings, self._next_id, t, detection))
             self._next_id += 1
+
+    def see_bands(self, t: float, pose: Pose, blobs: Sequence[Blob]) -> None:
+        """Take in what a clear picture taken at t, s, shows; pose: map_from_base then."""
+        self._clear_picture_at = max(self._clear_picture_at, t)
+        seen = [
+            each for each in self._filters if each.confirmed and t - each.last_seen < _SEEN_LATELY
+        ]
+        tracks = [each.track_at(t) for each in seen]
+        matches = self._matcher.match(pose, tracks, blobs)
+        for index, confidence in matches.banded.items():
+            seen[index].identity.note_band(confidence)
+        for index in matches.bare:
+            seen[index].identity.note_no_band()
+
+    def awaits_echo(self, t: float) -> bool:
+        """Tell whether a teammate is out of the laser's sight at t, s, and may be heard yet."""
+        return bool(self._unseen(t))
+
+    def _unseen(self, t: float) -> list[TrackFilter]:
+        memory = self._settings.sonar_memory
+        return [
+            each
+            for each in self._filters
+            if each.teammate and each.misses and t - each.last_seen <= memory
+        ]
+
+    def hear(self, t: float, pose: Pose, echoes: NDArray[np.float64]) -> None:
+        """Take in sonar echoes (n, 2), m, base_link at t, s; pose: map_from_base.
+
+        They keep up a track that no laser sees, for a while, but never start one: a sonar hears
+        walls as well, and does not tell who is there.
+        """
+        unseen = self._unseen(t)
+        if not unseen or not len(echoes):
+            return
+        ranges = np.hypot(echoes[:, 0], echoes[:, 1])
+        free = echoes[self._unexplained.mask(pose, echoes, ranges)]
+        c, s = math.cos(pose.theta), math.sin(pose.theta)
+        in_map = free @ np.array(((c, s), (-s, c))) + (pose.x, pose.y)
+        for each in unseen:
+            track = each.track_at(t)
+            away = np.hypot(in_map[:, 0] - track.x, in_map[:, 1] - track.y)
+            if away.size and float(away.min()) < self._settings.sonar_gate:
+                x, y = in_map[int(away.argmin())].tolist()
+                each.predict(t)
+                each.hear(t, x, y, self._settings.sonar_sigma)
 
     def covered(
         self, t: float, pose: Pose, points: NDArray[np.float64]
@@ -86,7 +154,7 @@ class TeammateTracker:
         nearest, nearest_distance = None, math.inf
         visible = set()
         for each in self._filters:
-            if not each.teammate or t - each.last_seen > self._settings.memory:
+            if not each.teammate or t - each.supported > self._settings.memory:
                 continue
             track = each.track_at(t)
             distance = math.hypot(track.x - pose.x, track.y - pose.y)
@@ -99,11 +167,13 @@ class TeammateTracker:
         self._visible = visible
         return nearest
 
-    def _detect(self, pose: Pose, points: NDArray[np.float64]) -> list[Detection]:
-        """Return the robot-sized segments of a scan in the map frame."""
+    def _detect(
+        self, pose: Pose, points: NDArray[np.float64], reflectors: NDArray[np.bool_] | None
+    ) -> list[Detection]:
+        """Return the segments of a scan that may be somebody, in the map frame."""
         ranges = np.hypot(points[:, 0], points[:, 1])
         unexplained = self._unexplained.mask(pose, points, ranges)
-        segments = find_segments(points, ranges, unexplained, self._settings)
+        segments = find_segments(points, ranges, unexplained, self._settings, reflectors)
         return [self._in_map(pose, segment) for segment in segments]
 
     def _in_map(self, pose: Pose, segment: Segment) -> Detection:
@@ -125,23 +195,26 @@ class TeammateTracker:
             var_y=s * s * along + c * c * across,
             cov_xy=c * s * (along - across),
             whole=segment.whole,
+            robot_sized=segment.robot_sized,
+            reflecting=segment.reflecting,
         )
 
     def _associate(self, t: float, detections: list[Detection]) -> list[Detection]:
-        """Give each track its detection, nearest pairs first; return those that fit no track."""
-        pairs = sorted(
-            (distance, i, j)
-            for i, each in enumerate(self._filters)
-            for j, detection in enumerate(detections)
-            if (distance := each.gate_distance(detection)) < math.inf
-        )
-        matched: set[int] = set()
+        """Give each track its detection, all in all the nearest; return those that fit no track."""
         taken: set[int] = set()
-        for _, i, j in pairs:
-            if i not in matched and j not in taken:
-                matched.add(i)
-                taken.add(j)
-                self._filters[i].hit(t, detections[j])
+        matched: set[int] = set()
+        if self._filters and detections:
+            cost = np.array(
+                [[each.gate_distance(detection) for detection in detections]
+                 for each in self._filters]
+            )  # fmt: skip
+            cost[np.isinf(cost)] = _FAR
+            motion_tells = t - self._clear_picture_at > _SILENT_CAMERA
+            for i, j in zip(*(each.tolist() for each in linear_sum_assignment(cost)), strict=True):
+                if cost[i, j] < _FAR:
+                    matched.add(i)
+                    taken.add(j)
+                    self._filters[i].hit(t, detections[j], motion_tells=motion_tells)
         for i, each in enumerate(self._filters):
             if i not in matched:
                 each.miss()
@@ -150,4 +223,4 @@ class TeammateTracker:
     def _alive(self, each: TrackFilter, t: float) -> bool:
         if not each.confirmed:
             return each.misses < _TENTATIVE_MISSES
-        return t - each.last_seen <= self._settings.memory
+        return t - each.supported <= self._settings.memory

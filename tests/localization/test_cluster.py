@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from localization.cluster import best_cluster
+from localization.cluster import best_cluster, heavy_clusters
 
 RNG_SEED = 4
 
@@ -54,3 +54,17 @@ def test_spread_is_along_the_worst_direction() -> None:
     particles = np.column_stack((along, along, np.zeros(101)))
     cluster = best_cluster(particles, np.full(101, 1 / 101))
     assert cluster.spread == pytest.approx(math.sqrt(2) * along.std())
+
+
+def test_heavy_clusters_come_apart_and_heaviest_first() -> None:
+    rng = np.random.default_rng(1)
+    places = np.array([(0.0, 0.0, 0.0), (5.0, 0.0, 1.0), (0.0, 5.0, -2.0)])
+    particles = np.repeat(places, 100, axis=0) + 0.05 * rng.standard_normal((300, 3))
+    weights = np.repeat((0.2, 0.5, 0.3), 100) / 100
+    clusters = heavy_clusters(particles, weights, 8)
+    assert [round(cluster.share, 6) for cluster in clusters] == [0.5, 0.3, 0.2]
+    assert [cluster.share for cluster in heavy_clusters(particles, weights, 2)] == [
+        cluster.share for cluster in clusters[:2]
+    ]
+    for cluster, place in zip(clusters, places[[1, 2, 0]], strict=True):
+        assert np.allclose(cluster.mean, place, atol=0.05)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import io
+import os
 import signal
 import subprocess
 import sys
@@ -175,6 +176,19 @@ def test_file_that_cannot_be_made_is_a_state(tmp_path: Path) -> None:
     recorder = Recorder(tmp_path / "missing" / "run.mcap", HEADER)
     recorder.close()
     assert "No such file or directory" in recorder.failed
+
+
+def test_a_disk_that_hangs_costs_the_recording_and_nothing_else(tmp_path: Path) -> None:
+    path = tmp_path / "run.mcap"
+    os.mkfifo(path)  # opening it waits for a reader, as a hanging disk makes one wait
+    recorder = Recorder(path, HEADER, capacity=100, close_wait=0.05)
+    record(recorder, [Tick(index / 10) for index in range(150)])
+    assert recorder.lost == 50
+    recorder.close()
+    assert "the disk hangs" in recorder.failed
+    reader = os.open(path, os.O_RDONLY | os.O_NONBLOCK)  # lets the thread go
+    recorder.close()
+    os.close(reader)
 
 
 class DiskFullLater(io.BytesIO):

@@ -28,6 +28,7 @@ from robot_agent.streams import (
     STREAMS,
     DecisionPayload,
     DeviceStatus,
+    IntruderPayload,
     LocalizationStatus,
     Payload,
     PayloadError,
@@ -95,7 +96,23 @@ PAYLOADS: dict[str, Payload] = {
     "pose": PoseInFrame(timestamp=NOON, frame_id="map", pose=pose3(Pose(1.0, 2.0, 0.5))),
     "scan": laser_scan(NOON, "laser", -1.5, 0.5, np.array([1.0, math.inf, 2.0])),
     "particles": poses_in_frame(NOON, "map", np.array([[1.0, 2.0, 0.5], [1.1, 2.0, 0.4]])),
-    "tracks": SceneUpdate(entities=[track_entity(NOON, 3, (1.0, 2.0), (0.3, 0.4), teammate=True)]),
+    "intruder": IntruderPayload(
+        timestamp=NOON,
+        robot="robot1",
+        number=1,
+        x=1.0,
+        y=2.0,
+        abscissa=12.5,
+        distance=0.8,
+        closest=0.4,
+        first_seen=NOON,
+        last_seen=NOON,
+        scan=[1.0, 2.0, 1.1, 2.0],
+        picture="/9j/4AAQ",
+    ),
+    "tracks": SceneUpdate(
+        entities=[track_entity(NOON, 3, (1.0, 2.0), (0.3, 0.4), kind="teammate", probability=0.9)]
+    ),
     "process": ProcessPayload(
         timestamp=NOON,
         robot="anna",

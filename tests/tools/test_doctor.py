@@ -29,7 +29,7 @@ from drivers.p2os.base_state import BaseState
 from maps.map_folder import load_map_folder
 from robot_agent.config import AgentConfig, load_config
 from tools.bench.agent_stage import START, make_room
-from tools.bench.emulated_camera import CameraServer
+from tools.bench.emulated_camera import CameraServer, EmulatedCamera
 from tools.bench.faulty_line import Cable, FaultyLine
 from tools.bench.real_time_rig import RealTimeRig
 from tools.bench.rig import RobotRig
@@ -67,7 +67,7 @@ class RobotOnTheBench:
         self.laser_line = FaultyLine(self.rig.laser, rng)
         self.base_cable = Cable(self.base_line, folder / "base")
         self.laser_cable = Cable(self.laser_line, folder / "laser")
-        self.camera = CameraServer(world, lambda: self.rig.body.pose)
+        self.camera = CameraServer(EmulatedCamera(world, self.rig.body).take)
         self.operator = socket.create_server(("127.0.0.1", 0))
         self.config_path = folder / "robot1.toml"
         self.config_path.write_text(self._configuration(folder))

@@ -27,7 +27,8 @@ from drivers.p2os.model import UnknownModelError
 from maps.map_folder import MapFolder, load_map_folder
 from maps.pose import Pose
 from robot_agent.config import find_map
-from tools.bench.emulated_camera import HEIGHT, WIDTH, render_view
+from robot_agent.perception.color_settings import ColorSettings
+from tools.bench.camera_view import CameraView
 from tools.bench.world import World
 from tools.cli import main
 from tools.emulate import EmulateError, EmulateOptions, Emulation, parse_pose
@@ -381,22 +382,23 @@ def test_view_of_the_camera(folder: MapFolder) -> None:
         second = wait_for_picture(camera, LIMIT, after=first.number)
         camera.close()
         assert second is not None
-        assert second.pixels.shape == (HEIGHT, WIDTH, 3)
+        assert second.pixels.shape == (240, 320, 3)
 
 
 def test_view_shows_walls_by_their_distance(folder: MapFolder) -> None:
     world = World(folder.map, np.random.default_rng(1))
+    view = CameraView(world, CameraSettings(), ColorSettings())
     along, across = (
-        render_view(world, Pose(OPEN_PLACE.x, OPEN_PLACE.y, theta)).astype(int)
+        view.scene(Pose(OPEN_PLACE.x, OPEN_PLACE.y, theta)).astype(int)
         for theta in (OPEN_PLACE.theta, OPEN_PLACE.theta + np.pi / 2)
     )
-    middle = WIDTH // 2
+    middle = 160
     wall_rows = [
-        int(np.count_nonzero(np.abs(np.diff(view[:, middle].sum(axis=1))) > 0)) >= 1
-        for view in (along, across)
+        int(np.count_nonzero(np.abs(np.diff(seen[:, middle].sum(axis=1))) > 0)) >= 1
+        for seen in (along, across)
     ]
     assert all(wall_rows), "a wall stands out from ceiling and floor"
-    near, far = across[HEIGHT // 2, middle].sum(), along[HEIGHT // 2, middle].sum()
+    near, far = across[118, middle].sum(), along[118, middle].sum()
     assert near > far, "the side wall is nearer, so brighter, than the corridor's end"
 
 

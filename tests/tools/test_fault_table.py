@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from tools.fault import chosen_faults
+from tools.fault_list import chosen_faults
 from tools.fault_table import run_fault
 from tools.reaction import Reaction
 

@@ -7,8 +7,10 @@ from collections.abc import Sequence
 import pytest
 
 from tools.bench.agent_stage import Moment
-from tools.fault import FAULTS, Expected, FaultError, chosen_faults
+from tools.fault import Expected, FaultError
+from tools.fault_list import FAULTS, chosen_faults
 from tools.fault_table import HEADINGS, markdown, row
+from tools.line_fault_list import LINE_FAULTS
 from tools.reaction import (
     SAMPLING_S,
     STEADY_S,
@@ -113,9 +115,26 @@ def test_faults_are_chosen_by_name() -> None:
 
 
 def test_every_stop_that_a_cable_can_cause_has_a_limit_for_the_return() -> None:
-    own_pace = {"base-reset", "laser-power", "agent-killed", "agent-ended"}
-    stopping = [fault for fault in FAULTS if fault.expected is not Expected.MAY_PATROL]
-    assert {fault.name for fault in stopping if fault.back_within is None} == own_pace
+    own_pace = {"base-reset", "laser-power", "laser-absent"}
+    without_cable = {"base-stuck", "laser-stuck", "laser-blind"}
+    stopping = [fault for fault in LINE_FAULTS if fault.expected is not Expected.MAY_PATROL]
+    assert {f.name for f in stopping if f.back_within is None} == own_pace | without_cable
+
+
+def test_faults_have_names_of_their_own() -> None:
+    names = [fault.name for fault in FAULTS]
+    assert len(set(names)) == len(names)
+
+
+def test_fault_may_have_limits_of_its_own() -> None:
+    slow = {"expected": Expected.AGENT_STOPS, "ordered": 2.4, "stopped": 3.5}
+    assert complaints(reaction(**slow, order_within=2.5)) == []
+    assert complaints(reaction(**slow)) == [
+        "no standing order within 0.5 s",
+        "not at rest within 2.00 s",
+    ]
+    assert complaints(reaction(recovered=50.0, recover_within=60.0)) == []
+    assert complaints(reaction(recovered=50.0)) == ["not patrolling within 10 s"]
 
 
 def test_table() -> None:

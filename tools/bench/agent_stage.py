@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+import resource
 import signal
 import subprocess
 import sys
 import threading
 import time
+from collections import deque
 from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -28,6 +31,7 @@ from robot_agent.config import (
     format_config,
 )
 from tools.bench.faulty_line import Cable, FaultyLine, OrderTap
+from tools.bench.flood import Flood
 from tools.bench.real_time_rig import RealTimeRig
 from tools.bench.rig import RobotRig
 from tools.bench.world import World
@@ -88,19 +92,26 @@ class Moment:
 class AgentStage:
     """The world steps in ``step``; the agent is a process, started by ``start_agent``."""
 
-    def __init__(self, folder: Path, seed: int = 1) -> None:
+    def __init__(self, folder: Path, seed: int = 1, operator: str | None = None) -> None:
         """Build world and lines in a folder of their own, to which configuration and recordings
-        go too. The agent dials an operator who is absent until ``seat_operator``."""
+        go too. The agent dials an operator who is absent until ``seat_operator``, or the endpoint
+        of another; empty: nobody."""
         self.folder = folder
         self.recordings: list[Path] = []
-        self._endpoint = free_endpoint()
+        self._endpoint = free_endpoint() if operator is None else operator
         self._operator: Operator | None = None
         self._seed = seed
         self._agent: subprocess.Popen[bytes] | None = None
+        self._to_do: deque[tuple[float, Callable[[], None]]] = deque()
+        self._flooders = ExitStack()
+        self.traitor = ""
+        """What the agent's process is sabotaged in at SIGUSR1, if it is; see sabotaged_agent."""
+        self.ends: list[float] = []
+        """When each agent's process had ended, s."""
         make_room(folder / "room")
-        content = load_map_folder(folder / "room")
+        self._content = load_map_folder(folder / "room")
         rng = np.random.default_rng(seed)
-        self.world = World(content.map, rng)
+        self.world = World(self._content.map, rng)
         self.rig = RobotRig("robot1", self.world, self.world.add_body(START), time.monotonic())
         self.tap = OrderTap(self.rig.base)
         self.base_line = FaultyLine(self.tap, rng)
@@ -120,12 +131,17 @@ class AgentStage:
     ) -> None:
         self.end_agent()
         self.dismiss_operator()
+        self._flooders.close()
         self.base_cable.pull()
         self.laser_cable.pull()
 
     def step(self) -> Moment:
         """Let one step of real time pass; return what is true after it."""
         t = self._real_time.step()
+        while self._to_do and self._to_do[0][0] <= t:
+            self._to_do.popleft()[1]()
+        if self._agent is not None and self._agent.poll() is not None:
+            self._note_end(t)
         v, w = self.rig.base.velocity
         return Moment(t, v, w, self._order(), self.world.contacts)
 
@@ -137,22 +153,65 @@ class AgentStage:
             return "agent"
         return "" if base.motion_permitted else "controller"
 
-    def start_agent(self) -> None:
-        """Start an agent process, told where the robot truly stands; an earlier one is ended."""
+    def later(self, *actions: tuple[float, Callable[[], None]]) -> None:
+        """Do things after so many s each, in this order, as the steps go on."""
+        now = time.monotonic()
+        self._to_do.extend((now + delay, action) for delay, action in actions)
+
+    def look_after(self) -> None:
+        """Let a person look at the robot: motors off and on again at the robot, a second apart."""
+        self.rig.base.press_motors_button()
+        self.later((1.0, self.rig.base.press_motors_button))
+
+    @property
+    def off_border(self) -> float:
+        """How far the robot truly is from the border, m."""
+        pose = self.rig.body.pose
+        assert self._content.border is not None
+        return self._content.border.project(pose.x, pose.y).distance
+
+    def limit_agent(self, what: int, most: int) -> None:
+        """Limit a resource of the agent's process, as the system does; -1 for no limit."""
+        if self._agent is not None:
+            resource.prlimit(self._agent.pid, what, (most, resource.RLIM_INFINITY))
+
+    def _note_end(self, t: float) -> None:
+        """Take down when the present agent's process has ended."""
+        if len(self.ends) < len(self.recordings):
+            self.ends.append(t)
+
+    def start_agent(self, *, elsewhere: bool = False) -> None:
+        """Start an agent process, told where the robot truly stands; an earlier one is ended.
+
+        ``elsewhere``: with the map of another place.
+        """
         self.end_agent()
         number = len(self.recordings) + 1
         config = self.folder / f"robot{number}.toml"
-        config.write_text(format_config(self._configure()))
+        config.write_text(format_config(self._configure(elsewhere=elsewhere)))
         self.recordings.append(self.folder / f"robot{number}.mcap")
         with (self.folder / f"robot{number}.log").open("wb") as log:
             self._agent = subprocess.Popen(
                 [
-                    *(sys.executable, "-m", "tools.cli", "agent", str(config)),
+                    *(sys.executable, "-m", *self._program(), "agent", str(config)),
                     *("--record", str(self.recordings[-1])),
                 ],
                 start_new_session=True,
                 stderr=log,
             )
+
+    def _program(self) -> tuple[str, ...]:
+        if self.traitor:
+            return ("tools.bench.sabotaged_agent", self.traitor)
+        return ("tools.cli",)
+
+    def flood(self) -> None:
+        """Let the operator's place be taken by one who sends garbage as fast as the line takes."""
+        self._flooders.enter_context(Flood(self._endpoint))
+
+    def end_flood(self) -> None:
+        """Send the flooder away."""
+        self._meanwhile(self._flooders.close)
 
     def seat_operator(self) -> None:
         """Let the operator's machine listen where the agent dials."""
@@ -200,14 +259,16 @@ class AgentStage:
             self.step()
         agent.kill()
         agent.wait()
+        self._note_end(time.monotonic())
 
-    def _configure(self) -> AgentConfig:
+    def _configure(self, *, elsewhere: bool) -> AgentConfig:
         """Return the shipped defaults with the robot's ports, and where it is."""
         defaults = AgentConfig()
         pose = self.rig.body.pose
+        room = "paper_lab" if elsewhere else str((self.folder / "room").resolve())
         return AgentConfig(
             robot=RobotSettings(name="robot1", team="faults", seed=self._seed),
-            map=MapSettings(folder=str((self.folder / "room").resolve())),
+            map=MapSettings(folder=room),
             start=StartSettings(x=pose.x, y=pose.y, theta=pose.theta),
             base=msgspec.structs.replace(defaults.base, url=str(self.base_cable.path)),
             laser=msgspec.structs.replace(defaults.laser, url=str(self.laser_cable.path)),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
@@ -18,6 +19,10 @@ from tools.bench.rig import RobotRig
 from tools.bench.start_poses import free_start_poses
 
 CARRIED_M = 0.5
+CARRY_ROOM_M = 0.5
+"""Left free beside the place where a robot is put down, if it is carried at all."""
+NOISE = 0.2
+"""Share of corrupt packets on a noisy line."""
 AWAY_M = 3.0
 _ALONE_M = 1.5  # from all others, where a robot is put down
 _PLACES = 6  # looked at for it
@@ -45,7 +50,8 @@ class FaultKind(StrEnum):
     BLIND = "blind"  # nothing of what the laser sends arrives
     DEAF = "deaf"  # nothing of what the base sends arrives
     STUCK = "stuck"  # the wheels do not turn
-    CARRIED = "carried"  # once, somebody puts the robot half a metre to its left
+    NOISY = "noisy"  # a share of the packets and telegrams of both devices is corrupt
+    CARRIED = "carried"  # once, half a metre to its left, if there is room
     AWAY = "away"  # once, somebody puts the robot elsewhere, turned anyhow: it is lost
 
 
@@ -173,24 +179,39 @@ class FaultInjector:
         self.laser = FaultyLine(rig.laser, self._rng)
         self._rig = rig
         self._folder = folder
-        self._faults = list(faults)
-        self._carries = [fault for fault in faults if fault.kind in _ONCE]
+        self._to_come = deque(sorted(faults, key=lambda fault: fault.start))
+        self._present: list[BenchFault] = []
         self.agent_dead = False
         """Whether nobody is there to hear the devices."""
 
     def advance(self, t: float) -> None:
         """Begin and end faults at t, s."""
-        on = {fault.kind for fault in self._faults if fault.holds(t)}
+        while self._to_come and self._to_come[0].start <= t:
+            fault = self._to_come.popleft()
+            self._present.append(fault)
+            if fault.kind is FaultKind.CARRIED:
+                self._carry_aside()
+            elif fault.kind is FaultKind.AWAY:
+                self._rig.put(self._elsewhere())
+        self._present = [fault for fault in self._present if fault.holds(t)]
+        on = {fault.kind for fault in self._present}
         self.agent_dead = FaultKind.DEAD in on
         self.base.mute = self.agent_dead or FaultKind.DEAF in on
         self.laser.mute = self.agent_dead or FaultKind.BLIND in on
+        self.base.corrupt = self.laser.corrupt = NOISE if FaultKind.NOISY in on else 0.0
         self._rig.stuck = FaultKind.STUCK in on
-        for fault in [fault for fault in self._carries if fault.holds(t)]:
-            if fault.kind is FaultKind.CARRIED:
-                self._rig.put(self._rig.body.pose.compose(Pose(0.0, CARRIED_M, 0.0)))
-            else:
-                self._rig.put(self._elsewhere())
-            self._carries.remove(fault)
+
+    def _carry_aside(self) -> None:
+        """Put the robot to its left if there is room."""
+        pose = self._rig.body.pose
+        left = pose.compose(Pose(0.0, CARRIED_M, 0.0))
+        directions = np.linspace(0.0, math.tau, 16, endpoint=False)
+        walls = self._rig.world.free_ways(left.x, left.y, directions).min()
+        way = self._rig.world.free_way(pose.x, pose.y, pose.theta + math.pi / 2.0)
+        others = [body for body in self._rig.world.bodies if body is not self._rig.body]
+        apart = min((math.dist(left[:2], body.pose[:2]) for body in others), default=math.inf)
+        if min(walls, way - CARRIED_M) > CARRY_ROOM_M and apart > 2.0 * CARRY_ROOM_M:
+            self._rig.put(left)
 
     def _elsewhere(self) -> Pose:
         """Return a place to put the robot down at: off the border, away from here and others."""

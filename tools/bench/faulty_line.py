@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from pathlib import Path
 
 import numpy as np
@@ -28,6 +29,12 @@ class FaultyLine:
         """Nothing the device sends arrives."""
         self.corrupt = 0.0
         """Share of the device's packets of which one byte arrives wrong."""
+        self.delay = 0.0
+        """s that all from the device comes late."""
+        self.frozen = False
+        """The device's last packet or telegram comes again in place of each new one."""
+        self._last = b""
+        self._under_way: deque[TimedBytes] = deque()
 
     @property
     def baud(self) -> int:
@@ -41,8 +48,15 @@ class FaultyLine:
 
     def take_output(self, t: float) -> list[TimedBytes]:
         """Pass on what has left the device by ``t``."""
-        output = self._device.take_output(t)
-        return [] if self.mute else [TimedBytes(item.t, self._spoilt(item.data)) for item in output]
+        for item in self._device.take_output(t):
+            if not self.frozen:
+                self._last = item.data
+            if not self.mute:
+                self._under_way.append(TimedBytes(item.t + self.delay, self._spoilt(self._last)))
+        passed = []
+        while self._under_way and self._under_way[0].t <= t:
+            passed.append(self._under_way.popleft())
+        return passed
 
     def _spoilt(self, data: bytes) -> bytes:
         if self._rng.random() >= self.corrupt:

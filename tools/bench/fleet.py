@@ -22,15 +22,20 @@ from tools.bench.bench_fault import (
     fault_figures,
     wrecks_of,
 )
+from tools.bench.emulated_camera import EmulatedCamera
 from tools.bench.lockstep import LockstepAgent, Observer
+from tools.bench.lockstep_camera import LockstepCamera
 from tools.bench.metrics import RobotRun, bench_figures
 from tools.bench.perception_log import PerceptionLog
 from tools.bench.rig import RobotRig, make_rigs, sense
 from tools.bench.start_poses import free_start_poses
+from tools.bench.stranger import make_strangers
 from tools.bench.world import World
 
 STEP_S = 0.02
 SAMPLE_S = 0.1
+STRANGERS_S = 0.05
+"""Strangers take a step this often."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +45,7 @@ class FleetRobot:
     rig: RobotRig
     lockstep: LockstepAgent
     injector: FaultInjector | None = None
+    camera: LockstepCamera | None = None
 
     @property
     def decides(self) -> bool:
@@ -65,11 +71,15 @@ class Fleet:
         starts: list[Pose] | None = None,
         observer: Callable[[str, AgentConfig], Observer] | None = None,
         faults: Sequence[BenchFault] = (),
+        *,
+        strangers: int = 0,
+        cameras: bool = False,
     ) -> None:
         """Place the robots (at seeded random starts unless given) and power them.
 
-        ``observer`` makes the recorder of the robot of that name. Raises BenchFaultError for a
-        fault of a robot that is not there.
+        ``observer`` makes the recorder of the robot of that name. strangers: how many people and
+        carts walk about. cameras: the robots have them. Raises BenchFaultError for a fault of a
+        robot that is not there, StrangerError where there is no room for strangers.
         """
         rng = np.random.default_rng(seed)
         self.folder = folder
@@ -88,28 +98,47 @@ class Fleet:
             own = [fault for fault in self.faults if fault.robot == rig.name]
             injector = FaultInjector(own, rig, folder, settings.robot.seed) if own else None
             devices = injector or rig
+            camera = self._make_camera(rig, settings) if cameras else None
             lockstep = LockstepAgent(
                 Agent(settings, folder, publishes=observer is not None),
                 {"base": devices.base, "laser": devices.laser},
                 observer(rig.name, settings) if observer else None,
+                camera,
             )
-            self.robots.append(FleetRobot(rig, lockstep, injector))
+            self.robots.append(FleetRobot(rig, lockstep, injector, camera))
+        assert folder.border is not None or not strangers, "strangers walk near a border"
+        self.strangers = (
+            make_strangers(self.world, folder.border, strangers, seed) if folder.border else []
+        )
+        self._next_strangers = 0.0
         for robot in self.robots:
             robot.lockstep.start(self.t)
 
     def step(self) -> None:
         """Let STEP_S pass."""
         self.t = round(self.t + STEP_S, 6)
+        if self.strangers and self.t >= self._next_strangers:
+            self._next_strangers += STRANGERS_S
+            for stranger in self.strangers:
+                stranger.advance(STRANGERS_S)
         for robot in self.robots:
             if robot.injector:
                 robot.injector.advance(self.t)
             robot.rig.move(self.t)
         sense(self._rigs, self.t)
         for robot in self.robots:
+            if robot.camera:
+                robot.camera.advance(self.t)
+        for robot in self.robots:
             if robot.injector and robot.injector.agent_dead:
                 robot.injector.lose_output(self.t)
             else:
                 robot.lockstep.deliver(self.t)
+
+    def _make_camera(self, rig: RobotRig, settings: AgentConfig) -> LockstepCamera:
+        color = settings.perception.color
+        emulated = EmulatedCamera(self.world, rig.body, settings.camera, color, self.seed)
+        return LockstepCamera(emulated.take, settings.camera, color)
 
     def shut_down(self) -> None:
         """End every agent in good order."""
@@ -139,7 +168,7 @@ class FleetLog:
         """Nothing is sampled before the first ``sample``."""
         self._fleet = fleet
         self._times: list[float] = []
-        self._perception = PerceptionLog(fleet.world)
+        self._perception = PerceptionLog(fleet.world, fleet.folder.border)
         self._rows: dict[str, list[tuple[float, float, str, int]]] = {
             robot.rig.name: [] for robot in fleet.robots
         }
@@ -152,7 +181,7 @@ class FleetLog:
             action, direction = (str(decision.action), decision.direction) if decision else ("", 0)
             pose = robot.rig.body.pose
             if decision is not None:
-                self._perception.sample(self._fleet.t, robot.rig.body, robot.agent.tracker.tracks)
+                self._perception.sample(self._fleet.t, robot.rig.body, robot.agent)
             self._rows[robot.rig.name].append((pose.x, pose.y, action, direction))
 
     def perception(self) -> dict[str, Any]:
@@ -197,6 +226,7 @@ def run_bench(
         "wall_s": time.perf_counter() - started,
         "faults": fault_figures(fleet.faults),
         **bench_figures(fleet.folder.border, log.runs(), fleet.world.contacts, fleet.wrecks()),
+        "strangers": len(fleet.strangers),
         "perception": log.perception(),
         "gate_stops": sum(robot.agent.gate_stops for robot in fleet.robots),
     }

@@ -6,7 +6,6 @@ true, teammates are seen where they are (``IdealSight``), and no byte is encoded
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -28,15 +27,14 @@ from tools.bench.bench_fault import (
     wrecks_of,
 )
 from tools.bench.ideal_obstacles import IdealObstacles
-from tools.bench.ideal_robot import IdealRobot, along_arc, make_ideal_robot
+from tools.bench.ideal_robot import STEP_S, along_arc, make_ideal_robot
 from tools.bench.ideal_sight import IdealSight
 from tools.bench.metrics import RobotRun, bench_figures
+from tools.bench.perception_log import PerceptionLog
 from tools.bench.start_poses import free_start_poses
 from tools.bench.world import World
 from tools.bench.world_noise import NO_NOISE
 
-STEP_S = 0.1
-"""One control step: the base reports 10 times a second."""
 _STEP_WAY = 0.06  # m that nothing drives farther in one step
 _POSSIBLE = (FaultKind.DEAD, FaultKind.STUCK)
 
@@ -71,7 +69,7 @@ class IdealFleet:
         self.faults = tuple(faults)
         _check_faults(self.faults, [robot.name for robot in self.robots])
         self._sight = IdealSight(config.perception, folder.map, len(self.robots))
-        self._obstacles = IdealObstacles(config.gate, folder.map)
+        self._obstacles = IdealObstacles(config.gate, folder.map, folder.border)
 
     def step(self) -> None:
         """Let STEP_S pass: wheels turn, robots look, robots decide."""
@@ -81,7 +79,7 @@ class IdealFleet:
         teammates = self._look()
         for index, robot in enumerate(self.robots):
             if not robot.dead:
-                obstacles = self._obstacles.around(robot, self._near(index, self._obstacles.reach))
+                obstacles = self._obstacles.around(robot, self._sight.apart[index], self.robots)
                 robot.decide(self.t, teammates[index], obstacles)
 
     def wrecks(self) -> list[Wreck]:
@@ -97,20 +95,14 @@ class IdealFleet:
 
     def _move(self) -> None:
         """Turn all wheels; what may touch something is moved by the world, which looks."""
+        closest = self._sight.apart.min(axis=1).tolist()
         for index, robot in enumerate(self.robots):
             body, motion = robot.body, robot.roll(STEP_S)
             room = 2.0 * body.outline.reach + 4.0 * _STEP_WAY
-            if self._near(index, room) or not self._obstacles.free(body.pose, room / 2.0):
-                self.world.move(body, *motion)
-            elif motion != (0.0, 0.0):
+            if closest[index] > room and self._obstacles.touches_no_wall(robot, _STEP_WAY):
                 body.pose = along_arc(body.pose, *motion)
-
-    def _near(self, index: int, distance: float) -> list[IdealRobot]:
-        """Return the robots that were within a distance, m, when last looked at."""
-        apart = self._sight.apart[index]
-        if apart.min(initial=math.inf) > distance:
-            return []
-        return [self.robots[other] for other in np.flatnonzero(apart <= distance).tolist()]
+            else:
+                self.world.move(body, *motion)
 
     def _look(self) -> list[tuple[float, float] | None]:
         poses = np.array([robot.body.pose for robot in self.robots]).T
@@ -198,11 +190,7 @@ def run_ideal_bench(
         "wall_s": time.perf_counter() - started,
         "faults": fault_figures(fleet.faults),
         **bench_figures(fleet.folder.border, log.runs(), fleet.world.contacts, fleet.wrecks()),
-        "perception": {
-            "recall": None,
-            "class_right": None,
-            "false_teammate": None,
-            "position_error_m": {"p95": None},
-        },
+        "strangers": 0,
+        "perception": PerceptionLog(fleet.world).figures(),  # nothing is perceived
         "gate_stops": sum(robot.gate_stops for robot in fleet.robots),
     }

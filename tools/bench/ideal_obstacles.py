@@ -8,12 +8,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from maps.border import Border
+from maps.clearance import border_clearance
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose
 from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.patrol.actions import PATROLLING
 from robot_agent.turning_room import turning_room
-from tools.bench.ideal_robot import IdealRobot
+from tools.bench.ideal_robot import STEP_S, IdealRobot
 from tools.bench.robot_body import Outline
 
 _NOTHING = np.empty((0, 2))
@@ -22,37 +24,55 @@ _BESIDE_BORDER = 0.3  # m; nearer the border keeps its 0.45 m from walls: they c
 
 
 class IdealObstacles:
-    """Gives the safety gate the points it could look at, and no others.
+    """Gives the safety gate the points it could look at, and no others."""
 
-    reach: m between two base_links beyond which no point of a body is within the gate's reach.
-    """
-
-    def __init__(self, gate: GateSettings, occupancy: OccupancyMap) -> None:
-        stopping = gate.max_speed**2 / (2.0 * gate.braking) + gate.max_speed * gate.reaction_delay
-        self._sight = stopping + gate.front + gate.rear + gate.half_width
+    def __init__(self, gate: GateSettings, occupancy: OccupancyMap, border: Border) -> None:
+        self._gate = gate
         outline = Outline()
-        self.reach = self._sight + outline.reach
         self._outline = outline.perimeter(_OUTLINE_STEP)
+        self._outline_reach = outline.reach
         self._occupancy = occupancy
         self._wall_corners = _corners(occupancy.cells == OCCUPIED)
         self._room = occupancy.distance_field()
+        self._room_of_border = border_clearance(occupancy, border).minimum
 
-    def around(self, robot: IdealRobot, others: Sequence[IdealRobot]) -> NDArray[np.float64]:
-        """Return points (n, 2), m, in the robot's base_link; others: those within reach."""
-        pose = robot.body.pose
-        parts = [_in_map(self._outline, other.body.pose) for other in others]
-        if self._off_border(robot) and not self.free(pose, self._sight):
-            parts.append(self._wall_points(pose))
+    def around(
+        self, robot: IdealRobot, apart: NDArray[np.float64], robots: Sequence[IdealRobot]
+    ) -> NDArray[np.float64]:
+        """Return points (n, 2), m, in the robot's base_link; apart (n,): m to the robots."""
+        pose, sight = robot.body.pose, self._sight(robot)
+        parts, near = [], list[int]()
+        if apart.min() <= sight + self._outline_reach:
+            near = np.flatnonzero(apart <= sight + self._outline_reach).tolist()
+            parts = [_in_map(self._outline, robots[other].body.pose) for other in near]
+        if self._off_border(robot) and not self.free(pose, sight):
+            parts.append(self._wall_points(pose, sight))
         if not parts:
             return _NOTHING
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         into_base = np.array(((c, -s), (s, c)))
         here = np.array((pose.x, pose.y))
         points = np.asarray((np.concatenate(parts) - here) @ into_base)
-        if not others:
+        if not near:
             return points
-        middles = np.array([other.body.rectangle()[:2] for other in others])
+        middles = np.array([robots[other].body.rectangle()[:2] for other in near])
         return np.concatenate((points, turning_room((middles - here) @ into_base)))
+
+    def _sight(self, robot: IdealRobot) -> float:
+        """Return how far from base_link the gate looks at most in its next step, m."""
+        gate = self._gate
+        v = robot.fastest + gate.max_acceleration * STEP_S
+        stopping = v * v / (2.0 * gate.braking) + v * gate.reaction_delay
+        return stopping + gate.front + gate.rear + gate.half_width
+
+    def touches_no_wall(self, robot: IdealRobot, step: float) -> bool:
+        """Tell whether no wall can be met while driving no more than a step, m."""
+        reach = robot.body.outline.reach + step
+        decision = robot.decision
+        # The border's own room is known exactly, and so is the robot's distance from it.
+        if decision and decision.distance_from_border + step + reach < self._room_of_border:
+            return True
+        return self.free(robot.body.pose, reach)
 
     def free(self, pose: Pose, distance: float) -> bool:
         """Tell whether there is no wall within a distance, m, of a pose."""
@@ -75,12 +95,12 @@ class IdealObstacles:
             or decision.distance_from_border > _BESIDE_BORDER
         )
 
-    def _wall_points(self, pose: Pose) -> NDArray[np.float64]:
+    def _wall_points(self, pose: Pose, sight: float) -> NDArray[np.float64]:
         """Return the corners (n, 2), map frame, of occupied cells about a pose."""
         resolution, origin = self._occupancy.resolution, self._occupancy.origin
         row = math.floor((pose.y - origin.y) / resolution)
         col = math.floor((pose.x - origin.x) / resolution)
-        size = math.ceil(self._sight / resolution)
+        size = math.ceil(sight / resolution)
         top, left = max(row - size, 0), max(col - size, 0)
         rows, cols = np.nonzero(self._wall_corners[top : row + size + 2, left : col + size + 2])
         return np.column_stack(

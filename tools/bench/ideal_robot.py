@@ -20,6 +20,8 @@ from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from tools.bench.robot_body import RobotBody
 
+STEP_S = 0.1
+"""One control step: the base reports 10 times a second."""
 _CRAWL = 0.05  # m/s; slower than this before an obstacle is as good as held by it (as the agent)
 _BATTERY = 13.0  # V; a full one, which lasts
 
@@ -45,6 +47,11 @@ class IdealRobot:
     gate_decision: GateDecision | None = None
     gate_stops: int = 0
     _order: tuple[float, float] = field(default=(0.0, 0.0))
+
+    @property
+    def fastest(self) -> float:
+        """Speed at which it rolls or was last told to, m/s."""
+        return max(self.v, self._order[0])
 
     def roll(self, dt: float) -> tuple[float, float]:
         """Let the wheels turn for dt, s; return the distance, m, and rotation, rad."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from robot_agent.perception.settings import PerceptionSettings
 
-_SAMPLES = 48  # along a line of sight; at most 0.09 m apart over the detection range
+_SAMPLES = 32  # along a line of sight; at most 0.13 m apart over the detection range
 _HIDING_RADIUS = 0.20  # m; half a Pioneer's width: a line nearer to a body's middle is cut
 
 Array = NDArray[np.float64]
@@ -23,19 +23,18 @@ class IdealSight:
 
     def __init__(self, settings: PerceptionSettings, occupancy: OccupancyMap, count: int) -> None:
         self._settings = settings
-        self._origin = (occupancy.origin.x, occupancy.origin.y)
+        self._origin = np.array((occupancy.origin.x, occupancy.origin.y))[:, None]
         self._resolution = occupancy.resolution
-        self._walls = np.pad(occupancy.cells == OCCUPIED, 1, constant_values=True)
+        walls = np.pad(occupancy.cells == OCCUPIED, 1, constant_values=True)
         spacing = settings.detection_range / (_SAMPLES - 1)
         # Lines are sampled; what is nearer to a wall than half the spacing has one between samples.
         room = np.pad(occupancy.distance_field(), 1) - occupancy.resolution / 2.0
-        self._opaque = self._walls | (room < spacing / 2.0)
+        self._opaque = walls | (room < spacing / 2.0)
         self._shares = np.linspace(0.0, 1.0, _SAMPLES)
         self._last_seen = np.full((count, count), -np.inf)
         self._place = np.zeros((2, count, count))
         self._velocity = np.zeros((2, count, count))
         self._in_range = np.zeros((count, count), dtype=np.bool_)
-        self._upper = np.triu(np.ones((count, count), dtype=np.bool_), 1)
         self.apart = np.full((count, count), np.inf)
         """Distances (n, n) between base_links, m; infinite on the diagonal."""
 
@@ -49,63 +48,68 @@ class IdealSight:
         """
         settings = self._settings
         # 1. Who is in view.
-        dx, dy = (middle[axis][None, :] - base[axis][:, None] for axis in (0, 1))
-        apart = np.hypot(base[0][None, :] - base[0][:, None], base[1][None, :] - base[1][:, None])
+        between = base[:, None, :] - base[:, :, None]
+        apart = np.sqrt(between[0] ** 2 + between[1] ** 2)
         np.fill_diagonal(apart, np.inf)
         self.apart = apart
-        ahead = dx * heading[0][:, None] + dy * heading[1][:, None] > 0.0
-        facing = ahead & (apart <= settings.detection_range)
-        seen = facing & self._clear(middle, facing | facing.T)
-        # 2. What is remembered of the others.
-        self._last_seen[seen] = t
-        for axis in (0, 1):
-            self._place[axis] = np.where(seen, middle[axis], self._place[axis])
-            moving = speed * heading[axis]
-            self._velocity[axis] = np.where(seen, moving, self._velocity[axis])
+        one, other = np.nonzero(apart <= settings.detection_range)
+        if len(one):
+            way = middle[:, other] - base[:, one]
+            ahead = (way * heading[:, one]).sum(axis=0) > 0.0
+            one, other = one[ahead], other[ahead]
+            clear = self._clear(middle, one, other)
+            # 2. What is remembered of them from now on.
+            one, other = one[clear], other[clear]
+            self._last_seen[one, other] = t
+            self._place[:, one, other] = middle[:, other]
+            self._velocity[:, one, other] = speed[other] * heading[:, other]
         return self._closest(t, base)
 
     def _closest(self, t: float, base: Array) -> list[tuple[float, float] | None]:
         """Return each robot's closest teammate, in view or remembered, within visibility."""
         settings = self._settings
-        age = t - self._last_seen
-        known = age <= settings.memory
-        if not known.any():
-            self._in_range[:] = False
-            return [None] * len(base[0])
+        closest: list[tuple[float, float] | None] = [None] * base.shape[1]
+        one, other = np.nonzero(self._last_seen >= t - settings.memory)
         decay = settings.velocity_decay
-        reach = decay * (1.0 - np.exp(-np.where(known, age, 0.0) / decay))
-        place = self._place + reach * self._velocity
-        distance = np.hypot(place[0] - base[0][:, None], place[1] - base[1][:, None])
-        limit = settings.visibility + settings.visibility_margin * self._in_range
-        self._in_range = known & (distance <= limit)
-        distance[~self._in_range] = np.inf
-        nearest = distance.argmin(axis=1).tolist()
-        return [
-            (float(place[0, i, j]), float(place[1, i, j])) if self._in_range[i, j] else None
-            for i, j in enumerate(nearest)
-        ]
+        reach = decay * (1.0 - np.exp((self._last_seen[one, other] - t) / decay))
+        place = self._place[:, one, other] + reach * self._velocity[:, one, other]
+        away = place - base[:, one]
+        distance = np.sqrt(away[0] ** 2 + away[1] ** 2)
+        limit = settings.visibility + settings.visibility_margin * self._in_range[one, other]
+        within = distance <= limit
+        self._in_range[:] = False
+        self._in_range[one[within], other[within]] = True
+        nearest: dict[int, float] = {}
+        for i, d, x, y in zip(
+            one[within].tolist(),
+            distance[within].tolist(),
+            *place[:, within].tolist(),
+            strict=True,
+        ):
+            if d < nearest.get(i, np.inf):
+                nearest[i], closest[i] = d, (x, y)
+        return closest
 
-    def _clear(self, middle: Array, wanted: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Return (n, n) whether the wanted pairs have no wall and no body between them."""
-        clear: NDArray[np.bool_] = np.zeros(wanted.shape, dtype=np.bool_)
-        one, other = np.nonzero(wanted & self._upper)
-        if not len(one):
-            return clear
+    def _clear(
+        self, middle: Array, one: NDArray[np.intp], other: NDArray[np.intp]
+    ) -> NDArray[np.bool_]:
+        """Return (m,) whether no wall and no third body lies between the bodies of each pair."""
         start, way = middle[:, one], middle[:, other] - middle[:, one]
         free = ~self._walled(start, way)
         if middle.shape[1] > 2:
             free &= ~_hidden(middle, one, other, start, way)
-        clear[one, other] = clear[other, one] = free
-        return clear
+        return np.asarray(free)
 
     def _walled(self, start: Array, way: Array) -> NDArray[np.bool_]:
         """Return (m,) whether a wall lies on the lines from start (2, m) along way (2, m)."""
-        cells = []
-        for axis in (0, 1):
-            line = start[axis][:, None] + way[axis][:, None] * self._shares
-            cell = ((line - self._origin[axis]) / self._resolution).astype(np.intp) + 1
-            cells.append(np.clip(cell, 0, self._opaque.shape[1 - axis] - 1))
-        return np.asarray(self._opaque[cells[1], cells[0]].any(axis=1))
+        first, last = ((place - self._origin) / self._resolution for place in (start, start + way))
+        col, row = (
+            first[axis][:, None] + (last - first)[axis][:, None] * self._shares for axis in (0, 1)
+        )
+        rows, cols = self._opaque.shape
+        row, col = np.clip(row + 1.0, 0.0, rows - 1.0), np.clip(col + 1.0, 0.0, cols - 1.0)
+        index = row.astype(np.intp) * cols + col.astype(np.intp)
+        return np.asarray(self._opaque.ravel()[index].any(axis=1))
 
 
 def _hidden(

@@ -6,10 +6,19 @@ from typing import Protocol
 
 from drivers.emulated_port import EmulatedDevice, garbled
 from robot_agent.agent import Agent
-from robot_agent.effects import ChangeBaud, Effect, Send
-from robot_agent.events import BytesReceived, Event, LinkName, LinkUp, Shutdown, Tick
+from robot_agent.effects import ChangeBaud, Effect, Send, TakePicture
+from robot_agent.events import (
+    TICK_S,
+    BytesReceived,
+    Event,
+    LinkName,
+    LinkUp,
+    OperatorKey,
+    Shutdown,
+    Tick,
+)
+from tools.bench.lockstep_camera import LockstepCamera
 
-TICK_S = 0.05
 BITS_PER_BYTE = 10
 
 
@@ -31,11 +40,13 @@ class LockstepAgent:
         agent: Agent,
         devices: dict[LinkName, EmulatedDevice],
         observer: Observer | None = None,
+        camera: LockstepCamera | None = None,
     ) -> None:
         """Nothing is delivered before ``start``."""
         self.agent = agent
         self._devices = devices
         self._observer = observer
+        self._camera = camera
         self._local_baud: dict[LinkName, int] = {
             "base": agent.config.base.baud,
             "laser": agent.config.laser.baud,
@@ -50,7 +61,7 @@ class LockstepAgent:
 
     def deliver(self, t: float) -> None:
         """Deliver everything that reached the agent by t, and the ticks due by then, in order."""
-        arrivals: list[BytesReceived] = []
+        arrivals: list[Event] = [] if self._camera is None else self._camera.arrivals(t)
         for link, device in self._devices.items():
             self._take_arrivals(link, device, t, arrivals)
         if len(arrivals) > 1:
@@ -60,12 +71,16 @@ class LockstepAgent:
             self._handle(event)
         self._tick_until(t)
 
+    def press(self, t: float, ahead: int, left: int) -> None:
+        """Type a key at the robot's terminal."""
+        self._handle(OperatorKey(round(t, 6), ahead, left))
+
     def shut_down(self, t: float) -> None:
         """End the agent as SIGTERM does."""
         self._handle(Shutdown(round(t, 6)))
 
     def _take_arrivals(
-        self, link: LinkName, device: EmulatedDevice, t: float, arrivals: list[BytesReceived]
+        self, link: LinkName, device: EmulatedDevice, t: float, arrivals: list[Event]
     ) -> None:
         """Add what the line delivered by t, garbled where the rates differ."""
         while True:
@@ -99,6 +114,9 @@ class LockstepAgent:
                 self._send(t, link, data)
             case ChangeBaud(link, baud):
                 self._local_baud[link] = baud
+            case TakePicture():
+                if self._camera is not None:
+                    self._camera.want_picture()
 
     def _send(self, t: float, link: LinkName, data: bytes) -> None:
         device = self._devices[link]
@@ -106,5 +124,5 @@ class LockstepAgent:
         device.feed(self._over_line(link, data, device.baud), t + wire_time)
 
 
-def _time(event: BytesReceived) -> float:
+def _time(event: Event) -> float:
     return event.t

@@ -42,6 +42,10 @@ class RobotRig:
         self.laser = Lms200Emulator(scan_source=self._scan)
         self.stuck = False
         """Whether something holds the wheels."""
+        self.blind = False
+        """Whether no beam of the laser returns."""
+        self.bumped = 0
+        """Segments of the front bumper that somebody presses, besides what the world touches."""
         self._next_sonar = t
         self._seen: NDArray[np.float64] | None = None
         self._t = self._previous_t = t
@@ -61,7 +65,7 @@ class RobotRig:
         self.base.turn_odometer(motion.odometer_distance, motion.odometer_rotation)
         self.base.set_contact(
             stalled=motion.blocked or (self.stuck and (distance, rotation) != (0.0, 0.0)),
-            front_bumpers=motion.front_bumpers,
+            front_bumpers=motion.front_bumpers | self.bumped,
             rear_bumpers=motion.rear_bumpers,
         )
 
@@ -79,7 +83,7 @@ class RobotRig:
 
     def see(self, t: float, ranges: NDArray[np.float64] | None) -> None:
         """Let the laser run to t; ranges (n,) m: what the rays that ``looks`` returned met."""
-        self._seen = ranges
+        self._seen = np.full_like(ranges, np.inf) if self.blind and ranges is not None else ranges
         self.laser.advance(t)
 
     def put(self, pose: Pose) -> None:

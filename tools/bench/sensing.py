@@ -31,15 +31,27 @@ def bench(
     config: AgentConfig | None = None,
     faults: Sequence[BenchFault] = (),
     observer: Callable[[str, AgentConfig], Observer] | None = None,
+    strangers: int = 0,
+    cameras: bool = False,
     progress: Callable[[float], None] = lambda _: None,
 ) -> dict[str, Any]:
     """Run robots from seeded starts for a duration, s; return the figures of ``bench --json``.
 
     observer: makes what is told every event and effect of a robot; ideal sensing has neither.
+    strangers, cameras: as ``Fleet`` has them; ideal sensing has none.
     Raises BenchFaultError and StartPoseError.
     """
     if sensing is Sensing.IDEAL:
         ideal = IdealFleet(folder, robots, seed, config, faults=faults)
         return run_ideal_bench(ideal, duration, progress)
-    fleet = Fleet(folder, robots, seed, config, observer=observer, faults=faults)
+    fleet = Fleet(
+        folder,
+        robots,
+        seed,
+        config,
+        observer=observer,
+        faults=faults,
+        strangers=strangers,
+        cameras=cameras,
+    )
     return run_bench(fleet, duration, progress)

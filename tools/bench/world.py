@@ -143,6 +143,13 @@ class World:
         counted = self._odometer(body, distance * share, rotation * share, draws[3:])
         return Motion(*counted, share < 1.0, front, rear, touching=len(touched) > 0)
 
+    def place(self, body: RobotBody, pose: Pose) -> bool:
+        """Put a body that moves by itself at a pose near its present one, if nothing is there."""
+        if self._blocked(body, pose):
+            return False
+        body.pose = pose
+        return True
+
     def scan(
         self,
         body: RobotBody,
@@ -245,7 +252,7 @@ class World:
         """Tell whether nothing is near enough at a pose to be touched or to have been: the usual
         case, quickly told."""
         reach = body.reach + 2 * _PART
-        if self._clearance(pose) <= reach:
+        if self.clearance(pose) <= reach:
             return False
         x, y = pose.x, pose.y
         for other in self.bodies:
@@ -319,7 +326,7 @@ class World:
 
         The way out of the map is a wall too.
         """
-        if self._clearance(pose) > body.reach + 2 * margin:
+        if self.clearance(pose) > body.reach + 2 * margin:
             return np.empty((0, 2))  # the usual case
         outline = body.outline
         grown = Outline(outline.front + margin, outline.rear + margin, outline.half_width + margin)
@@ -332,7 +339,7 @@ class World:
         in_wall[inside] = self.occupancy.cells[rows[inside], cols[inside]] == OCCUPIED
         return points[in_wall]
 
-    def _clearance(self, pose: Pose) -> float:
+    def clearance(self, pose: Pose) -> float:
         """Return a distance, m, within which there is no wall, 0 outside the map."""
         resolution, origin = self.occupancy.resolution, self.occupancy.origin
         row = math.floor((pose.y - origin.y) / resolution)

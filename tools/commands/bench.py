@@ -41,6 +41,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="robot2:dead@120, robot1:blind@60-90 or @60+30 (s), any2:dead@60..300 (drawn by the "
         "seed); kinds: " + ", ".join(FaultKind),
     )
+    parser.add_argument(
+        "--strangers", type=int, default=0, metavar="N", help="people and carts that walk about"
+    )
+    parser.add_argument(
+        "--camera", choices=["on", "off"], default="off", help="robots have cameras; slower"
+    )
     parser.add_argument("--record", type=Path, metavar="DIR", help="keep a recording per robot")
     parser.add_argument("--json", type=Path, metavar="OUT", help="write the figures to this file")
 
@@ -58,6 +64,10 @@ def run(options: argparse.Namespace) -> int:
     if options.record and sensing is Sensing.IDEAL:
         print("patrol bench: --record keeps bytes, and --sensing ideal has none", file=sys.stderr)
         return 2
+    cameras = options.camera == "on"
+    if (options.strangers or cameras) and sensing is Sensing.IDEAL:
+        print("patrol bench: --strangers and --camera need --sensing bytes", file=sys.stderr)
+        return 2
     with ExitStack() as stack:
         recorder = None
         if options.record:
@@ -70,6 +80,8 @@ def run(options: argparse.Namespace) -> int:
             options.duration,
             faults=faults,
             observer=recorder.observe if recorder else None,
+            strangers=options.strangers,
+            cameras=cameras,
             progress=stack.enter_context(Progress("bench", options.duration, "s")),
         )
     text = json.dumps(figures, indent=2)

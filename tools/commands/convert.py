@@ -1,4 +1,4 @@
-"""``patrol convert``: a CARMEN log becomes a recording of real device bytes."""
+"""``patrol convert``: logs and captures to recordings of real device bytes, and back."""
 
 from __future__ import annotations
 
@@ -10,41 +10,98 @@ from pathlib import Path
 from maps.map_folder import MapFolder, load_map_folder
 from maps.occupancy_map import save_map
 from robot_agent.config import find_map
+from tools.capture import capture_to_recording, recording_to_capture
 from tools.carmen import CarmenLog, read_carmen
+from tools.carmen_writer import recording_to_carmen
 from tools.convert import convert
 from tools.mapping import build_map
 from tools.progress import Progress
+from tools.recording import read_recording
+from tools.stream_table import stream_to_csv
+
+
+class ConvertError(ValueError):
+    """The conversion asked for does not exist; the message names those that do."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.epilog = "example: patrol convert intel.log.gz -o intel.mcap --map intel_lab"
-    parser.add_argument("log", type=Path, help="CARMEN log, plain or gzip")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="REC.mcap")
+    parser.epilog = """what becomes what follows from the names:
+  CARMEN log (any name, plain or .gz) or capture (.jsonl) to recording (.mcap)
+  recording (.mcap) to CARMEN log (.log), capture (.jsonl), or one stream as table (.csv)
+
+examples:
+  patrol convert intel.log.gz -o intel.mcap --map intel_lab
+  patrol convert robot1.mcap -o robot1.log
+  patrol convert robot1.mcap -o decisions.csv --stream decision"""
+    parser.add_argument("source", type=Path, help="CARMEN log, capture or recording")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE")
     parser.add_argument(
         "--map",
         metavar="DIR",
-        help="map folder or shipped map of the log's place; built from the log when not given",
+        help="of a CARMEN log: map folder or shipped map of its place; built from it when absent",
     )
+    parser.add_argument("--stream", metavar="NAME", help="of a .csv: e.g. decision, base/rx")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Convert one log."""
-    log = read_carmen(options.log)
+    """Convert one file."""
+    source, output = options.source, options.output
+    if source.suffix == ".mcap":
+        print(f"{output}: {_from_recording(source, output, options.stream)}")
+    elif output.suffix != ".mcap":
+        raise ConvertError(f"{output}: a log or capture becomes a recording: name it .mcap")
+    elif source.suffix == ".jsonl":
+        summary = capture_to_recording(source, output)
+        print(
+            f"{output}: {summary.received} bytes of the devices and {summary.sent} of the host "
+            f"in {summary.duration:.0f} s"
+        )
+        if summary.abridged:
+            print(
+                f"patrol convert: {source}: {summary.abridged} abridged lines left out, "
+                "the capture does not hold their bytes",
+                file=sys.stderr,
+            )
+    else:
+        _from_carmen(source, output, options.map)
+    return 0
+
+
+def _from_recording(source: Path, output: Path, stream: str | None) -> str:
+    """Convert a recording; return what was written, in words."""
+    recording = read_recording(source)
+    if output.suffix == ".log":
+        words = f"{recording_to_carmen(recording, output)} scans"
+    elif output.suffix == ".jsonl":
+        words = f"{recording_to_capture(recording, output)} lines"
+    elif output.suffix == ".csv" and stream:
+        words = f"{stream_to_csv(recording, stream, output)} rows"
+    else:
+        raise ConvertError(
+            f"{output}: a recording becomes a .log, a .jsonl, or with --stream NAME a .csv"
+        )
+    if recording.truncated:
+        print(f"patrol convert: {recording.truncated}", file=sys.stderr)
+    return words
+
+
+def _from_carmen(source: Path, output: Path, place: str | None) -> None:
+    """Convert a CARMEN log to a recording."""
+    log = read_carmen(source)
     if log.truncated:
         print(f"patrol convert: {log.truncated}", file=sys.stderr)
-    if options.map:
-        folder = load_map_folder(find_map(options.map, Path.cwd()))
+    if place:
+        folder = load_map_folder(find_map(place, Path.cwd()))
     else:
         print("patrol convert: no --map given: building one from the log", file=sys.stderr)
         folder = map_of(log)
     with Progress("convert", log.odometry[-1][0] - log.odometry[0][0], "s") as progress:
-        conversion = convert(log, folder, options.output, progress)
+        conversion = convert(log, folder, output, progress)
     print(
-        f"{options.output}: {conversion.scans} scans and {conversion.base_reports} base reports "
+        f"{output}: {conversion.scans} scans and {conversion.base_reports} base reports "
         f"in {conversion.duration:.0f} s, as device bytes"
     )
-    return 0
 
 
 def map_of(log: CarmenLog) -> MapFolder:

@@ -8,7 +8,7 @@ import json
 import sys
 from pathlib import Path
 
-from tools.fault import FAULTS, chosen_faults
+from tools.fault_list import FAULTS, chosen_faults
 from tools.fault_table import markdown, run_faults
 from tools.progress import Progress
 from tools.reaction import Reaction

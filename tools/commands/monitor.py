@@ -5,13 +5,18 @@ from __future__ import annotations
 import argparse
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
-from tools.monitor.monitor import Monitor, MonitorOptions, until
+from tools.monitor.monitor import Beat, Monitor, MonitorOptions, until
+from tools.monitor.playback import Playback
 from tools.monitor.site import Site
+from tools.monitor.team_state import TeamState
 from tools.monitor.text_view import show_team
+from tools.monitor.watch import Watch
+from tools.monitor.web_server import WebServer
 
 POLL_S = 0.2
 
@@ -20,10 +25,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = (
         "examples: patrol monitor --map paper_lab\n"
-        "          patrol monitor --text --listen tcp/0.0.0.0:7447"
+        "          patrol monitor --text --listen tcp/0.0.0.0:7447\n"
+        "          patrol monitor --play robot1.mcap robot2.mcap"
     )
     parser.add_argument(
         "--listen", default="tcp/0.0.0.0:7447", metavar="ENDPOINT", help="where robots report to"
+    )
+    parser.add_argument(
+        "--keys", type=Path, metavar="DIR", help="the operator's keys, for a tls/ endpoint"
     )
     parser.add_argument(
         "--http", default="127.0.0.1:8080", metavar="HOST:PORT", help="where the page is served"
@@ -31,19 +40,51 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--map", metavar="DIR", help="map folder or name, for the page")
     parser.add_argument("--border", default="border", metavar="NAME", help="border file of the map")
     parser.add_argument("--text", action="store_true", help="a table in the terminal, no page")
+    parser.add_argument(
+        "--record", type=Path, metavar="OUT.mcap", help="write every payload as it comes"
+    )
+    parser.add_argument(
+        "--play",
+        type=Path,
+        nargs="+",
+        metavar="REC.mcap",
+        help="show recordings of agents or of a monitor instead, in step",
+    )
     parser.add_argument("--duration", type=float, metavar="S", help="end after S seconds")
 
 
 def run(options: argparse.Namespace) -> int:
     """Show the team until interrupted."""
+    going_on = until(options.duration)
+    if options.play:
+        return play(options, going_on)
     site = chosen_site(options.map, options.border)
     http = None if options.text else options.http
-    with Monitor(MonitorOptions(options.listen, http, site)) as monitor:
-        going_on = until(options.duration)
+    chosen = MonitorOptions(
+        options.listen, http, site, options.record, options.border, options.keys
+    )
+    with Monitor(chosen) as monitor:
         if options.text:
             show_team(monitor.watch, going_on)
             return 0
         print(f"patrol monitor: {monitor.url} (robots report to {options.listen})", file=sys.stderr)
+        while going_on():
+            time.sleep(POLL_S)
+    return 0
+
+
+def play(options: argparse.Namespace, going_on: Callable[[], bool]) -> int:
+    """Show recordings until interrupted."""
+    playback = Playback(options.play)
+    chosen = chosen_site(options.map, options.border)
+    site = chosen if chosen.folder else Site(playback.site_folder())
+    watch = Watch(TeamState(), site)
+    if options.text:
+        with Beat(lambda: playback.advance(watch)):
+            show_team(watch, going_on)
+        return 0
+    with WebServer(watch, playback, options.http) as server:
+        print(f"patrol monitor: {server.url} plays {len(options.play)} files", file=sys.stderr)
         while going_on():
             time.sleep(POLL_S)
     return 0

@@ -10,8 +10,10 @@ import cv2
 
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
+from robot_agent.events import LinkName
 from tools.progress import Progress
 from tools.recorded_config import changed_config
+from tools.recorded_devices import serve
 from tools.recording import Recording, read_recording
 from tools.replay import Replay, ReplayResult, notices, report_lines
 from tools.what_if import WhatIf
@@ -21,7 +23,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = """examples:
   patrol replay out/robot1.mcap --check
-  patrol replay out/robot1.mcap --set gate.max_speed=0.2 --from 60 --until 120"""
+  patrol replay out/robot1.mcap --set gate.max_speed=0.2 --from 60 --until 120
+  patrol replay out/robot1.mcap --serve --base tcp:8101"""
     parser.add_argument("recording", type=Path, metavar="REC.mcap")
     parser.add_argument(
         "--check", action="store_true", help="compare every decision and byte with the recorded"
@@ -38,6 +41,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--from", dest="since", type=float, default=0.0, metavar="T", help="report from T (s) on"
     )
     parser.add_argument("--until", type=float, metavar="T", help="stop at agent time T (s)")
+    parser.add_argument(
+        "--serve", action="store_true", help="play the recorded devices to a driver of yours"
+    )
+    for link, name in (("base", "P2OS"), ("laser", "LMS200")):
+        parser.add_argument(
+            f"--{link}",
+            default="pty",
+            metavar="pty|tcp:PORT",
+            help=f"with --serve: where a driver finds the {name} device",
+        )
     parser.add_argument("--map", metavar="DIR", help="use this map in place of the recorded one")
 
 
@@ -48,6 +61,8 @@ def run(options: argparse.Namespace) -> int:
         return 2
     cv2.setNumThreads(1)
     recording = read_recording(options.recording)
+    if options.serve:
+        return _serve(recording, options)
     folder = load_map_folder(find_map(options.map, Path.cwd())) if options.map else None
     config = None
     if options.set:
@@ -68,6 +83,25 @@ def run(options: argparse.Namespace) -> int:
     for line in (*report_lines(result), *(what_if.lines() if what_if else ())):
         print(line)
     return _verdict(recording, result) if options.check else 0
+
+
+def _serve(recording: Recording, options: argparse.Namespace) -> int:
+    """Play the devices until all is said, or until ``--until``."""
+    until = options.until or recording.end()
+    with Progress("serve", until, "s") as progress:
+
+        def going_on(t: float) -> bool:
+            progress(t)
+            return t <= until
+
+        def announce(link: str, url: str) -> None:
+            print(f"{link}: {url}", flush=True)
+
+        places: dict[LinkName, str] = {"base": options.base, "laser": options.laser}
+        devices = serve(recording, places, announce, going_on)
+    for link, device in devices.items():
+        print(f"{link}: {device.played} bytes played, {device.received} received")
+    return 0
 
 
 def _say(lines: list[str]) -> None:

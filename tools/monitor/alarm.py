@@ -61,6 +61,7 @@ def conditions_of(robot: RobotState, now: float) -> Iterator[Condition]:
         yield from _of_status(robot, robot.status)
     yield from _of_decision(robot, now)
     yield from _of_sightings(robot, now)
+    yield from _of_missed_streams(robot)
     if robot.malformed_at is not None and now - robot.malformed_at < REMEMBERED_S:
         words = f"{robot.malformed} payloads could not be read"
         yield Condition(robot.id, "malformed", Severity.WARNING, words)
@@ -131,3 +132,13 @@ def _of_sightings(robot: RobotState, now: float) -> Iterator[Condition]:
         if said is None or now - said.t > REMEMBERED_S or said.log.level < LogLevel.WARNING:
             continue
         yield Condition(robot.id, kind, severity, said.log.message[:200])
+
+
+def _of_missed_streams(robot: RobotState) -> Iterator[Condition]:
+    """Yield what the agent says it misses, from when it says so until it says it is back."""
+    newest = {event.log.name: event.log for event in robot.events}
+    for name, log in newest.items():
+        if name.startswith("trust.") and log.level >= LogLevel.WARNING:
+            bad = log.level >= LogLevel.ERROR
+            severity = Severity.CRITICAL if bad else Severity.WARNING
+            yield Condition(robot.id, name, severity, log.message[:200])

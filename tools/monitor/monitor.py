@@ -8,12 +8,15 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Self
 
-from tools.monitor.alarm import Condition
+from maps.map_folder import DEFAULT_BORDER
+from tools.monitor.alarm import Condition, Severity
 from tools.monitor.operator import Operator
 from tools.monitor.site import Site
 from tools.monitor.source import LiveSource
+from tools.monitor.team_recorder import TeamRecorder
 from tools.monitor.watch import Watch
 from tools.monitor.web_server import WebServer
 
@@ -27,6 +30,12 @@ class MonitorOptions:
     http: str | None
     """Where the page is served; None: no page."""
     site: Site
+    record: Path | None = None
+    """Where every payload is written to; None: nowhere."""
+    border: str = DEFAULT_BORDER
+    """Name of the site's border, for whoever plays the recording."""
+    keys: Path | None = None
+    """The operator's folder of ``patrol keys``, for a tls endpoint."""
 
 
 class Monitor:
@@ -36,6 +45,7 @@ class Monitor:
         """Nothing is opened before the context is entered."""
         self.options = options
         self.url: str | None = None
+        self._recorder: TeamRecorder | None = None
         self._stack = ExitStack()
 
     def __enter__(self) -> Self:
@@ -46,7 +56,15 @@ class Monitor:
             WebError: the page's address is.
         """
         with ExitStack() as stack:
-            self.operator = stack.enter_context(Operator(self.options.listen))
+            tap = None
+            if self.options.record is not None:
+                folder = self.options.site.folder
+                self._recorder = TeamRecorder(self.options.record, folder, self.options.border)
+                stack.callback(self._recorder.close)
+                tap = self._recorder.take
+            self.operator = stack.enter_context(
+                Operator(self.options.listen, tap, self.options.keys)
+            )
             self.watch = Watch(self.operator.team, self.options.site, self._ailments)
             source = LiveSource()
             if self.options.http is None:
@@ -62,7 +80,10 @@ class Monitor:
 
     def _ailments(self) -> Iterator[Condition]:
         """Yield what is wrong with the monitor itself."""
-        yield from ()
+        recorder = self._recorder
+        if recorder is not None and (recorder.failed or recorder.lost):
+            words = recorder.failed or f"{recorder.lost} payloads not recorded, the disk is slow"
+            yield Condition("", "recording", Severity.CRITICAL, words)
 
 
 class Beat:

@@ -9,31 +9,17 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 import zenoh
 
-from robot_agent.telemetry import LEASE_MS, plain_reason
+from robot_agent.streams import key_of
+from robot_agent.telemetry import LEASE_MS, plain_reason, tls_settings
+from tools.keys import RobotName, known_robots
 from tools.monitor.team_state import TeamState
-
-ACCESS_CONTROL = {
-    "enabled": True,
-    "default_permission": "deny",
-    "rules": [
-        {
-            "id": "robots report",
-            "permission": "allow",
-            "flows": ["ingress"],
-            "messages": ["put", "liveliness_token"],
-            "key_exprs": ["patrol/**"],
-        }
-    ],
-    "subjects": [{"id": "anybody"}],
-    "policies": [{"rules": ["robots report"], "subjects": ["anybody"]}],
-}
-
 
 Tap = Callable[[str, bytes, float], None]
 """Gets the key, the bytes and the time (s since 1970) of a payload, as it came."""
@@ -46,16 +32,22 @@ class OperatorError(ValueError):
 class Operator:
     """Listens for robots and keeps ``team`` up to date, until closed."""
 
-    def __init__(self, listen: str, tap: Tap | None = None) -> None:
+    def __init__(self, listen: str, tap: Tap | None = None, keys: Path | None = None) -> None:
         """Listen on an endpoint such as ``tcp/0.0.0.0:7447``; ``tap`` gets every payload too.
 
+        keys: the operator's folder of ``patrol keys``, for a tls endpoint: each robot then can
+        publish under the name in its certificate only.
+
         Raises:
-            OperatorError: the endpoint is not one, or is taken.
+            OperatorError: the endpoint is not one, or is taken; tls without keys.
+            KeysError: the keys cannot be read.
         """
         self.team = TeamState()
         self._tap = tap
+        if listen.startswith("tls/") and keys is None:
+            raise OperatorError(f"{listen} needs certificates: give --keys, see `patrol keys`")
         try:
-            self._session = zenoh.open(_session_config(listen))
+            self._session = zenoh.open(_session_config(listen, keys))
         except zenoh.ZError as error:
             raise OperatorError(
                 f"cannot listen on {listen}: {plain_reason(error)}; "
@@ -94,7 +86,42 @@ class Operator:
         self.close()
 
 
-def _session_config(listen: str) -> zenoh.Config:
+def access_control(robots: Sequence[RobotName] | None) -> dict[str, object]:
+    """Return access control that lets robots report and denies everything else.
+
+    robots: who may report, each under its own name, by its certificate; None: anybody.
+    """
+    allowed: list[tuple[str, list[str], dict[str, list[str]]]]
+    if robots is None:
+        allowed = [("robots report", ["patrol/**"], {})]
+    else:
+        allowed = [
+            (
+                f"{robot.common_name} reports",
+                [key_of(robot.team, robot.robot), key_of(robot.team, robot.robot, "**")],
+                {"cert_common_names": [robot.common_name]},
+            )
+            for robot in robots
+        ]
+    return {
+        "enabled": True,
+        "default_permission": "deny",
+        "rules": [
+            {
+                "id": name,
+                "permission": "allow",
+                "flows": ["ingress"],
+                "messages": ["put", "liveliness_token"],
+                "key_exprs": keys,
+            }
+            for name, keys, _ in allowed
+        ],
+        "subjects": [{"id": name, **subject} for name, _, subject in allowed],
+        "policies": [{"rules": [name], "subjects": [name]} for name, _, _ in allowed],
+    }
+
+
+def _session_config(listen: str, keys: Path | None) -> zenoh.Config:
     config = zenoh.Config()
     for key, value in {
         "mode": "router",
@@ -103,7 +130,9 @@ def _session_config(listen: str) -> zenoh.Config:
         "scouting/gossip/enabled": False,
         "transport/shared_memory/enabled": False,
         "transport/link/tx/lease": LEASE_MS,
-        "access_control": ACCESS_CONTROL,
+        "access_control": access_control(None if keys is None else known_robots(keys)),
     }.items():
         config.insert_json5(key, json.dumps(value))
+    if keys is not None:
+        config.insert_json5("transport/link/tls", json.dumps(tls_settings(str(keys.resolve()))))
     return config

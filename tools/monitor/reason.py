@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from robot_agent.motion.gate_reason import DENIALS, GateReason
 from robot_agent.streams import DecisionPayload
 from tools.monitor.robot_state import RobotState
 
@@ -9,34 +10,28 @@ STALE_S = 1.5
 """Decisions older than this say nothing of the present."""
 _STANDING = 0.02  # m/s, rad/s
 
-GATE_WORDS = {
-    "invalid": "a number that is none",
-    "stale_base": "no fresh report of the base",
-    "stale_laser": "no fresh laser scan",
-    "not_localized": "not localized",
-    "motors_off": "motors are off",
-    "stalled": "a motor is stalled",
-    "bumper": "a bumper is pressed",
-    "overspeed": "the base is faster than it was told",
-    "backing": "backwards is not allowed",
-    "obstacle": "obstacle ahead",
-    "unsure": "unsure of its pose",
-    "speed_limit": "speed limit",
-    "acceleration": "acceleration limit",
+GATE_WORDS: dict[str, str] = {
+    GateReason.INVALID: "a number that is none",
+    GateReason.STALE_BASE: "no fresh report of the base",
+    GateReason.STALE_LASER: "no fresh laser scan",
+    GateReason.OVERLOADED: "the computer is overloaded",
+    GateReason.NOT_LOCALIZED: "not localized",
+    GateReason.BUMPED_AGAIN: "bumped again and again, a person must look",
+    GateReason.STALLED_AGAIN: "stalled again and again, a person must look",
+    GateReason.STOP_BUTTON: "the stop button is pressed",
+    GateReason.BATTERY_LOW: "the battery is low",
+    GateReason.MOTORS_OFF: "motors are off",
+    GateReason.STALLED: "a motor is stalled",
+    GateReason.BUMPER: "a bumper is pressed",
+    GateReason.OVERSPEED: "the base is faster than it was told",
+    GateReason.BACKING: "backwards is not allowed",
+    GateReason.OBSTACLE: "obstacle ahead",
+    GateReason.LIMITED: "slow, its pose does not matter now",
+    GateReason.UNSURE: "unsure of its pose",
+    GateReason.SPEED_LIMIT: "speed limit",
+    GateReason.ACCELERATION: "acceleration limit",
 }
-HOLDING_REASONS = frozenset(
-    {
-        "invalid",
-        "stale_base",
-        "stale_laser",
-        "not_localized",
-        "motors_off",
-        "stalled",
-        "bumper",
-        "overspeed",
-        "obstacle",
-    }
-)
+HOLDING_REASONS = frozenset({*DENIALS, GateReason.OBSTACLE})
 """Reasons of the gate that can hold a robot, not merely slow it."""
 
 

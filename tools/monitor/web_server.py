@@ -51,6 +51,7 @@ class WebError(ValueError):
 class Request(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """What a page may ask for."""
 
+    seen: int | None = None  # how many messages the page has shown
     acknowledge: int | None = None  # the number of an alarm
     pause: bool | None = None
     speed: float | None = None  # of a playback, times real time
@@ -58,6 +59,19 @@ class Request(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 _decode_request = msgspec.json.Decoder(Request).decode
+
+
+class _Pace:
+    """How far a page has kept up with what it was sent."""
+
+    def __init__(self) -> None:
+        self.sent = 0
+        self.seen = 0
+
+    @property
+    def behind(self) -> bool:
+        """Whether the page has yet to show more than one message."""
+        return self.sent - self.seen > 1
 
 
 class WebServer:
@@ -171,9 +185,10 @@ class WebServer:
             raise web.HTTPForbidden(text="only this page may listen here")
         socket = web.WebSocketResponse(heartbeat=10.0, max_msg_size=_REQUEST_LIMIT, compress=False)
         await socket.prepare(request)
-        listening = asyncio.create_task(self._listen(socket))
+        pace = _Pace()
+        listening = asyncio.create_task(self._listen(socket, pace))
         try:
-            await self._feed(socket)
+            await self._feed(socket, pace)
         except ConnectionError:
             pass  # the page is gone; it comes back by itself if anybody still looks at it
         finally:
@@ -181,7 +196,7 @@ class WebServer:
             await socket.close()
         return socket
 
-    async def _feed(self, socket: web.WebSocketResponse) -> None:
+    async def _feed(self, socket: web.WebSocketResponse, pace: _Pace) -> None:
         feed, epoch = PageFeed(self.watch), self.source.epoch
         fresh = True
         while not socket.closed and not self._ending.is_set():
@@ -189,16 +204,20 @@ class WebServer:
                 feed, epoch, fresh = PageFeed(self.watch), self.source.epoch, True
             extra: dict[str, Any] = {"source": self.source.description(), "fresh": fresh}
             await socket.send_str(feed.message(extra).decode())
+            pace.sent += 1
             fresh = False
             await self._ticked.wait()
+            while pace.behind and not socket.closed and not self._ending.is_set():
+                await self._ticked.wait()
 
-    async def _listen(self, socket: web.WebSocketResponse) -> None:
+    async def _listen(self, socket: web.WebSocketResponse, pace: _Pace) -> None:
         """Do what a page asks for; one that asks for anything else is shown out."""
         async for message in socket:
             request = _decoded(message)
             if request is None:
                 await socket.close(code=WSCloseCode.UNSUPPORTED_DATA)
                 return
+            pace.seen = request.seen or pace.seen
             if request.acknowledge is not None:
                 self.watch.alarms.acknowledge(request.acknowledge)
             self.source.steer(pause=request.pause, speed=request.speed, seek=request.seek)

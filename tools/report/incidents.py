@@ -19,9 +19,15 @@ UNSURE_S = 2.0
 """A localization that is unsure for less than this is not worth a line."""
 JUMP_M = 0.25
 MERGE_S = 1.0
-STOP_WATCH_S = 6.0
-"""How long after something began an order to stand can be an answer to it."""
+STOP_WATCH_S = 1.0
+"""So long after something of a moment an order to stand can be an answer to it."""
+STILL_MUTE_S = 0.05
 GOOD_STATES = {"base": "ready", "laser": "streaming"}
+
+
+_BROKEN_OFF = "recording breaks off"
+_MUTE = frozenset(("agent frozen", "base port lost"))
+"""While these last the agent can tell the base nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +57,11 @@ class Incident:
     moved_after: float | None = None
     """From the end until it was told to move again, s; None if it was not."""
 
+    @property
+    def is_end(self) -> bool:
+        """Whether it is that the recording breaks off."""
+        return self.what.startswith(_BROKEN_OFF)
+
 
 def incidents(run: RunLog) -> list[Incident]:
     """Return a run's incidents in order of time."""
@@ -62,8 +73,10 @@ def incidents(run: RunLog) -> list[Incident]:
             fresh = [span for span in merged(find(run, link)) if not any(map(span.overlaps, known))]
             known += fresh
             seen += fresh
-    others = (_noise, _lost_poses, _jumps, _held, _recorder, _operator, _death)
+    others = (_noise, _lost_poses, _held, _recorder, _operator, _death)
     spans = seen + merged(span for look in others for span in look(run))
+    # A pose that is found again at the end of something else is no news.
+    spans += [jump for jump in merged(_jumps(run)) if not any(map(jump.overlaps, seen))]
     return [_with_reaction(run, span) for span in sorted(spans, key=lambda span: span.start)]
 
 
@@ -241,14 +254,26 @@ def _operator(run: RunLog) -> Iterator[Span]:
 
 def _death(run: RunLog) -> Iterator[Span]:
     if not run.ended_in_order and run.truncated:
-        yield Span(run.end, run.end, "recording breaks off: agent killed or power cut")
+        yield Span(run.end, run.end, f"{_BROKEN_OFF}: agent killed or power cut")
+
+
+def absences(earlier: RunLog, later: RunLog) -> Incident:
+    """Return the time without an agent between two runs of one robot."""
+    start, end = earlier.end + earlier.shift, later.shift
+    how = "told to end" if earlier.ended_in_order else "killed, or power cut"
+    moved = _first(later.order_t[later.moving_order], 0.0)
+    again = "" if moved is None else f", set off {moved:.2f} s after the new start"
+    stands = "stopped the robot first" if earlier.ended_in_order else "base's own watchdog stops it"
+    return Incident(
+        earlier.name, start, end, f"no agent ({how})", f"{stands}{again}", moved_after=moved
+    )
 
 
 def _with_reaction(run: RunLog, span: Span) -> Incident:
     stopped = _stopped_after(run, span)
     moved = None
-    if stopped is not None:
-        moved = _first(run.order_t[run.moving_order], max(span.end, span.start + stopped))
+    if stopped is not None or not _drives(run, span):
+        moved = _first(run.order_t[run.moving_order], max(span.end, span.start + (stopped or 0.0)))
         moved = None if moved is None else moved - span.end
     return Incident(
         run.name,
@@ -262,12 +287,19 @@ def _with_reaction(run: RunLog, span: Span) -> Incident:
 
 
 def _stopped_after(run: RunLog, span: Span) -> float | None:
-    """Return how long after a span's start the base was told to stand; 0 where it stood."""
+    """Return how long after a span's start the base was told to stand; 0 where it stood.
+
+    None where it was not, or could not be: a frozen agent, or one without a port, orders nothing.
+    """
     before = np.searchsorted(run.order_t, span.start, side="right") - 1
     if before < 0 or not run.moving_order[before]:
         return 0.0
-    latest = max(span.end, span.start + STOP_WATCH_S)
     stop = _first(run.order_t[~run.moving_order], span.start)
+    latest = max(span.end, span.start + STOP_WATCH_S)
+    if span.what in _MUTE:
+        latest = span.end - STILL_MUTE_S
+    if run.told_to_end is not None:
+        latest = min(latest, run.told_to_end - STILL_MUTE_S)
     return None if stop is None or stop > latest else stop - span.start
 
 
@@ -277,11 +309,12 @@ def _first(times: Floats, after: float) -> float | None:
 
 
 def _words(run: RunLog, span: Span, stopped: float | None, moved: float | None) -> str:
-    if span.what.startswith(("recording breaks off", "agent frozen")) and stopped is None:
-        return "no order possible: the base's own watchdog stops it"
+    if stopped is None and _drives(run, span):
+        return "patrolled on"
     if stopped is None:
-        return "patrolled on" if _drives(run, span) else "no order: base's own watchdog stops it"
-    first = "was standing" if stopped == 0.0 else f"told to stand after {stopped:.2f} s"
+        first = "no order possible: the base's own watchdog stops it"
+    else:
+        first = "was standing" if stopped == 0.0 else f"told to stand after {stopped:.2f} s"
     if moved is None:
         return f"{first}, did not set off again"
     return f"{first}, set off {max(moved, 0.0):.2f} s after it was over"
@@ -289,5 +322,7 @@ def _words(run: RunLog, span: Span, stopped: float | None, moved: float | None) 
 
 def _drives(run: RunLog, span: Span) -> bool:
     """Tell whether decisions were made during a span."""
+    if span.what in _MUTE or span.what.startswith(_BROKEN_OFF):
+        return False
     inside = (run.decision_t >= span.start) & (run.decision_t <= max(span.end, span.start + 1.0))
     return bool(inside.any())

@@ -144,7 +144,7 @@ def _bad_packets(axes: Axes, team: Team) -> None:
         bad = np.array([s.base.packets_bad + s.laser.packets_bad for s in run.status])
         t, rate = _rate(run.status_t, bad)
         axes.plot(t + run.shift, rate, color=colors[run.name], lw=1.0)
-    axes.set_ylim(0.0, None)
+    axes.set_ylim(0.0, max(1.0, axes.get_ylim()[1]))
     axes.set_title("damaged packets per second, both lines")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from itertools import groupby
 
 import numpy as np
@@ -203,7 +203,7 @@ def action_shares(team: Team) -> Figure:
 
 def meeting_close_ups(team: Team) -> Figure | None:
     """Draw the robots' ways through the closest meetings; None if there was none."""
-    chosen = sorted(team.meetings, key=lambda meeting: meeting.closest_m)[:SHOWN_MEETINGS]
+    chosen = _telling(team.meetings)
     if not chosen:
         return None
     figure = style.new_figure(4.0)
@@ -214,6 +214,14 @@ def meeting_close_ups(team: Team) -> Figure | None:
         _close_up(axes, team, meeting)
     _action_legend(figure)
     return figure
+
+
+def _telling(meetings: Sequence[Meeting]) -> list[Meeting]:
+    """Return the closest meetings, of different pairs and outcomes where there are such."""
+    closest = sorted(meetings, key=lambda meeting: meeting.closest_m)
+    firsts = {(m.robots, m.outcome): m for m in reversed(closest)}.values()
+    rest = [meeting for meeting in closest if meeting not in firsts]
+    return [*sorted(firsts, key=lambda meeting: meeting.closest_m), *rest][:SHOWN_MEETINGS]
 
 
 def _close_up(axes: Axes, team: Team, meeting: Meeting) -> None:
@@ -238,6 +246,7 @@ def _close_up(axes: Axes, team: Team, meeting: Meeting) -> None:
                 textcoords="offset points",
                 color=colors[run.name],
                 weight="bold",
+                clip_on=True,
             )
     pair = np.array([a.position[closest], b.position[closest]])
     axes.plot(*pair.T, color=style.INK, lw=1.0, ls=(0, (2, 2)), zorder=2)

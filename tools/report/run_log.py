@@ -116,8 +116,8 @@ class RunLog:
     truncated: str | None = None
     end: float = 0.0
     """Agent time of the last message, s."""
-    ended_in_order: bool = False
-    """Whether the agent was told to end."""
+    told_to_end: float | None = None
+    """Agent time at which the agent was told to end, s; None if it was not."""
 
     decision_t: Floats = field(default_factory=lambda: np.empty(0))
     pose: Floats = field(default_factory=lambda: np.empty((0, 3)))
@@ -154,6 +154,11 @@ class RunLog:
     def name(self) -> str:
         """The robot's name."""
         return self.header.robot
+
+    @property
+    def ended_in_order(self) -> bool:
+        """Whether the agent was told to end."""
+        return self.told_to_end is not None
 
     @property
     def is_log(self) -> bool:
@@ -276,8 +281,8 @@ class _Reader:
         change = msgspec.json.decode(data, type=_Link)
         self._log.links.append(LinkChange(t, change.link, change.up, change.reason))
 
-    def _take_end(self, _t: float, _data: bytes) -> None:
-        self._log.ended_in_order = True
+    def _take_end(self, t: float, _data: bytes) -> None:
+        self._log.told_to_end = t
 
     def _take_orders(self, t: float, data: bytes) -> None:
         """Follow what the base is told: to move, or to stand."""

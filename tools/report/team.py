@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from tools.bench.idleness import BorderVisits, border_visits
 from tools.bench.metrics import Meeting, RobotRun, arrival_index, meetings
 from tools.recorded_config import parse_old_config
 from tools.report.alignment import ClockNote
-from tools.report.incidents import Incident, incidents
+from tools.report.incidents import Incident, absences, incidents
 from tools.report.run_log import Floats, RunLog
 
 STEP_S = 0.1
@@ -71,7 +72,16 @@ class Team:
     @cached_property
     def incidents(self) -> list[Incident]:
         """What went wrong, in order of time."""
-        found = [incident for run in self.runs for incident in incidents(run)]
+        last = {run.name: run for run in sorted(self.runs, key=lambda run: run.shift)}
+        found = [
+            incident
+            for run in self.runs
+            for incident in incidents(run)
+            if run is last[run.name] or not incident.is_end
+        ]
+        for name in self.names:
+            own = sorted((run for run in self.runs if run.name == name), key=lambda run: run.shift)
+            found += [absences(earlier, later) for earlier, later in pairwise(own)]
         return sorted(found, key=lambda incident: incident.start)
 
     @cached_property

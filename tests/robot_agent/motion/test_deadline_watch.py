@@ -1,29 +1,34 @@
-"""Overload: three late steps in a row begin it, ten in time end it."""
+"""Overload: three missed deadlines within three seconds."""
 
 from robot_agent.motion.deadline_watch import DeadlineWatch
 
 LATE, IN_TIME = 0.11, 0.1
 
 
-def watch_of(*lags: float) -> DeadlineWatch:
+def watch_of(*misses: float) -> DeadlineWatch:
     watch = DeadlineWatch()
-    for lag in lags:
-        watch.note(lag)
+    for t in misses:
+        watch.note(t, LATE)
     return watch
 
 
-def test_three_late_steps_in_a_row_are_an_overload():
-    assert not watch_of(LATE, LATE).overloaded
-    assert watch_of(LATE, LATE, LATE).overloaded
+def test_three_misses_within_three_seconds_are_an_overload():
+    assert not watch_of(1.0, 2.0).overloaded(2.0)
+    assert watch_of(1.0, 2.0, 3.9).overloaded(3.9)
+    assert not watch_of(1.0, 2.0, 4.1).overloaded(4.1)
 
 
-def test_a_step_in_time_breaks_the_row():
-    watch = watch_of(LATE, LATE, IN_TIME, LATE, LATE)
-    assert not watch.overloaded
-    assert watch.missed == 4
+def test_it_ends_when_the_first_of_them_is_older():
+    watch = watch_of(1.0, 1.5, 2.0)
+    assert watch.overloaded(3.9)
+    assert not watch.overloaded(4.0)
+    watch.note(4.1, LATE)
+    assert watch.overloaded(4.1)
 
 
-def test_ten_steps_in_time_end_it():
-    assert watch_of(*[LATE] * 3, *[IN_TIME] * 9).overloaded
-    assert watch_of(*[LATE] * 3, *[IN_TIME] * 9, LATE, *[IN_TIME] * 9).overloaded
-    assert not watch_of(*[LATE] * 3, *[IN_TIME] * 10).overloaded
+def test_what_is_in_time_is_no_miss():
+    watch = DeadlineWatch()
+    for step in range(100):
+        watch.note(0.01 * step, IN_TIME)
+    assert watch.missed == 0
+    assert not watch.overloaded(1.0)

@@ -72,7 +72,8 @@ def test_a_robot_beside_a_wall_is_found(room: Room) -> None:
 def test_other_sizes_are_not_robots(room: Room, size: tuple[float, float]) -> None:
     rng = np.random.default_rng(5)
     for distance in (1.2, 1.8, 2.5):
-        assert segments_of(room, [at(distance, 0.3, math.pi / 2, *size)], rng) == []
+        found = segments_of(room, [at(distance, 0.3, math.pi / 2, *size)], rng)
+        assert not any(each.whole and each.robot_sized for each in found)
 
 
 def test_a_pair_of_legs_is_not_a_robot(room: Room) -> None:
@@ -83,7 +84,17 @@ def test_a_pair_of_legs_is_not_a_robot(room: Room) -> None:
                 Box(CENTRE.x + distance, CENTRE.y + side * (apart + 0.13) / 2, 0.2, 0.13, 0.13)
                 for side in (-1, 1)
             ]
-            assert segments_of(room, legs, rng) == []
+            found = segments_of(room, legs, rng)
+            assert not any(each.whole and each.robot_sized for each in found)
+
+
+def test_two_legs_a_stride_apart_are_one_person_between_them(room: Room) -> None:
+    rng = np.random.default_rng(9)
+    legs = [Box(CENTRE.x + 1.5, CENTRE.y + y, 0.2, 0.13, 0.13) for y in (-0.2, 0.2)]
+    [person] = segments_of(room, legs, rng)
+    assert person.whole
+    assert not person.robot_sized
+    assert math.hypot(person.x - 1.5, person.y) < 0.12
 
 
 def test_a_half_hidden_robot_is_found_about_where_it_is(room: Room) -> None:

@@ -107,3 +107,22 @@ def test_cable_keeps_its_name_over_unplugging(base: P2osEmulator, tmp_path: Path
     assert base.take_output(2.0) == [], "what the device said meanwhile is lost"
     cable.pull()
     cable.pull()
+
+
+def test_slow_line_gives_everything_late(base: P2osEmulator) -> None:
+    line = FaultyLine(base, np.random.default_rng(1))
+    line.delay = 0.5
+    line.feed(SYNC0, 0.0)
+    assert line.take_output(0.4) == []
+    late = line.take_output(1.0)
+    assert b"".join(item.data for item in late) == SYNC0
+    assert all(item.t >= 0.5 for item in late)
+
+
+def test_frozen_line_repeats_what_was_last_sent(base: P2osEmulator) -> None:
+    line = FaultyLine(base, np.random.default_rng(1))
+    line.feed(SYNC0, 0.0)
+    line.take_output(1.0)
+    line.frozen = True
+    line.feed(SYNC1, 1.0)
+    assert b"".join(item.data for item in line.take_output(2.0)) == SYNC0

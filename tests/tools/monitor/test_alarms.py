@@ -17,10 +17,12 @@ from robot_agent.foxglove import (
     timestamp_at,
     track_entity,
 )
+from robot_agent.motion.gate_reason import GateReason
 from robot_agent.streams import LocalizationStatus, Payload, ProcessPayload, Twist, encode
 from tests.tools.monitor.reports import decision, device, status
 from tools.monitor.alarm import Condition, Severity
 from tools.monitor.alarm_board import MAX_ALARMS, Alarm, AlarmBoard
+from tools.monitor.reason import GATE_WORDS
 from tools.monitor.site import Site
 from tools.monitor.team_state import TeamState
 from tools.monitor.watch import Watch
@@ -134,6 +136,24 @@ def test_words_of_the_log_are_an_alarm_for_a_while(name: str, kind: str) -> None
     assert (alarm.kind, alarm.text) == (kind, "somebody is there")
     assert alarm.raised < CAUSE + 1.0
     assert alarm.cleared is not None
+
+
+def test_a_stream_the_agent_misses_is_an_alarm_until_it_is_back() -> None:
+    def missed(t: float) -> dict[str, Payload]:
+        first, last = t < CAUSE + 0.05, t > END - 0.15
+        level = LogLevel.ERROR if first else LogLevel.INFO
+        words: dict[str, Payload] = {"event": said("trust.laser", level, t)}
+        return {**well(t), **(words if first or last else {})}
+
+    (alarm,) = alarms_of(missed)
+    assert (alarm.kind, alarm.severity) == ("trust.laser", Severity.CRITICAL)
+    assert alarm.raised < CAUSE + 1.0
+    assert alarm.cleared is not None
+    assert END - 1.0 < alarm.cleared < END + 2.0
+
+
+def test_every_reason_of_the_gate_has_its_words() -> None:
+    assert set(GATE_WORDS) == set(GateReason) - {GateReason.NONE}
 
 
 def test_failing_recorder_of_a_robot_is_an_alarm() -> None:

@@ -3,7 +3,7 @@ from __future__ import annotations
 import asyncio
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Awaitable, Callable, Iterator
 from typing import Any
 
 import aiohttp
@@ -67,54 +67,87 @@ def test_other_names_and_other_pages_are_refused(server: WebServer) -> None:
     assert get(server.url + "live", Origin="http://evil.example")[0] == 403
 
 
-async def messages(socket: aiohttp.ClientWebSocketResponse) -> dict[str, Any]:
-    message: dict[str, Any] = await socket.receive_json(timeout=10)
-    return message
+class Page:
+    """A page that shows what it is sent at once."""
 
+    def __init__(self, socket: aiohttp.ClientWebSocketResponse) -> None:
+        self.socket = socket
+        self._seen = 0
 
-def test_messages_bring_what_has_changed_and_nothing_twice(server: WebServer) -> None:
-    async def listen() -> None:
-        async with (
-            aiohttp.ClientSession() as session,
-            session.ws_connect(server.url + "live") as socket,
-        ):
-            first = await messages(socket)
-            assert first["fresh"]
-            assert first["robots"] == []
-            team = server.watch.team
-            for stream, payload in (("pose", pose(1.0)), ("decision", decision(1.0))):
-                team.receive(f"{KEY}/{stream}", encode(payload), server.watch.now)
-            parts = await next_part(socket, "decision")
-            assert parts["decision"]["action"] == "keep_going"
-            team.receive(f"{KEY}/status", encode(status(1.0)), server.watch.now)
-            parts = await next_part(socket, "status")
-            assert "decision" not in parts
+    async def next(self) -> dict[str, Any]:
+        message: dict[str, Any] = await self.socket.receive_json(timeout=10)
+        self._seen += 1
+        await self.socket.send_json({"seen": self._seen})
+        return message
 
-    async def next_part(socket: aiohttp.ClientWebSocketResponse, part: str) -> dict[str, Any]:
+    async def next_part(self, part: str) -> dict[str, Any]:
+        """The next message's robot with a certain part in it."""
         while True:
-            for robot in (await messages(socket))["robots"]:
+            for robot in (await self.next())["robots"]:
                 if part in robot:
                     found: dict[str, Any] = robot
                     return found
 
-    asyncio.run(listen())
 
-
-def test_acknowledging_is_all_a_page_can_do(server: WebServer) -> None:
-    async def acknowledge() -> None:
+def on_a_page(server: WebServer, act: Callable[[Page], Awaitable[None]]) -> None:
+    async def connected() -> None:
         async with (
             aiohttp.ClientSession() as session,
             session.ws_connect(server.url + "live") as socket,
         ):
-            await socket.send_str('{"acknowledge": 1}')
-            while not (await messages(socket)).get("alarms", [{}])[0].get("acknowledged"):
-                pass
-            await socket.send_str('{"publish": "patrol/north/anna/stop"}')
-            while (message := await socket.receive(timeout=10)).type != aiohttp.WSMsgType.CLOSE:
-                pass
-            assert message.data == aiohttp.WSCloseCode.UNSUPPORTED_DATA
+            await act(Page(socket))
 
-    asyncio.run(acknowledge())
+    asyncio.run(connected())
+
+
+def test_messages_bring_what_has_changed_and_nothing_twice(server: WebServer) -> None:
+    async def listen(page: Page) -> None:
+        first = await page.next()
+        assert first["fresh"]
+        assert first["robots"] == []
+        team = server.watch.team
+        for stream, payload in (("pose", pose(1.0)), ("decision", decision(1.0))):
+            team.receive(f"{KEY}/{stream}", encode(payload), server.watch.now)
+        parts = await page.next_part("decision")
+        assert parts["decision"]["action"] == "keep_going"
+        team.receive(f"{KEY}/status", encode(status(1.0)), server.watch.now)
+        parts = await page.next_part("status")
+        assert "decision" not in parts
+
+    on_a_page(server, listen)
+
+
+def test_a_page_that_shows_nothing_is_sent_two_messages_and_then_the_newest(
+    server: WebServer,
+) -> None:
+    async def sleep(page: Page) -> None:
+        for _ in range(2):
+            await page.socket.receive_json(timeout=10)
+        team = server.watch.team
+        for number in range(50):
+            late = decision(1.0, abscissa=float(number))
+            team.receive(f"{KEY}/decision", encode(late), server.watch.now)
+            await asyncio.sleep(0.01)
+        with pytest.raises(TimeoutError):
+            await page.socket.receive(timeout=0.2)
+        await page.socket.send_json({"seen": 2})
+        parts = await page.next_part("decision")
+        assert parts["decision"]["abscissa"] == 49.0
+
+    on_a_page(server, sleep)
+
+
+def test_acknowledging_is_all_a_page_can_do(server: WebServer) -> None:
+    async def acknowledge(page: Page) -> None:
+        await page.socket.send_str('{"acknowledge": 1}')
+        while not (await page.next()).get("alarms", [{}])[0].get("acknowledged"):
+            pass
+        await page.socket.send_str('{"publish": "patrol/north/anna/stop"}')
+        while (message := await page.socket.receive(timeout=10)).type != aiohttp.WSMsgType.CLOSE:
+            pass
+        assert message.data == aiohttp.WSCloseCode.UNSUPPORTED_DATA
+
+    on_a_page(server, acknowledge)
 
 
 def test_taken_or_senseless_address_is_one_error(server: WebServer) -> None:

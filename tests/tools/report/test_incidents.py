@@ -32,7 +32,7 @@ def status(base: DeviceStatus, laser: DeviceStatus) -> _Status:
 
 def sound_run() -> RunLog:
     """Twenty seconds in which the robot drives and nothing is wrong."""
-    run = RunLog(Path("anna.mcap"), HEADER, end=20.0, ended_in_order=True)
+    run = RunLog(Path("anna.mcap"), HEADER, end=20.0, told_to_end=20.0)
     run.decision_t = np.arange(0.0, 20.0, 0.1)
     run.pose = np.column_stack((0.03 * np.arange(200), np.zeros(200), np.zeros(200)))
     run.gate = [""] * 200
@@ -95,7 +95,7 @@ def test_frozen_agent_gives_no_order() -> None:
 
 def test_killed_agent_ends_its_recording() -> None:
     run = sound_run()
-    run.ended_in_order, run.truncated = False, "readable up to byte 7"
+    run.told_to_end, run.truncated = None, "readable up to byte 7"
     (found,) = incidents(run)
     assert found.what.startswith("recording breaks off")
     assert found.start == 20.0

@@ -15,10 +15,15 @@ export class Connection {
   open() {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
     this.socket = new WebSocket(`${scheme}://${location.host}/live`);
+    let seen = 0;
     this.socket.onmessage = (event) => {
       this.heardAt = performance.now();
       this.onState(true);
       this.onMessage(JSON.parse(event.data));
+      // The next ones come only as fast as these are shown: a slow page is behind by one, not more.
+      seen += 1;
+      const told = seen;
+      requestAnimationFrame(() => setTimeout(() => this.send({ seen: told })));
     };
     this.socket.onclose = () => {
       this.onState(false);

@@ -1,25 +1,27 @@
-// How well the page keeps up: redraws per second, and how old the newest pose is when drawn.
+// How well the page keeps up: redraws per second, and how old poses are when they are drawn.
 
 const WINDOW = 100;
+const DELAYS = 20000;
 
 export class Figures {
   constructor() {
+    this.count = 0;
     this.draws = [];
     this.delays = []; // ms from a pose's own time stamp to its drawing; needs clocks that agree
-    this.newest = 0;
   }
 
   drawn(team) {
     const now = performance.now();
+    this.count += 1;
     this.draws.push(now);
     if (this.draws.length > WINDOW) this.draws.shift();
-    let newest = this.newest;
-    for (const robot of team.ordered) if (robot.pose?.[3] > newest) newest = robot.pose[3];
-    if (newest > this.newest) {
-      this.newest = newest;
-      this.delays.push(Date.now() - 1000 * newest);
-      if (this.delays.length > 5000) this.delays.shift();
+    const wall = Date.now();
+    for (const robot of team.ordered) {
+      if (!robot.pose || robot.pose === robot.drawnPose) continue;
+      robot.drawnPose = robot.pose;
+      this.delays.push(wall - 1000 * robot.pose[3]);
     }
+    if (this.delays.length > DELAYS) this.delays.splice(0, DELAYS / 2);
   }
 
   rate() {

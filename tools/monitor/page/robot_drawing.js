@@ -4,21 +4,31 @@ import { colour, robotColour } from "./palette.js";
 
 const ELLIPSE_95 = 2.448; // radius in standard deviations that holds 95 % in two dimensions
 const CLOSE = 60; // px per m
+const FAR_SHARE = 5; // one particle in so many is drawn from far away
 const SMALLEST_ELLIPSE = 4; // px
+const TRAIL_SECONDS = 600;
+const GAP = 3; // s without a sample that breaks the trail
 const FRESH = 1.5; // s after which a scan or a track says nothing of the present
 
+// Where it was in the last minutes, up to where it is; broken where nothing was heard.
 export function drawTrail(context, robot, scale) {
-  if (robot.trail.length < 2) return;
-  const oldest = robot.trail.length;
+  const points = robot.samples.slice(-TRAIL_SECONDS);
+  if (!points.length) return;
   context.strokeStyle = robotColour(robot.number);
   context.lineWidth = 2 / scale;
   context.lineJoin = "round";
   // Three pieces, each fainter than the one after: enough to see which way it came.
+  const third = Math.ceil(points.length / 3);
   for (let piece = 0; piece < 3; piece += 1) {
-    const [from, to] = [Math.floor((piece * oldest) / 3), Math.floor(((piece + 1) * oldest) / 3)];
     context.globalAlpha = 0.12 + 0.14 * piece;
     context.beginPath();
-    for (let at = from; at < Math.min(to + 1, oldest); at += 1) context.lineTo(...robot.trail[at]);
+    let before = -Infinity;
+    for (const [wall, x, y] of points.slice(piece * third, (piece + 1) * third + 1)) {
+      if (wall - before > GAP) context.moveTo(x, y);
+      else context.lineTo(x, y);
+      before = wall;
+    }
+    if (piece === 2 && robot.age("pose", robot.at.decision) < GAP) context.lineTo(robot.pose[0], robot.pose[1]);
     context.stroke();
   }
   context.globalAlpha = 1;
@@ -48,12 +58,17 @@ export function drawScan(context, robot, site, scale, now) {
   const dot = Math.max(2 / scale, 0.03);
   context.fillStyle = robotColour(robot.number);
   context.globalAlpha = 0.75;
-  robot.scan.ranges.forEach((range, beam) => {
-    if (!range) return;
-    const angle = theta + turn + robot.scan.start + beam * robot.scan.step;
-    const [px, py] = [lx + (range / 100) * Math.cos(angle), ly + (range / 100) * Math.sin(angle)];
+  const { ranges, start, step } = robot.scan;
+  let [lastX, lastY] = [Infinity, Infinity];
+  for (let beam = 0; beam < ranges.length; beam += 1) {
+    if (!ranges[beam]) continue;
+    const angle = theta + turn + start + beam * step;
+    const px = lx + (ranges[beam] / 100) * Math.cos(angle);
+    const py = ly + (ranges[beam] / 100) * Math.sin(angle);
+    if (Math.abs(px - lastX) < 0.75 * dot && Math.abs(py - lastY) < 0.75 * dot) continue; // same dot
     context.fillRect(px - dot / 2, py - dot / 2, dot, dot);
-  });
+    [lastX, lastY] = [px, py];
+  }
   context.globalAlpha = 1;
 }
 
@@ -63,7 +78,8 @@ export function drawParticles(context, robot, scale) {
   const dot = 2 / scale;
   context.fillStyle = scale > CLOSE ? colour("text") : robotColour(robot.number);
   context.globalAlpha = 0.5;
-  for (let at = 0; at < particles.length; at += 3) {
+  const step = scale > CLOSE ? 3 : 3 * FAR_SHARE; // far away they lie on top of each other
+  for (let at = 0; at < particles.length; at += step) {
     context.fillRect(particles[at] / 100 - dot / 2, particles[at + 1] / 100 - dot / 2, dot, dot);
   }
   context.globalAlpha = 1;

@@ -1,16 +1,13 @@
 // What the page knows of the team: one Robot per name, kept up to date by messages.
 
-const TRAIL_STEP = 0.08; // m
-const TRAIL_LENGTH = 900;
 const SAMPLES = 3600;
-const PARTS = ["decision", "status", "scan", "particles", "tracks", "process", "event"];
+const PARTS = ["pose", "decision", "status", "scan", "particles", "tracks", "process", "event"];
 
 class Robot {
   constructor(id, number) {
     this.id = id;
     this.number = number;
     this.name = id;
-    this.trail = [];
     this.samples = [];
     this.at = {}; // part -> monitor time of its arrival
   }
@@ -29,26 +26,12 @@ class Robot {
       }
     }
     for (const sample of message.history ?? []) this.addSample(sample);
-    if (message.pose) this.moveTo(message.pose, now);
   }
 
+  // Samples are one second of a robot: wall time, x, y, distance from border, action.
   addSample(sample) {
     this.samples.push(sample);
     if (this.samples.length > SAMPLES) this.samples.shift();
-    if (!this.pose) this.addToTrail(sample[1], sample[2]);
-  }
-
-  moveTo(pose, now) {
-    this.pose = pose;
-    this.at.pose = now;
-    this.addToTrail(pose[0], pose[1]);
-  }
-
-  addToTrail(x, y) {
-    const last = this.trail[this.trail.length - 1];
-    if (last && Math.hypot(x - last[0], y - last[1]) < TRAIL_STEP) return;
-    this.trail.push([x, y]);
-    if (this.trail.length > TRAIL_LENGTH) this.trail.shift();
   }
 
   // Age of a part in s; infinite if it never came.

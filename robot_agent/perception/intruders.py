@@ -1,0 +1,154 @@
+"""Intruders: strangers who stay near the border, each reported once and then kept up to date."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from maps.border import Border
+from robot_agent.perception.identity import Kind
+from robot_agent.perception.settings import PerceptionSettings
+from robot_agent.perception.track import Track
+
+_SEEN_LATELY = 0.5  # s; a track not seen for longer tells nothing of where somebody is
+_WALK = 1.5  # m/s a person walks unseen
+_FARTHEST_WALK = 10.0  # m
+_SAME_PLACE = 0.8  # m; two sightings this near are of one
+_EDGE = 0.3  # m beyond the zone within which somebody is still in it
+
+
+@dataclass(frozen=True, slots=True)
+class Intruder:
+    """A stranger near the border.
+
+    number: counts from 1. x, y: m, map frame, when last seen. abscissa, distance: along and from
+    the border, m; closest: the least distance so far. first_seen, last_seen: s. track: its id.
+    """
+
+    number: int
+    track: int
+    x: float
+    y: float
+    abscissa: float
+    distance: float
+    closest: float
+    first_seen: float
+    last_seen: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Candidate:
+    """Somebody near the border since a time, s, not yet long enough."""
+
+    track: int
+    since: float
+    last_seen: float
+    x: float
+    y: float
+
+
+class Intruders:
+    """Watches the tracks near a border."""
+
+    def __init__(self, settings: PerceptionSettings, border: Border) -> None:
+        self._settings = settings
+        self._border = border
+        self._candidates: dict[int, _Candidate] = {}
+        self._number = 0
+        self.known: list[Intruder] = []
+        """Those seen lately, oldest first."""
+
+    def update(self, t: float, tracks: Sequence[Track]) -> list[Intruder]:
+        """Take in the tracks at t, s; return the intruders that are new."""
+        settings = self._settings
+        new: list[Intruder] = []
+        for track in tracks:
+            if t - track.last_seen > _SEEN_LATELY or not _is_stranger(track, t, settings):
+                continue
+            foot = self._border.project(track.x, track.y)
+            zone = settings.intruder_distance
+            if foot.distance > zone + (_EDGE if track.id in self._candidates else 0.0):
+                self._candidates.pop(track.id, None)
+                continue
+            candidate = self._candidate(track)
+            self._candidates[track.id] = candidate
+            if track.last_seen - candidate.since < settings.intruder_time:
+                continue
+            known = self._known(t, track, tracks)
+            intruder = Intruder(
+                number=known.number if known else self._number + 1,
+                track=track.id,
+                x=track.x,
+                y=track.y,
+                abscissa=foot.abscissa,
+                distance=foot.distance,
+                closest=min(foot.distance, known.closest if known else math.inf),
+                first_seen=known.first_seen if known else candidate.since,
+                last_seen=track.last_seen,
+            )
+            if known is None:
+                self._number += 1
+                self.known.append(intruder)
+                new.append(intruder)
+            else:
+                self.known[self.known.index(known)] = intruder
+        self._forget(t)
+        return new
+
+    def _candidate(self, track: Track) -> _Candidate:
+        """Return somebody's stay near the border, which may have begun under another track."""
+        own = self._candidates.get(track.id)
+        if own is None:
+            own = next(
+                (
+                    each
+                    for each in self._candidates.values()
+                    if each.last_seen < track.first_seen
+                    and _reachable(each.x, each.y, track, track.first_seen - each.last_seen)
+                ),
+                None,
+            )
+        since = own.since if own else track.last_seen
+        return _Candidate(track.id, since, track.last_seen, track.x, track.y)
+
+    def _known(self, t: float, track: Track, tracks: Sequence[Track]) -> Intruder | None:
+        """Return the intruder that a track is of, if it was reported before."""
+        for each in self.known:
+            if each.track == track.id:
+                return each
+        followed = {other.id for other in tracks if t - other.last_seen <= _SEEN_LATELY}
+        near = [
+            each
+            for each in self.known
+            if each.track not in followed
+            and _reachable(each.x, each.y, track, track.first_seen - each.last_seen)
+        ]
+        if not near:
+            return None
+        nearest = min(near, key=lambda each: math.hypot(each.x - track.x, each.y - track.y))
+        moved = replace(nearest, track=track.id)
+        self.known[self.known.index(nearest)] = moved
+        return moved
+
+    def _forget(self, t: float) -> None:
+        memory = self._settings.intruder_memory
+        self.known = [each for each in self.known if t - each.last_seen <= memory]
+        self._candidates = {
+            number: each
+            for number, each in self._candidates.items()
+            if t - each.last_seen <= self._settings.memory
+        }
+
+
+def _is_stranger(track: Track, t: float, settings: PerceptionSettings) -> bool:
+    """Tell strangers from teammates, and from robots nobody has looked at yet."""
+    if track.kind is Kind.UNKNOWN:
+        old = t - track.first_seen >= settings.intruder_time
+        return old and not track.robot_sized
+    return track.kind is Kind.STRANGER
+
+
+def _reachable(x: float, y: float, track: Track, unseen: float) -> bool:
+    walked = min(_WALK * max(unseen, 0.0), _FARTHEST_WALK)
+    return math.hypot(track.x - x, track.y - y) <= _SAME_PLACE + walked

@@ -1,0 +1,49 @@
+"""Somebody in the operator's place who sends garbage to every robot that dials."""
+
+from __future__ import annotations
+
+import contextlib
+import random
+import socket
+import threading
+from types import TracebackType
+from typing import Self
+
+_PATIENCE_S = 0.2
+
+
+class Flood:
+    """Listens at a Zenoh endpoint ``tcp/HOST:PORT`` and floods whoever connects."""
+
+    def __init__(self, endpoint: str) -> None:
+        """Take the place of the operator at the endpoint, which must be free."""
+        host, _, port = endpoint.removeprefix("tcp/").rpartition(":")
+        self._listener = socket.create_server((host, int(port)), reuse_port=False)
+        self._listener.settimeout(_PATIENCE_S)
+        self._ending = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="flood", daemon=True)
+        self.sent = 0
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._ending.set()
+        self._thread.join()
+        self._listener.close()
+
+    def _run(self) -> None:
+        garbage = random.Random(1).randbytes(65536)  # noqa: S311 - any bytes will do
+        while not self._ending.is_set():
+            with contextlib.suppress(OSError):
+                victim, _ = self._listener.accept()
+                with victim:
+                    victim.settimeout(_PATIENCE_S)
+                    while not self._ending.is_set():
+                        self.sent += victim.send(garbage)

@@ -1,0 +1,42 @@
+"""``patrol install``: the agent as a service that starts at boot."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from tools.deployment import deploy, next_steps, this_program
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = (
+        "example: sudo patrol install robot1.toml\n"
+        "         patrol install robot1.toml --root look    # write below look/ only\n\n"
+        "Writes etc/systemd/system/patrol@.service, etc/udev/rules.d/60-patrol.rules,\n"
+        "etc/sysusers.d/patrol.conf and etc/patrol/ROBOT.toml, and checks them. Starts nothing."
+    )
+    parser.add_argument("configs", nargs="*", type=Path, metavar="ROBOT.toml")
+    parser.add_argument("--root", type=Path, default=Path("/"), metavar="DIR", help="default: /")
+    parser.add_argument("--user", default="patrol", help="whom the service runs as")
+    parser.add_argument(
+        "--program", type=Path, default=this_program(), help="the patrol to start; default: this"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write, check, and say what to do next; end with 1 when a check fails."""
+    done = deploy(options.root, options.configs, options.user, options.program)
+    for path in done.written:
+        print(f"written  {path}")
+    for path in done.kept:
+        print(f"kept     {path}")
+    for finding in done.findings:
+        print(f"{finding.verdict:<8} {finding.subject}: {finding.text}")
+        if finding.remedy:
+            print(f"         {finding.remedy}")
+    print("\nnext:", file=sys.stderr)
+    for step in next_steps([config.stem for config in options.configs]):
+        print(f"  {step}", file=sys.stderr)
+    return 0 if done.fit else 1

@@ -1,0 +1,31 @@
+"""``patrol keys``: certificates for robots and operator, so that nobody else can speak for them."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from tools.keys import make_keys
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = "example: patrol keys robot1 robot2 --team lab --host 192.168.1.10 -o keys"
+    parser.add_argument("robots", nargs="+", metavar="ROBOT", help="robots that need a certificate")
+    parser.add_argument("--team", required=True, help="their team, as in their configuration")
+    parser.add_argument(
+        "--host",
+        action="append",
+        default=[],
+        metavar="ADDRESS",
+        help="address or name robots dial the operator at; several may be given",
+    )
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    parser.add_argument("--days", type=int, default=3650, metavar="N", help="how long they hold")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Make what is missing; print what was made."""
+    for name in make_keys(options.output, options.team, options.robots, options.host, options.days):
+        print(options.output / name)
+    return 0

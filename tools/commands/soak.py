@@ -1,0 +1,63 @@
+"""``patrol soak``: a team under random faults for hours, faster than real time."""
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import json
+import tempfile
+from pathlib import Path
+
+from maps.map_folder import load_map_folder
+from robot_agent.config import find_map
+from tools.progress import Progress
+from tools.soak import HOUR_S, Soak, SoakHour, summary
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = (
+        "example: patrol soak --hours 24 --json soak.jsonl\n\n"
+        "One line per simulated hour: contacts, idleness, memory, recordings; then a summary."
+    )
+    parser.add_argument("--hours", type=float, default=24.0, metavar="H", help="simulated hours")
+    parser.add_argument("--robots", type=int, default=3, metavar="N")
+    parser.add_argument("--map", default="paper_lab", metavar="DIR", help="map folder or name")
+    parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument(
+        *("--every", "--fault-every"),
+        type=float,
+        default=600.0,
+        metavar="S",
+        help="mean time between two faults of a robot",
+    )
+    parser.add_argument("--record", type=Path, metavar="DIR", help="keep the last recordings there")
+    parser.add_argument("--json", type=Path, metavar="OUT", help="write a JSON line per hour")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the soak; end with 1 after a contact that a living agent let happen."""
+    folder = load_map_folder(find_map(options.map, Path.cwd()))
+    duration = options.hours * HOUR_S
+    rows: list[SoakHour] = []
+    with (
+        tempfile.TemporaryDirectory(prefix="patrol-soak-") as kept,
+        Progress("soak", duration, "s") as progress,
+    ):
+        soak = Soak(
+            folder,
+            options.robots,
+            options.seed,
+            duration,
+            options.every,
+            options.record or Path(kept),
+        )
+        for row in soak.hours(progress):
+            rows.append(row)
+            line = json.dumps(dataclasses.asdict(row))
+            print(line, flush=True)
+            if options.json:
+                with options.json.open("a") as file:
+                    file.write(line + "\n")
+    print(json.dumps(summary(rows), indent=2))
+    return 1 if rows[-1].contacts or rows[-1].records_lost else 0

@@ -1,0 +1,128 @@
+"""Writes every payload to an MCAP file as it came, under its own key.
+
+Layout: one channel per key ``patrol/<team>/<robot>/<stream>`` with its stream's schema, log times
+in wall-clock ns; what cannot be decoded is kept as well. The attachments ``map/<file>`` hold the
+map folder, the metadata record ``team`` the names of map and border.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections import deque
+from pathlib import Path
+from typing import BinaryIO
+
+import msgspec
+from mcap.well_known import MessageEncoding, SchemaEncoding
+from mcap.writer import Writer
+
+from maps.map_folder import MapFolder
+from robot_agent.recording_writer import CHUNK_BYTES, MAP_ATTACHMENT_PREFIX, OCTET_STREAM
+from robot_agent.streams import STREAMS
+
+TEAM_METADATA = "team"
+DRAIN_S = 0.1
+DRAINS_PER_FLUSH = 7
+CAPACITY = 50_000
+"""Payloads that may wait for the disk: half a minute of fifty robots."""
+MAX_CHANNELS = 2000
+"""More keys than a team can have: the rest is counted as lost."""
+
+
+class TeamRecorder:
+    """Records what the operator hears; a disk that refuses is told, never raised.
+
+    ``failed`` is empty while all is well, else one line that says what the disk refused; from then
+    on nothing more is kept. ``lost`` counts payloads that could not be kept.
+    """
+
+    def __init__(self, path: Path, folder: MapFolder | None, border: str) -> None:
+        """Create the file and start writing; folder and border are the place on watch."""
+        self.path = path
+        self.failed = ""
+        self.lost = 0
+        self._folder = folder
+        self._border = border
+        self._queue: deque[tuple[str, bytes, float]] = deque()
+        self._ending = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="team recorder", daemon=True)
+        self._thread.start()
+
+    def take(self, key: str, payload: bytes, wall: float) -> None:
+        """Queue a payload that came at wall, s since 1970; takes microseconds, from any thread."""
+        if self.failed or len(self._queue) >= CAPACITY:
+            self.lost += 1
+            return
+        self._queue.append((key, payload, wall))
+
+    def close(self) -> None:
+        """Write what is queued and finish the file; idempotent."""
+        self._ending.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        try:
+            with self.path.open("wb") as file:
+                self._write(file)
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or str(error)
+            self.failed = f"{self.path}: recording stopped: {reason}"
+            self._queue.clear()
+
+    def _write(self, file: BinaryIO) -> None:
+        """Write until told to end; what was flushed is on the disk, not only on its way."""
+        writer = Writer(file, chunk_size=CHUNK_BYTES)
+        writer.start(profile="", library="border-patrol monitor")
+        self._write_head(writer)
+        channels: dict[str, int] = {}
+        ending = False
+        while not ending:
+            writer.flush()  # type: ignore[no-untyped-call]
+            file.flush()
+            _sync(file)
+            for _ in range(DRAINS_PER_FLUSH):
+                ending = self._ending.wait(DRAIN_S)
+                self._drain(writer, channels)
+                if ending:
+                    break
+        writer.finish()  # type: ignore[no-untyped-call]
+        file.flush()
+        _sync(file)
+
+    def _write_head(self, writer: Writer) -> None:
+        name = "" if self._folder is None else self._folder.name
+        writer.add_metadata(TEAM_METADATA, {"map": name, "border": self._border})
+        if self._folder is not None:
+            for name, data in self._folder.files.items():
+                writer.add_attachment(0, 0, MAP_ATTACHMENT_PREFIX + name, OCTET_STREAM, data)
+
+    def _drain(self, writer: Writer, channels: dict[str, int]) -> None:
+        for _ in range(len(self._queue)):
+            key, payload, wall = self._queue.popleft()
+            if key not in channels:
+                if len(channels) >= MAX_CHANNELS:
+                    self.lost += 1
+                    continue
+                channels[key] = _register(writer, key)
+            t = round(wall * 1e9)
+            writer.add_message(channels[key], t, payload, t)
+
+
+def _register(writer: Writer, key: str) -> int:
+    """Register a key's channel; a stream outside the table is kept without a schema."""
+    stream = STREAMS.get(key.rpartition("/")[2])
+    schema = 0
+    if stream is not None:
+        definition = msgspec.json.encode(stream.json_schema())
+        schema = writer.register_schema(stream.schema_name, SchemaEncoding.JSONSchema, definition)
+    return writer.register_channel(key, MessageEncoding.JSON, schema)
+
+
+def _sync(file: BinaryIO) -> None:
+    """Have the disk take what was written; a device that is no file has nothing to sync."""
+    try:
+        os.fdatasync(file.fileno())
+    except OSError as error:
+        if error.errno != 22:  # EINVAL: pipes and the like
+            raise
