@@ -65,6 +65,7 @@ from robot_agent.odometry_history import OdometryHistory
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.intruders import Intruder, Intruders
+from robot_agent.perception.pose_sigma import PoseSigma
 from robot_agent.perception.tracker import TeammateTracker
 from robot_agent.reports import Reports
 from robot_agent.scan_points import ScanProjector, hits, move_points
@@ -78,6 +79,12 @@ STOPPING = DENIALS - {GateReason.MOTORS_OFF, GateReason.BACKING} | {GateReason.O
 
 _JUST_SEEN = 0.6  # s since a teammate was seen that is taken to be there
 _NEAR = 2.5  # m; teammates farther off are no obstacle yet
+PAUSE_S = 0.3
+"""A process held up for longer finds bytes in its ports whose age it cannot tell."""
+OLD_BYTES_S = 0.15
+"""So long after a pause reports and scans may have come from these buffers, and are left out."""
+
+_LASER_BLIND = 1.0  # s without a scan after which nobody is seen any more
 _CRAWL = 0.05  # m/s; slower than this before an obstacle is as good as held by it
 _REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
 
@@ -129,6 +136,7 @@ class Agent:
         self._frozen_base = FrozenWatch(FROZEN_BASE)
         self._frozen_laser = FrozenWatch(FROZEN_LASER)
         self._last_tick = math.inf
+        self._old_until = -math.inf  # s: bytes that arrive before had waited for us
         self.gate = SafetyGate(config.gate)
         self.reports = Reports(self, start_wall_ns)
         self.decision: PatrolDecision | None = None
@@ -184,7 +192,7 @@ class Agent:
 
     def _tick(self, t: float) -> None:
         """Do what time alone asks for."""
-        self.deadline.note(t, t - self._last_tick - TICK_S)
+        self._take_pause(t, t - self._last_tick - TICK_S)
         self._last_tick = t
         self.base.tick(t)
         self.laser.tick(t)
@@ -197,6 +205,8 @@ class Agent:
         """Decode base reports; each is one control step."""
         states = self.base.feed(data, t)
         self.reports.hear("base", t, data, understood=bool(states))
+        if t < self._old_until:
+            return
         for state in states:
             self.odometry.add(state)
             self._frozen_base.take((state.x, state.y, state.theta), moving=_is_moving(state))
@@ -213,10 +223,18 @@ class Agent:
         """Decode scans and look at each."""
         scans = self.laser.feed(data, t)
         self.reports.hear("laser", t, data, understood=bool(scans))
+        if t < self._old_until:
+            return
         for scan in scans:
             if self._shows_the_world(scan):
                 self._trust.well(LASER, t)
                 self._look(t, scan)
+
+    def _take_pause(self, t: float, lag: float) -> None:
+        """After a pause of the whole process, what comes first is old: nobody knows how old."""
+        self.deadline.note(t, lag)
+        if lag > PAUSE_S:
+            self._old_until = t + OLD_BYTES_S
 
     def _shows_the_world(self, scan: Scan) -> bool:
         """Tell a scan from that of a laser that is blind, or shows the same for ever."""
@@ -247,7 +265,8 @@ class Agent:
         # 3. Who else is there.
         if estimate.health is not Health.LOST:
             reflectors = None if scan.reflectors is None else scan.reflectors[hits(scan)]
-            self.tracker.update(scan.t, estimate.pose, points, reflectors)
+            sigma = PoseSigma.of(estimate.covariance)
+            self.tracker.update(scan.t, estimate.pose, points, reflectors, sigma)
         if estimate.health is Health.LOCALIZED:
             self._watch_intruders(t, scan.t, estimate.pose, points)
         if self._publishes:
@@ -256,13 +275,13 @@ class Agent:
     def _take_blobs(self, event: BlobsSeen) -> None:
         """Take in what a picture shows of the team's colour."""
         self.camera.hear(event)
-        pose = self._pose_at(event.taken)
+        pose = self.localized_pose_at(event.taken)
         if pose is not None and event.sight == "clear":
             self.tracker.see_bands(event.taken, pose, event.blobs)
 
     def _listen_behind(self, t: float, odometry: Pose) -> None:
         """Let the sonars keep up teammates whom the laser does not see."""
-        pose = self._pose_at(t)
+        pose = self.localized_pose_at(t)
         if pose is not None and self.tracker.awaits_echo(t):
             self.tracker.hear(t, pose, self._sonar_obstacles.around(t, odometry))
 
@@ -289,7 +308,7 @@ class Agent:
     def _take_picture(self, event: PictureTaken) -> None:
         """Add a picture to the report of the intruder it was taken of."""
         intruder, self._pictured = self._pictured, None
-        pose = self._pose_at(event.taken)
+        pose = self.localized_pose_at(event.taken)
         if intruder is None or pose is None:
             return
         place = (intruder.x, intruder.y)
@@ -371,7 +390,7 @@ class Agent:
         elif health is Health.LOST:
             self._pose_trusted = False
 
-    def _pose_at(self, t: float) -> Pose | None:
+    def localized_pose_at(self, t: float) -> Pose | None:
         """Return map_from_base at t, which may be past, while localized; None else."""
         estimate = self.localizer.estimate
         odometry = self.odometry.at(t)
@@ -488,11 +507,15 @@ class Agent:
             else:
                 self._effects.append(ChangeBaud(link, request.baud))
 
+    def obstacles_around(self, odometry: Pose) -> NDArray[np.float64]:
+        """Return what the latest scan saw near the robot, (n, 2) m, in base_link."""
+        return self._obstacles.around(odometry)
+
     def degraded(self, t: float) -> list[str]:
         """Return what the robot has to do without at t, s, in words; nothing when all is well."""
         troubles = [self.camera.trouble(t)]
         seen = self._obstacles.seen_at
-        if seen is None or t - seen > self.config.gate.max_scan_age:
+        if seen is None or t - seen > _LASER_BLIND:
             troubles.append("laser blind: nobody is seen, the robot stands")
         return [words for words in troubles if words]
 

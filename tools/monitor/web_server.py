@@ -85,7 +85,7 @@ class WebServer:
         """
         self.watch = watch
         self.source = source
-        self._host, self._port = _parsed(address)
+        self._host, self._port = parsed_address(address, "--http")
         self._ticked = asyncio.Event()
         self._picture = watch.site.picture()
         self._site = msgspec.json.encode(watch.site.description())
@@ -242,10 +242,11 @@ def _file_handler(path: Path) -> Callable[[web.Request], Awaitable[web.Response]
     return send
 
 
-def _parsed(address: str) -> tuple[str, int]:
+def parsed_address(address: str, option: str) -> tuple[str, int]:
+    """Return host and port of an option's address; WebError if it is none."""
     host, _, port = address.rpartition(":")
     if not host or not port.isdecimal() or int(port) > 65535:
-        raise WebError(f"--http {address}: not an address; give host:port, e.g. 127.0.0.1:8080")
+        raise WebError(f"{option} {address}: not an address; give host:port, e.g. 127.0.0.1:8080")
     return host.strip("[]"), int(port)
 
 
