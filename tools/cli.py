@@ -21,6 +21,7 @@ COMMANDS = {
     "agent": "run one robot: the onboard process",
     "demo": "emulated robots on pseudo-terminals, one agent process each",
     "bench": "emulated robots in lockstep, faster than real time",
+    "paper": "the paper's experiment: its figures, its claims checked",
     "study": "many benches over seeds and settings, compared",
     "soak": "a team under random faults for hours",
     "doctor": "check one robot before it patrols",

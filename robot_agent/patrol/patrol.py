@@ -81,7 +81,10 @@ class Patrol:
         self._supervisor = _make_supervisor(settings, border)
         self._neighbor_state = NeighborState(settings, border)
         self._reversal = RandomReversal(
-            settings.reversal_period, settings.reversal_probability, rng
+            settings.reversal_period,
+            settings.reversal_probability,
+            rng,
+            settings.reversal_distribution,
         )
         self._even_gaps = (
             EvenGaps(settings.even_gaps, border, settings.patrol_speed, rng)

@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 import msgspec
 
+from robot_agent.patrol.reversal import Distribution
+
 Positive = Annotated[float, msgspec.Meta(gt=0.0)]
 NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]
 Share = Annotated[float, msgspec.Meta(ge=0.0, le=1.0)]
@@ -68,6 +70,7 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     detour_ratio: Positive = 1.6  # a teammate farther along the border than this many times the
     detour_allowance: NotNegative = 1.0  # straight distance plus this many m is on another stretch
     reversal_period: Positive = 27.0  # s between random decisions to turn back [paper]
+    reversal_distribution: Distribution = "fixed"  # of the times between; uniform, exponential
     reversal_probability: Share = 0.25
     reversal_end_distance: NotNegative = 0.8  # m from an end of an open border without any
     turning_radius: Positive = 0.5  # m; tighter borders are refused. At patrol_speed 0.35 m/s the

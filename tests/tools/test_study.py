@@ -123,6 +123,10 @@ def test_rows_of_the_table_are_the_cases() -> None:
         figures = {
             "idleness_s": {"average": worst, "worst": worst},
             "return_entropy_bit": None,
+            "settled": {
+                "idleness_s": {"average": worst, "worst": worst},
+                "return_entropy_bit": None,
+            },
             "interferences": 0,
             "meetings": [],
             "border_distance_m": {"p99": None, "max": None},

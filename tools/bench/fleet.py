@@ -204,11 +204,17 @@ class FleetLog:
 
 
 def run_bench(
-    fleet: Fleet, duration: float, progress: Callable[[float], None] = lambda _: None
+    fleet: Fleet,
+    duration: float,
+    progress: Callable[[float], None] = lambda _: None,
+    log: FleetLog | None = None,
 ) -> dict[str, Any]:
-    """Run a fleet for a duration (s, virtual) and return the figures of ``bench --json``."""
+    """Run a fleet for a duration (s, virtual) and return the figures of ``bench --json``.
+
+    log: what samples the run, for one who wants to see more of it than the figures.
+    """
     started = time.perf_counter()
-    log = FleetLog(fleet)
+    log = log or FleetLog(fleet)
     next_sample = fleet.t
     while fleet.t < duration:
         fleet.step()

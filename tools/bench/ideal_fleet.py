@@ -171,11 +171,17 @@ def _places(rows: list[list[tuple[float, float]]], robots: int) -> NDArray[np.fl
 
 
 def run_ideal_bench(
-    fleet: IdealFleet, duration: float, progress: Callable[[float], None] = lambda _: None
+    fleet: IdealFleet,
+    duration: float,
+    progress: Callable[[float], None] = lambda _: None,
+    log: IdealLog | None = None,
 ) -> dict[str, Any]:
-    """Run a fleet for a duration (s, virtual); return the figures of ``bench --json``."""
+    """Run a fleet for a duration (s, virtual); return the figures of ``bench --json``.
+
+    log: what samples the run, for one who wants to see more of it than the figures.
+    """
     started = time.perf_counter()
-    log = IdealLog(fleet)
+    log = log or IdealLog(fleet)
     while fleet.t < duration:
         fleet.step()
         log.sample()

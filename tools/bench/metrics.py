@@ -16,6 +16,7 @@ from tools.bench.bench_fault import Wreck
 from tools.bench.idleness import border_visits, idleness_figures
 from tools.bench.intruder import intruder_figures
 from tools.bench.recovery import recovery_figures
+from tools.bench.settled import settled_figures
 
 ARRIVED_M = 0.10
 MEETING_M = 2.5
@@ -238,6 +239,9 @@ def bench_figures(
         ],
         "interferences": interferences(runs),
         **_patrol_figures(border, runs, wrecks),
+        "settled": settled_figures(
+            border, [run.position for run in runs], runs[0].t, [wreck[:2] for wreck in wrecks]
+        ),
         "action_share": action_share(runs),
         "longest_avoid_s": longest_avoid(runs),
     }

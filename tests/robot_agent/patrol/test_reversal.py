@@ -6,8 +6,8 @@ import pytest
 from robot_agent.patrol.reversal import RandomReversal
 
 
-def times(probability, *, seed=1, duration=300.0, permitted=lambda t: True):
-    reversal = RandomReversal(27.0, probability, np.random.default_rng(seed))
+def times(probability, *, seed=1, duration=300.0, permitted=lambda t: True, distribution="fixed"):
+    reversal = RandomReversal(27.0, probability, np.random.default_rng(seed), distribution)
     steps = (0.1 * k for k in range(int(duration * 10)))
     return [t for t in steps if reversal.due(t, permitted=permitted(t))]
 
@@ -38,3 +38,10 @@ def test_a_time_not_permitted_is_lost():
 
 def test_same_seed_same_times():
     assert times(0.5, seed=9) == times(0.5, seed=9)
+
+
+@pytest.mark.parametrize(("distribution", "deviation"), [("uniform", 15.6), ("exponential", 27.0)])
+def test_distributions_have_the_period_as_mean(distribution, deviation):
+    pauses = np.diff(times(1.0, duration=27.0 * 1500, distribution=distribution))
+    assert pauses.mean() == pytest.approx(27.0, rel=0.08)
+    assert pauses.std() == pytest.approx(deviation, rel=0.1)

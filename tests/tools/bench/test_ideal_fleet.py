@@ -3,12 +3,16 @@
 import math
 from pathlib import Path
 
+import msgspec
+import numpy as np
 import pytest
 
 from maps.map_folder import MapFolder, load_map_folder
 from maps.pose import Pose
-from robot_agent.config import find_map
+from robot_agent.config import find_map, parse_config
 from robot_agent.patrol.actions import Action
+from robot_agent.patrol.patrol import Patrol
+from robot_agent.patrol.settings import PatrolSettings
 from tools.bench.bench_fault import BenchFault, BenchFaultError, FaultKind
 from tools.bench.fleet import Fleet
 from tools.bench.ideal_fleet import IdealFleet, run_ideal_bench
@@ -66,6 +70,28 @@ def test_robots_that_meet_turn_back_and_part(folder):
     assert figures["action_share"][Action.AVOID_TEAMMATE] == 0.0
 
 
+def test_three_that_meet_at_one_place_all_get_away(folder):
+    starts = [Pose(7.0, 13.75, 0.0), Pose(9.4, 13.75, 0.0), Pose(12.0, 13.75, math.pi)]
+    figures = run_ideal_bench(IdealFleet(folder, 3, 1, starts=starts), 40.0)
+    assert len(figures["meetings"]) >= 2
+    assert figures["contacts"] == 0
+    assert figures["closest_m"] > 1.1
+    assert figures["longest_avoid_s"] < 5.0
+
+
+def test_one_that_overtakes_a_slow_one_turns_back(folder):
+    starts = [Pose(7.0, 13.75, 0.0), Pose(10.0, 13.75, 0.0)]
+    fleet = IdealFleet(folder, 2, 1, starts=starts)
+    slow = msgspec.structs.replace(PatrolSettings(), patrol_speed=0.1, reversal_probability=0.0)
+    assert folder.border is not None
+    fleet.robots[1].patrol = Patrol(slow, folder.border, np.random.default_rng(1))
+    figures = run_ideal_bench(fleet, 20.0)
+    (meeting,) = figures["meetings"]
+    assert meeting["actions"] == [Action.PATROL_COUNTER_CLOCKWISE, Action.KEEP_GOING]
+    assert figures["contacts"] == 0
+    assert figures["closest_m"] > 1.1
+
+
 def test_a_dead_robot_stands_and_is_turned_back_from(folder):
     fault = BenchFault("robot2", FaultKind.DEAD, 0.0)
     fleet = IdealFleet(folder, 2, 1, starts=head_on(folder, 5.0), faults=[fault])
@@ -80,6 +106,13 @@ def test_a_dead_robot_stands_and_is_turned_back_from(folder):
 def test_faults_of_devices_are_refused(folder):
     with pytest.raises(BenchFaultError, match=r"robot1 is one of devices.*use dead or stuck"):
         IdealFleet(folder, 1, 1, faults=[BenchFault("robot1", FaultKind.BLIND, 3.0)])
+
+
+def test_even_gaps_bring_the_worst_idleness_near_the_least_possible(folder):
+    content = b'[patrol]\nstrategy = "even_gaps"\nreversal_probability = 0.0'
+    figures = run_ideal_bench(IdealFleet(folder, 3, 1, parse_config(content, "test")), 2000.0)
+    assert figures["settled"]["idleness_s"]["worst"] < 1.15 * 51.0 / (3 * 0.35)
+    assert figures["contacts"] == 0
 
 
 def test_the_gate_keeps_a_robot_off_walls_and_bodies_while_many_reach_one_border(intel):
