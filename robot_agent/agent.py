@@ -22,7 +22,7 @@ from drivers.requests import Request, Write
 from localization.health import Health
 from localization.localizer import Localizer
 from maps.map_folder import MapFolder
-from maps.pose import Pose
+from maps.pose import Pose, wrap_angle
 from robot_agent.camera_watch import CameraWatch
 from robot_agent.config import AgentConfig
 from robot_agent.effects import ChangeBaud, Effect, Publish, Send, TakePicture
@@ -63,7 +63,9 @@ from robot_agent.odometry_history import OdometryHistory
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.intruders import Intruder, Intruders
+from robot_agent.perception.pose_sigma import PoseSigma
 from robot_agent.perception.tracker import TeammateTracker
+from robot_agent.pose_memory import PoseMemory
 from robot_agent.reports import Reports
 from robot_agent.scan_points import ScanProjector, hits
 from robot_agent.sonar_obstacles import SonarObstacles
@@ -73,6 +75,12 @@ from robot_agent.teleop import Teleop
 STOPPING = DENIALS - {GateReason.MOTORS_OFF, GateReason.BACKING} | {GateReason.OBSTACLE}
 """Reasons of the gate that mean the robot is being held, not merely kept to its limits."""
 
+PAUSE_S = 0.3
+"""A process held up for longer finds bytes in its ports whose age it cannot tell."""
+OLD_BYTES_S = 0.15
+"""So long after a pause reports and scans may have come from these buffers, and are left out."""
+
+_LASER_BLIND = 1.0  # s without a scan after which nobody is seen any more
 _CRAWL = 0.05  # m/s; slower than this before an obstacle is as good as held by it
 _REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
 
@@ -124,6 +132,7 @@ class Agent:
         self._frozen_base = FrozenWatch(FROZEN_BASE)
         self._frozen_laser = FrozenWatch(FROZEN_LASER)
         self._last_tick = math.inf
+        self._old_until = -math.inf  # s: bytes that arrive before had waited for us
         self.gate = SafetyGate(config.gate)
         self.reports = Reports(self, start_wall_ns)
         self.decision: PatrolDecision | None = None
@@ -132,6 +141,8 @@ class Agent:
         self._projector = ScanProjector(Pose(*(config.laser.mount or model.laser_mount)))
         self._obstacles = Obstacles()
         self._sonar_obstacles = SonarObstacles(model)
+        self._memory = PoseMemory(config.memory)
+        self._to_recall = config.remembered
         self._pose_trusted = False
         self._ending = False
         self._now = 0.0  # s: what is handled late happens now
@@ -168,6 +179,7 @@ class Agent:
                 self.teleop.press(event)
             case Shutdown(t):
                 self._ending = True
+                self._remember(t, at_once=True)
                 self.base.shut_down(t)
                 self.laser.shut_down(t)
         self._carry_out("base", self.base.take_requests())
@@ -178,7 +190,7 @@ class Agent:
 
     def _tick(self, t: float) -> None:
         """Do what time alone asks for."""
-        self.deadline.note(t, t - self._last_tick - TICK_S)
+        self._take_pause(t, t - self._last_tick - TICK_S)
         self._last_tick = t
         self.base.tick(t)
         self.laser.tick(t)
@@ -191,6 +203,10 @@ class Agent:
         """Decode base reports; each is one control step."""
         states = self.base.feed(data, t)
         self.reports.hear("base", t, data, understood=bool(states))
+        if t < self._old_until:
+            return
+        if states:
+            self._recall(t)
         for state in states:
             self.odometry.add(state)
             self._frozen_base.take((state.x, state.y, state.theta), moving=_is_moving(state))
@@ -202,15 +218,25 @@ class Agent:
             self._sonar_obstacles.hear(state, at_report, self.base.model)
             self._listen_behind(t, at_report)
             self._control_step(t, state)
+        if states:
+            self._remember(t)
 
     def _take_laser_bytes(self, t: float, data: bytes) -> None:
         """Decode scans and look at each."""
         scans = self.laser.feed(data, t)
         self.reports.hear("laser", t, data, understood=bool(scans))
+        if t < self._old_until:
+            return
         for scan in scans:
             if self._shows_the_world(scan):
                 self._trust.well(LASER, t)
                 self._look(t, scan)
+
+    def _take_pause(self, t: float, lag: float) -> None:
+        """After a pause of the whole process, what comes first is old: nobody knows how old."""
+        self.deadline.note(t, lag)
+        if lag > PAUSE_S:
+            self._old_until = t + OLD_BYTES_S
 
     def _shows_the_world(self, scan: Scan) -> bool:
         """Tell a scan from that of a laser that is blind, or shows the same for ever."""
@@ -241,7 +267,8 @@ class Agent:
         # 3. Who else is there.
         if estimate.health is not Health.LOST:
             reflectors = None if scan.reflectors is None else scan.reflectors[hits(scan)]
-            self.tracker.update(scan.t, estimate.pose, points, reflectors)
+            sigma = PoseSigma.of(estimate.covariance)
+            self.tracker.update(scan.t, estimate.pose, points, reflectors, sigma)
         if estimate.health is Health.LOCALIZED:
             self._watch_intruders(t, scan.t, estimate.pose, points)
         if self._publishes:
@@ -250,13 +277,13 @@ class Agent:
     def _take_blobs(self, event: BlobsSeen) -> None:
         """Take in what a picture shows of the team's colour."""
         self.camera.hear(event)
-        pose = self._pose_at(event.taken)
+        pose = self.localized_pose_at(event.taken)
         if pose is not None and event.sight == "clear":
             self.tracker.see_bands(event.taken, pose, event.blobs)
 
     def _listen_behind(self, t: float, odometry: Pose) -> None:
         """Let the sonars keep up teammates whom the laser does not see."""
-        pose = self._pose_at(t)
+        pose = self.localized_pose_at(t)
         if pose is not None and self.tracker.awaits_echo(t):
             self.tracker.hear(t, pose, self._sonar_obstacles.around(t, odometry))
 
@@ -283,7 +310,7 @@ class Agent:
     def _take_picture(self, event: PictureTaken) -> None:
         """Add a picture to the report of the intruder it was taken of."""
         intruder, self._pictured = self._pictured, None
-        pose = self._pose_at(event.taken)
+        pose = self.localized_pose_at(event.taken)
         if intruder is None or pose is None:
             return
         place = (intruder.x, intruder.y)
@@ -299,6 +326,39 @@ class Agent:
         if estimate is None or estimate.health is not Health.LOCALIZED:
             return None
         return self.tracker.covered(t, estimate.pose_at(odometry), points)
+
+    # --- pose over restarts --------------------------------------------------------------------
+
+    def _recall(self, t: float) -> None:
+        """At the first base report, start from the remembered pose if the odometer agrees."""
+        remembered, counters = self._to_recall, self.base.odometer_found
+        if remembered is None or counters is None:
+            return
+        self._to_recall = None
+        start = remembered.carried_to(
+            counters, self.base.model.conversion.distance, self.config.memory.reach
+        )
+        if start is None:
+            words = "not believed: the odometer does not go on from it"
+            self._say(t, "memory", f"remembered pose {words}", LogLevel.WARNING)
+            return
+        self.localizer.start_at(*start)
+        self._say(t, "memory", "starts from the remembered pose", LogLevel.INFO)
+
+    def _remember(self, t: float, *, at_once: bool = False) -> None:
+        """Note the pose for the next start, when it is time or at once."""
+        state = self.odometry.latest
+        if state is None:
+            return
+        note = self._memory.note(
+            t,
+            self.localizer.estimate,
+            Pose(state.x, state.y, wrap_angle(state.theta)),
+            self.base.odometer_counters,
+            at_once=at_once,
+        )
+        if note is not None:
+            self._effects.append(note)
 
     # --- one control step ----------------------------------------------------------------------
 
@@ -365,7 +425,7 @@ class Agent:
         elif health is Health.LOST:
             self._pose_trusted = False
 
-    def _pose_at(self, t: float) -> Pose | None:
+    def localized_pose_at(self, t: float) -> Pose | None:
         """Return map_from_base at t, which may be past, while localized; None else."""
         estimate = self.localizer.estimate
         odometry = self.odometry.at(t)
@@ -387,9 +447,11 @@ class Agent:
     def _gate_inputs(self, t: float, state: BaseState, *, limited: bool = False) -> GateInputs:
         odometry = self.odometry.at(t)
         estimate = self.localizer.estimate
-        assert odometry is not None
+        # A report that waited so long that nobody knows where the robot is now (the process was
+        # stopped for a while) is none: the gate denies.
+        unknown = odometry is None or self._frozen_base.frozen
         return GateInputs(
-            base_time=None if self._frozen_base.frozen else state.t,
+            base_time=None if unknown else state.t,
             scan_time=self._obstacles.seen_at,
             health=None if estimate is None else estimate.health,
             motors_enabled=state.motors_enabled,
@@ -397,13 +459,17 @@ class Agent:
             stalled=state.stall_left or state.stall_right,
             bumpers=state.front_bumpers | state.rear_bumpers,
             battery=state.battery,
-            obstacles=np.concatenate(
-                (self._obstacles.around(odometry), self._sonar_obstacles.around(t, odometry))
-            ),
+            obstacles=np.empty((0, 2)) if odometry is None else self._around(t, odometry),
             v=state.v,
             w=state.w,
             overloaded=self.deadline.overloaded(self._now),
             limited=limited,
+        )
+
+    def _around(self, t: float, odometry: Pose) -> NDArray[np.float64]:
+        """Return (n, 2) m in base_link: what laser and sonar have seen about the robot."""
+        return np.concatenate(
+            (self._obstacles.around(odometry), self._sonar_obstacles.around(t, odometry))
         )
 
     def _held_by_obstacle(self) -> bool:
@@ -461,11 +527,15 @@ class Agent:
             else:
                 self._effects.append(ChangeBaud(link, request.baud))
 
+    def obstacles_around(self, odometry: Pose) -> NDArray[np.float64]:
+        """Return what the latest scan saw near the robot, (n, 2) m, in base_link."""
+        return self._obstacles.around(odometry)
+
     def degraded(self, t: float) -> list[str]:
         """Return what the robot has to do without at t, s, in words; nothing when all is well."""
         troubles = [self.camera.trouble(t)]
         seen = self._obstacles.seen_at
-        if seen is None or t - seen > self.config.gate.max_scan_age:
+        if seen is None or t - seen > _LASER_BLIND:
             troubles.append("laser blind: nobody is seen, the robot stands")
         return [words for words in troubles if words]
 

@@ -21,6 +21,7 @@ from robot_agent.motion.heading_loop import HeadingSettings
 from robot_agent.motion.recovery_turn import RecoverySettings
 from robot_agent.patrol.settings import PatrolSettings
 from robot_agent.perception.settings import PerceptionSettings
+from robot_agent.pose_memory import MemorySettings, RememberedPose
 from robot_agent.telemetry import TelemetrySettings
 from robot_agent.teleop import TeleopSettings
 
@@ -70,6 +71,9 @@ class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     robot: RobotSettings = RobotSettings()
     map: MapSettings = MapSettings()
     start: StartSettings | None = None
+    memory: MemorySettings = MemorySettings()
+    remembered: RememberedPose | None = None
+    """What the file of ``memory`` held at the start: filled in by ``patrol agent``."""
     base: BaseSettings = BaseSettings()
     laser: LaserSettings = LaserSettings()
     camera: CameraSettings = CameraSettings()

@@ -36,4 +36,11 @@ class TakePicture:
     """Have the camera's next picture sent, as evidence; ``PictureTaken`` brings it."""
 
 
-Effect = Send | ChangeBaud | Publish | TakePicture
+@dataclass(frozen=True, slots=True)
+class Remember:
+    """Keep this for the next start: a ``RememberedPose`` as JSON; ``{}``: none is sure any more."""
+
+    payload: bytes
+
+
+Effect = Send | ChangeBaud | Publish | TakePicture | Remember

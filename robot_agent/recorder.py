@@ -1,7 +1,7 @@
 """The flight recorder: writes what happens to an agent to a file, on a thread of its own.
 
 The agent's side only appends to a queue. The thread empties the queue ten times a second and every
-0.7 s finishes a chunk and has the disk take it, so that a killed process or a cut battery costs
+0.5 s finishes a chunk and has the disk take it, so that a killed process or a cut battery costs
 at most the last second. Whatever cannot be written is counted and marked as a gap.
 """
 
@@ -21,7 +21,7 @@ from robot_agent.recording_writer import Gap, Note, RecordingWriter
 from robot_agent.run_header import RunHeader
 
 DRAIN_S = 0.1
-FLUSH_S = 0.7
+FLUSH_S = 0.5
 CLOSE_S = 5.0
 """How long a hanging disk is waited for at the end."""
 CAPACITY = 20_000
@@ -119,9 +119,10 @@ class Recorder:
         writer = RecordingWriter(file, header)
         trouble, ending = "", False
         while not ending and not trouble:
+            next_flush = time.monotonic() + self._flush_period  # however long the disk takes
             _flush(writer, file)
             trouble = self._room.make() if self._room else ""
-            ending = self._write_until(time.monotonic() + self._flush_period, writer)
+            ending = self._write_until(next_flush, writer)
         writer.finish()
         file.flush()
         os.fdatasync(file.fileno())
@@ -129,11 +130,11 @@ class Recorder:
 
     def _write_until(self, flush_at: float, writer: RecordingWriter) -> bool:
         """Empty the queue again and again until it is time to flush; tell whether all ends."""
-        ending = False
-        while not ending and time.monotonic() < flush_at:
+        while True:
             ending = self._ending.wait(self._period)
             self._drain(writer)
-        return ending
+            if ending or time.monotonic() >= flush_at:
+                return ending
 
     def _drain(self, writer: RecordingWriter) -> None:
         """Write everything queued by now."""

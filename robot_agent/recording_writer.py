@@ -18,6 +18,7 @@ topic                        encoding           one message is
 ``tick``, ``shutdown``       json, empty object those events; further kinds: ``event_codec``
 ``key``                      json               a key of the robot's own terminal
 ``take_picture``             json, empty object the agent asked for a picture
+``memory``                   json               the pose to keep for the next start
 ``gap``                      json               how many records were lost at this place
 ``reference``                json               where the robot truly was, if a log says so
 a stream's name              json               one telemetry payload, as published
@@ -35,9 +36,10 @@ from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import Writer
 
 from maps.pose import Pose
-from robot_agent.effects import ChangeBaud, Effect, Publish, Send, TakePicture
+from robot_agent.effects import ChangeBaud, Effect, Publish, Remember, Send, TakePicture
 from robot_agent.event_codec import CODECS, LINKS, encode_event
 from robot_agent.events import Event, LinkName
+from robot_agent.pose_memory import RememberedPose
 from robot_agent.run_header import RunHeader
 from robot_agent.streams import STREAMS
 from robot_agent.viewer_schema import viewer_schema
@@ -105,6 +107,7 @@ MESSAGES: dict[str, tuple[type[msgspec.Struct], str]] = {
     "take_picture": (EmptyMessage, "patrol.TakePicture"),
     "gap": (GapMessage, "patrol.Gap"),
     "reference": (ReferenceMessage, "patrol.Reference"),
+    "memory": (RememberedPose, "patrol.RememberedPose"),
     **{codec.topic: (codec.message, codec.schema_name) for codec in CODECS},
 }
 """What the JSON topics hold besides the telemetry streams."""
@@ -173,6 +176,8 @@ class RecordingWriter:
                 self._write(t, stream, payload)
             case TakePicture():
                 self._write(t, "take_picture", _encode(EmptyMessage()))
+            case Remember(payload):
+                self._write(t, "memory", payload)
             case ChangeBaud(link, baud):
                 self._write(t, "baud", _encode(BaudMessage(link, baud)))
 

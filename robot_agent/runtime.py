@@ -16,7 +16,7 @@ from drivers.camera import Camera
 from drivers.link import Link
 from robot_agent.agent import Agent
 from robot_agent.camera_eye import CameraEye
-from robot_agent.effects import ChangeBaud, Effect, Publish, Send, TakePicture
+from robot_agent.effects import ChangeBaud, Effect, Publish, Remember, Send, TakePicture
 from robot_agent.events import (
     TICK_S,
     BytesReceived,
@@ -30,6 +30,7 @@ from robot_agent.events import (
 )
 from robot_agent.foxglove import Log, LogLevel, timestamp_at
 from robot_agent.journal import Journal
+from robot_agent.pose_file import PoseFile
 from robot_agent.process_watch import ProcessWatch
 from robot_agent.recorder import Recorder
 from robot_agent.recording_writer import Note
@@ -87,6 +88,7 @@ class Runtime:
         recorder: Recorder | None,
         telemetry: Telemetry,
         journal: Journal,
+        pose_file: PoseFile | None = None,
     ) -> None:
         """Wire everything up; nothing is opened before ``run``."""
         self._agent = agent
@@ -94,6 +96,7 @@ class Runtime:
         self._recorder = recorder
         self._telemetry = telemetry
         self._journal = journal
+        self._pose_file = pose_file
         self._notifier = ServiceNotifier()
         self._watch = ProcessWatch(agent.config.robot.name, clock.start_wall_ns)
         self._recorder_trouble = ""
@@ -214,6 +217,9 @@ class Runtime:
             case TakePicture():
                 if self._eye is not None:
                     self._eye.want_picture()
+            case Remember(payload):
+                if self._pose_file is not None:
+                    self._pose_file.keep(payload)
             case Publish(stream, payload):
                 self._telemetry.publish(stream, payload)
                 if stream == "event":

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 CLOSE_S = 1.0
 LOOK_S = 1.0
 """How often it is looked whether the operator is connected."""
-RECONNECT_MS = {"period_init_ms": 250, "period_max_ms": 2000, "period_increase_factor": 2}
+RECONNECT_MS = {"period_init_ms": 250, "period_max_ms": 1000, "period_increase_factor": 2}
 LEASE_MS = 4000
 """A peer that was silent this long is gone; both ends send a sign of life every quarter of it."""
 
@@ -52,8 +52,9 @@ class Telemetry:
     """Publishes one robot's payloads until closed.
 
     ``sent`` counts payloads handed to the network, which may still lose them; ``dropped`` those
-    that had to make room in the queue. ``failed`` is empty, or one line that says why there is no
-    telemetry at all; an operator that is absent is no failure, the session waits for it. One
+    that had to make room in the queue, also while the network takes nothing. ``failed`` is empty,
+    or one line that says why there is no telemetry at all; an operator that is absent is no
+    failure, the session waits for it. One
     thread at a time may call the methods.
     """
 
@@ -126,7 +127,9 @@ class Telemetry:
                     key_of(self._team, self._robot, stream),
                     payload,
                     encoding=zenoh.Encoding.APPLICATION_JSON,
-                    congestion_control=zenoh.CongestionControl.DROP,
+                    # Zenoh would drop the newest, uncounted; while this thread waits, the queue
+                    # drops the oldest and counts it.
+                    congestion_control=zenoh.CongestionControl.BLOCK,
                 )
                 self.sent += 1
         token.undeclare()  # type: ignore[no-untyped-call]

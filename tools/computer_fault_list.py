@@ -6,7 +6,7 @@ import resource
 import signal
 
 from tools.bench.agent_stage import AgentStage
-from tools.fault import IN_SESSION_LIMIT_S, Expected, Fault, do_nothing, sending
+from tools.fault import IN_SESSION_LIMIT_S, NEW_AGENT_LIMIT_S, Expected, Fault, do_nothing, sending
 
 
 def _fill_disk(stage: AgentStage) -> None:
@@ -46,7 +46,11 @@ def _end_flood(stage: AgentStage) -> None:
 def _thread_dies(thread: str, what: str, expected: Expected) -> Fault:
     name = thread.strip("/") + "-thread"
     begin = sending(signal.SIGUSR1)
-    return Fault(name, what, begin, lambda stage: stage.start_agent(), expected, traitor=thread)
+    return Fault(
+        *(name, what, begin, lambda stage: stage.start_agent(), expected),
+        recover_within=NEW_AGENT_LIMIT_S,
+        traitor=thread,
+    )
 
 
 COMPUTER_FAULTS: tuple[Fault, ...] = (
@@ -64,6 +68,7 @@ COMPUTER_FAULTS: tuple[Fault, ...] = (
         sending(signal.SIGKILL),
         lambda stage: stage.start_agent(),
         Expected.BASE_STOPS,
+        recover_within=NEW_AGENT_LIMIT_S,
     ),
     Fault(
         "agent-ended",
@@ -71,6 +76,7 @@ COMPUTER_FAULTS: tuple[Fault, ...] = (
         sending(signal.SIGTERM),
         lambda stage: stage.start_agent(),
         Expected.AGENT_STOPS,
+        recover_within=NEW_AGENT_LIMIT_S,
     ),
     Fault(
         "operator-absent",
@@ -92,6 +98,7 @@ COMPUTER_FAULTS: tuple[Fault, ...] = (
         _take_memory,
         lambda stage: stage.start_agent(),
         Expected.MAY_PATROL,
+        recover_within=NEW_AGENT_LIMIT_S,
     ),
     Fault(
         "cpu-hogged",

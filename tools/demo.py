@@ -43,6 +43,8 @@ class EmulatedRobot:
     name: str
     base_url: str
     laser_url: str
+    camera_url: str
+    """Empty: it has none."""
     start: Pose
     """True starting pose, map_from_base."""
 
@@ -59,6 +61,10 @@ class DemoOptions:
     """Zenoh endpoint the agents connect to."""
     record: Path
     """Folder of recordings, configurations and the true positions."""
+    strangers: int = 0
+    """How many people and carts walk about."""
+    cameras: bool = False
+    """Whether the robots have cameras."""
 
 
 class Demo:
@@ -156,6 +162,8 @@ class Demo:
                 *(sys.executable, "-m", "tools.bench.world_server", str(options.map_folder)),
                 *("--border", options.border, "--robots", str(options.robots)),
                 *("--seed", str(options.seed), "--truth", str(self.truth_path)),
+                *("--strangers", str(options.strangers)),
+                *(("--cameras",) if options.cameras else ()),
             ],
             stdout=subprocess.PIPE,
             text=True,
@@ -166,7 +174,13 @@ class Demo:
         if not line:
             raise DemoError("the world process did not start; its messages are above")
         self.robots = [
-            EmulatedRobot(robot["name"], robot["base"], robot["laser"], Pose(*robot["start"]))
+            EmulatedRobot(
+                robot["name"],
+                robot["base"],
+                robot["laser"],
+                robot["camera"],
+                Pose(*robot["start"]),
+            )
             for robot in json.loads(line)
         ]
 
@@ -192,6 +206,7 @@ class Demo:
             start=StartSettings(x=robot.start.x, y=robot.start.y, theta=robot.start.theta),
             base=msgspec.structs.replace(defaults.base, url=robot.base_url),
             laser=msgspec.structs.replace(defaults.laser, url=robot.laser_url),
+            camera=msgspec.structs.replace(defaults.camera, url=robot.camera_url),
             telemetry=msgspec.structs.replace(defaults.telemetry, operator=self.options.operator),
         )
 

@@ -15,6 +15,8 @@ RETURN_LIMIT_S = 2.0
 """Within this of the cable's return any other device must be back."""
 START_UP_S = 1.0
 """How long a base that is switched on hears nothing; comes on top."""
+NEW_AGENT_LIMIT_S = 15.0
+"""Within this a robot must patrol whose agent is started again; of it 5 s are the start."""
 
 
 class FaultError(ValueError):
@@ -38,7 +40,8 @@ class Fault:
 
     lasts: s. back_within: limit, s, from the fault's end until the device is back in service;
     None where the device itself takes its time. order_within: limit, s, of the agent's order to
-    stand, where it is not the usual one. traitor: what the agent is sabotaged in. to_border: only
+    stand, where it is not the usual one; recover_within: likewise, until the robot patrols again.
+    traitor: what the agent is sabotaged in. to_border: only
     back on its border does the robot patrol again.
     """
 
@@ -50,6 +53,7 @@ class Fault:
     lasts: float = 4.0
     back_within: float | None = None
     order_within: float | None = None
+    recover_within: float | None = None
     traitor: str = ""
     to_border: bool = False
 

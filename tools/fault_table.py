@@ -51,7 +51,8 @@ def run_fault(fault: Fault, folder: Path) -> Reaction:
         _wait_for_patrol(stage)
         begun = time.monotonic()
         fault.begin(stage)
-        trace = _watch(stage, fault.lasts)
+        _watch(stage, fault.lasts)
+        stands, sessions = stage.tap.told_to_stand, stage.tap.sessions
         stage.tap.forget()
         ended = time.monotonic()
         fault.end(stage)
@@ -61,7 +62,8 @@ def run_fault(fault: Fault, folder: Path) -> Reaction:
         )
         stage.traitor = ""
         stage.end_agent()
-    measure_stop(reaction, begun, [*trace, *after])
+    watched = [moment for moment in stage.trace if begun <= moment.t <= after[-1].t]
+    measure_stop(reaction, begun, watched)
     note_detection(reaction, begun, after[-1].t, stage.recordings[0])
     if patrols(after) and not (fault.to_border and stage.off_border > 0.15):
         since = after[-1].t if fault.to_border else steady_since(after)
@@ -71,7 +73,9 @@ def run_fault(fault: Fault, folder: Path) -> Reaction:
         reaction.back = first_scan(ended, stage.recordings[0])
     elif stage.tap.first_order:
         reaction.back = stage.tap.first_at - ended
-    reaction.first_order = stage.tap.first_order
+    # Who stands under orders in a session that goes on needs no order to stand.
+    held_on = stands and stage.tap.sessions == sessions
+    reaction.first_order = "" if held_on else stage.tap.first_order
     reaction.contacts = stage.world.contacts
     reaction.complaints = complaints(reaction)
     return reaction

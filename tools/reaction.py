@@ -74,7 +74,7 @@ def new_reaction(fault: Fault) -> Reaction:
     """Return a reaction of which nothing is known yet."""
     return Reaction(
         *(fault.name, fault.what, fault.expected, fault.back_within, fault.order_within),
-        RECOVERY_LIMIT_S if not fault.to_border else BORDER_LIMIT_S,
+        fault.recover_within or (BORDER_LIMIT_S if fault.to_border else RECOVERY_LIMIT_S),
     )
 
 
@@ -99,8 +99,10 @@ def measure_stop(reaction: Reaction, begun: float, moments: Sequence[Moment]) ->
         if reaction.ordered is None and moment.order:
             reaction.ordered, reaction.ordered_by = moment.t - begun, moment.order
             reaction.speed = moments[max(0, number - 1)].v
-        if moment.standing and _stays_standing(moments[number:]):
+        stands = reaction.stopped is None and moment.standing
+        if stands and _stays_standing(moments[number:]):
             reaction.stopped = moment.t - begun
+        if reaction.stopped is not None and reaction.ordered is not None:
             return
 
 

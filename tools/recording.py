@@ -25,7 +25,7 @@ from mcap.stream_reader import get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC
 
 from maps.pose import Pose
-from robot_agent.effects import ChangeBaud, Effect, Publish, Send, TakePicture
+from robot_agent.effects import ChangeBaud, Effect, Publish, Remember, Send, TakePicture
 from robot_agent.event_codec import CODECS
 from robot_agent.events import BytesReceived, Event, LinkName
 from robot_agent.recording_writer import (
@@ -332,6 +332,7 @@ _INTERPRETERS: dict[str, Interpreter] = {
     "take_picture": lambda _t, _data: TakePicture(),
     "gap": lambda t, data: Gap(t, _decode_gap(data).lost),
     "reference": _reference,
+    "memory": lambda _t, data: Remember(data),
     **{codec.topic: codec.decode for codec in CODECS},
 }
 

@@ -7,7 +7,7 @@ import dataclasses
 from maps.pose import Pose
 from tools.bench.agent_stage import AgentStage
 from tools.bench.world_noise import WorldNoise
-from tools.fault import Expected, Fault, do_nothing, setting
+from tools.fault import NEW_AGENT_LIMIT_S, Expected, Fault, do_nothing, setting
 
 
 def _free_wheels(stage: AgentStage) -> None:
@@ -57,6 +57,7 @@ ROBOT_FAULTS: tuple[Fault, ...] = (
         lambda stage: stage.start_agent(),
         Expected.AGENT_STOPS,
         lasts=10.0,
+        recover_within=NEW_AGENT_LIMIT_S,
     ),
     Fault(
         "carried-away",

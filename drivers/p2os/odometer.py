@@ -42,6 +42,11 @@ class Odometer:
         self._turn = (1.0, 0.0)  # cosine and sine from the counters' frame to odom
         self._zero_expected_until = -math.inf
 
+    @property
+    def counters(self) -> tuple[int, int, int] | None:
+        """The latest counters as they came; None before the first of a session."""
+        return self._counters
+
     def forget_reference(self) -> None:
         """Let the next counters only set a new reference: the robot's may start elsewhere."""
         self._counters = None

@@ -90,6 +90,7 @@ class P2osSession:
         self._base: BaseState | None = None
         self._last_byte = self._last_sip = self._t = -math.inf
         self._ours = False
+        self._odometer_left_open: tuple[int, int, int] | None = None
         self._search_reason: str | None = None
         self._model_trouble: str | None = None
 
@@ -102,6 +103,17 @@ class P2osSession:
     def config(self) -> ConfigPacket | None:
         """The controller's latest CONFIG of this session; None where it sends none."""
         return self._set_up.config
+
+    @property
+    def odometer_counters(self) -> tuple[int, int, int] | None:
+        """The base's own x, y and heading counters in the latest SIP; None before the first."""
+        return self._odometer.counters
+
+    @property
+    def odometer_found(self) -> tuple[int, int, int] | None:
+        """The counters this robot had when it was found: of the session that another client left
+        open, if it was in one, else of the first SIP here. A new session may begin at zero."""
+        return self._odometer_left_open or self._odometer.counters
 
     @property
     def watchdog(self) -> float:
@@ -241,7 +253,10 @@ class P2osSession:
 
     def _take_packet(self, data: bytes, t: float, t_measured: float) -> BaseState | None:
         if self.state in SEARCHING:
-            if not self._ours or decode_sip(data) is None:
+            sip = decode_sip(data)
+            if not self._ours or sip is None:
+                if sip is not None:
+                    self._odometer_left_open = (sip.x_counts, sip.y_counts, sip.heading_counts)
                 self._shake_hands(data, t)
                 return None
             self._resume(t)

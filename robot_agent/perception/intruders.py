@@ -62,6 +62,7 @@ class Intruders:
     def update(self, t: float, tracks: Sequence[Track]) -> list[Intruder]:
         """Take in the tracks at t, s; return the intruders that are new."""
         settings = self._settings
+        self._forget(t)
         new: list[Intruder] = []
         for track in tracks:
             if t - track.last_seen > _SEEN_LATELY or not _is_stranger(track, t, settings):
@@ -93,7 +94,6 @@ class Intruders:
                 new.append(intruder)
             else:
                 self.known[self.known.index(known)] = intruder
-        self._forget(t)
         return new
 
     def _candidate(self, track: Track) -> _Candidate:

@@ -16,8 +16,8 @@ class Track:
 
     x, y: centre of the outline, m, map frame. vx, vy: velocity, m/s, map frame. covariance:
     (2, 2) of the position, m^2. first_seen, last_seen: times of the laser's first and latest
-    detection, s. robot_sized: as large as a Pioneer, as often as it was seen whole. by_color:
-    whether pictures tell anything of it.
+    detection, s. robot_sized: as large as a Pioneer, as often as it was seen whole. moving: it has
+    moved farther than errors explain. by_color: whether pictures tell anything of it.
     """
 
     id: int
@@ -31,6 +31,7 @@ class Track:
     kind: Kind
     probabilities: Probabilities
     robot_sized: bool
+    moving: bool
     by_color: bool
 
     @property

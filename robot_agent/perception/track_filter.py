@@ -153,6 +153,7 @@ class TrackFilter:
             kind=self.identity.kind,
             probabilities=self.identity.probabilities,
             robot_sized=self.robot_sized,
+            moving=self._has_moved,
             by_color=self.identity.by_color,
         )
 

@@ -14,6 +14,7 @@ from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
 from robot_agent.perception.band_matching import BandMatcher
 from robot_agent.perception.blob import Blob
+from robot_agent.perception.pose_sigma import PoseSigma
 from robot_agent.perception.segments import Segment, find_segments
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.track import Track
@@ -52,7 +53,11 @@ class TeammateTracker:
     @property
     def tracks(self) -> list[Track]:
         """The confirmed tracks, oldest first, as of the latest scan."""
-        return [each.track_at(self._t) for each in self._filters if each.confirmed]
+        return self.tracks_at(self._t)
+
+    def tracks_at(self, t: float) -> list[Track]:
+        """Return the confirmed tracks, oldest first, predicted to t, s."""
+        return [each.track_at(t) for each in self._filters if each.confirmed]
 
     def update(
         self,
@@ -60,14 +65,16 @@ class TeammateTracker:
         pose: Pose,
         points: NDArray[np.float64],
         reflectors: NDArray[np.bool_] | None = None,
+        sigma: PoseSigma | None = None,
     ) -> None:
         """Take in a scan measured at t, s.
 
-        pose: map_from_base at t. points: (n, 2) m, base_link, ordered by bearing, beams without
-        a return left out. reflectors: (n,) which beams met one, where the laser tells.
+        pose: map_from_base at t, and its sigma where known. points: (n, 2) m, base_link, ordered
+        by bearing, beams without a return left out. reflectors: (n,) which beams met one, where
+        the laser tells.
         """
         self._t = t
-        detections = self._detect(pose, points, reflectors)
+        detections = self._detect(pose, points, reflectors, sigma)
         for each in self._filters:
             each.predict(t)
         unmatched = self._associate(t, detections)
@@ -168,36 +175,19 @@ class TeammateTracker:
         return nearest
 
     def _detect(
-        self, pose: Pose, points: NDArray[np.float64], reflectors: NDArray[np.bool_] | None
+        self,
+        pose: Pose,
+        points: NDArray[np.float64],
+        reflectors: NDArray[np.bool_] | None,
+        sigma: PoseSigma | None,
     ) -> list[Detection]:
         """Return the segments of a scan that may be somebody, in the map frame."""
         ranges = np.hypot(points[:, 0], points[:, 1])
-        unexplained = self._unexplained.mask(pose, points, ranges)
+        unexplained = self._unexplained.mask(pose, points, ranges, sigma)
         segments = find_segments(points, ranges, unexplained, self._settings, reflectors)
-        return [self._in_map(pose, segment) for segment in segments]
-
-    def _in_map(self, pose: Pose, segment: Segment) -> Detection:
-        """Carry a segment's centre into the map, adding what the pose's error does to it."""
-        settings = self._settings
-        distance = math.hypot(segment.x, segment.y)
-        direction = pose.theta + math.atan2(segment.y, segment.x)
-        c, s = math.cos(direction), math.sin(direction)
-        along = segment.sigma_along**2 + settings.pose_sigma_xy**2
-        across = (
-            segment.sigma_across**2
-            + settings.pose_sigma_xy**2
-            + (distance * settings.pose_sigma_theta) ** 2
-        )
-        return Detection(
-            x=pose.x + distance * c,
-            y=pose.y + distance * s,
-            var_x=c * c * along + s * s * across,
-            var_y=s * s * along + c * c * across,
-            cov_xy=c * s * (along - across),
-            whole=segment.whole,
-            robot_sized=segment.robot_sized,
-            reflecting=segment.reflecting,
-        )
+        if sigma is None:
+            sigma = PoseSigma(self._settings.pose_sigma_xy, self._settings.pose_sigma_theta)
+        return [_in_map(pose, segment, sigma) for segment in segments]
 
     def _associate(self, t: float, detections: list[Detection]) -> list[Detection]:
         """Give each track its detection, all in all the nearest; return those that fit no track."""
@@ -224,3 +214,22 @@ class TeammateTracker:
         if not each.confirmed:
             return each.misses < _TENTATIVE_MISSES
         return t - each.supported <= self._settings.memory
+
+
+def _in_map(pose: Pose, segment: Segment, sigma: PoseSigma) -> Detection:
+    """Carry a segment's centre into the map, adding what the pose's error does to it."""
+    distance = math.hypot(segment.x, segment.y)
+    direction = pose.theta + math.atan2(segment.y, segment.x)
+    c, s = math.cos(direction), math.sin(direction)
+    along = segment.sigma_along**2 + sigma.xy**2
+    across = segment.sigma_across**2 + sigma.xy**2 + (distance * sigma.theta) ** 2
+    return Detection(
+        x=pose.x + distance * c,
+        y=pose.y + distance * s,
+        var_x=c * c * along + s * s * across,
+        var_y=s * s * along + c * c * across,
+        cov_xy=c * s * (along - across),
+        whole=segment.whole,
+        robot_sized=segment.robot_sized,
+        reflecting=segment.reflecting,
+    )

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from maps.occupancy_map import FREE, OccupancyMap
 from maps.pose import Pose
+from robot_agent.perception.pose_sigma import PoseSigma
 from robot_agent.perception.settings import PerceptionSettings
 
 
@@ -16,7 +17,8 @@ class UnexplainedPoints:
     """Finds laser points in known free space, farther from every wall than errors can make them.
 
     A wall's point is displaced by the pose's error, and by range times its heading error; the
-    distance allowed therefore grows with range. Points in unknown cells or outside the map are
+    distance allowed therefore grows with range, and beyond that with what the localizer says of its
+    own error. Points in unknown cells or outside the map are
     never unexplained: nothing is known there.
     """
 
@@ -30,15 +32,25 @@ class UnexplainedPoints:
         self._origin_y = occupancy.origin.y - occupancy.resolution
 
     def mask(
-        self, pose: Pose, points: NDArray[np.float64], ranges: NDArray[np.float64]
+        self,
+        pose: Pose,
+        points: NDArray[np.float64],
+        ranges: NDArray[np.float64],
+        sigma: PoseSigma | None = None,
     ) -> NDArray[np.bool_]:
         """Return (n,) which points (n, 2), base_link, the map does not explain.
 
-        pose: map_from_base. ranges: (n,) m, the points' distances from base_link.
+        pose: map_from_base, and its sigma where known. ranges: (n,) m, the points' distances from
+        base_link.
         """
         settings = self._settings
         rows, cols = self._cells(pose, points)
-        allowed = settings.explained_distance + settings.explained_angle * ranges
+        distance, angle = settings.explained_distance, settings.explained_angle
+        if sigma is not None:
+            # Two sigma, as far as they are more than is allowed for anyway.
+            distance += 2.0 * max(sigma.xy - settings.pose_sigma_xy, 0.0)
+            angle += 2.0 * max(sigma.theta - settings.pose_sigma_theta, 0.0)
+        allowed = distance + angle * ranges
         unexplained: NDArray[np.bool_] = self._clearance[rows, cols] > allowed
         unexplained &= ranges <= settings.detection_range
         return unexplained

@@ -282,3 +282,26 @@ def test_a_stream_that_is_missed_is_an_alarm_until_it_is_back(folder: MapFolder)
     alarms = [decode("event", event.payload) for event in events]
     words = [a.message for a in alarms if isinstance(a, Log) and a.name == "trust.laser"]
     assert words == ["laser scan: none for 0.4 s: the robot stands", "laser scan: is back"]
+
+
+def test_what_had_waited_through_a_pause_is_not_believed(folder: MapFolder) -> None:
+    fleet = make_fleet(folder)
+    run_until(fleet, 15.0)
+    robot = fleet.robots[0]
+    known = robot.agent.odometry.latest
+    assert known is not None
+    scan_seen = robot.agent._obstacles.seen_at
+    devices = {"base": robot.rig.base, "laser": robot.rig.laser}
+    waiting = {"base": b"", "laser": b""}
+    moment = fleet.t
+    for _ in range(200):  # 2 s in which the agent's process is held up
+        moment = round(moment + 0.01, 6)
+        robot.rig.advance(moment)
+        for link, device in devices.items():
+            waiting[link] += b"".join(item.data for item in device.take_output(moment))
+    robot.agent.handle(Tick(moment))
+    for link, old in waiting.items():
+        assert old
+        robot.agent.handle(BytesReceived(moment, link, old))  # type: ignore[arg-type]
+    assert robot.agent.odometry.latest is known
+    assert robot.agent._obstacles.seen_at == scan_seen

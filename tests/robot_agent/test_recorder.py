@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from mcap.reader import make_reader
 
 from maps.pose import Pose
-from robot_agent.effects import ChangeBaud, Publish, Send
+from robot_agent.effects import ChangeBaud, Publish, Remember, Send
 from robot_agent.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Shutdown, Tick
 from robot_agent.recorder import Recorder
 from robot_agent.recording_writer import Gap, Note, RecordingWriter, Reference
@@ -50,6 +50,7 @@ events = st.one_of(
 effects = st.one_of(
     st.builds(Send, links, data),
     st.builds(ChangeBaud, links, st.integers(0, 10**6)),
+    st.builds(Remember, data),
     st.builds(Publish, st.sampled_from([*AGENT_STREAMS, "a stream of tomorrow"]), data),
 )
 numbers = st.floats(allow_nan=False, allow_infinity=False)
@@ -84,7 +85,7 @@ def record(recorder: Recorder, recorded: list[Item]) -> None:
         if isinstance(item, Event):
             recorder.record_event(item)
         else:
-            assert isinstance(item, Send | ChangeBaud | Publish)
+            assert isinstance(item, Send | ChangeBaud | Publish | Remember)
             recorder.record_effect(t, item)
 
 

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import queue
+import signal
 import socket
 import subprocess
 import sys
@@ -133,6 +134,31 @@ def test_hanging_operator_holds_nobody_up(tell: Tell) -> None:
             telemetry.publish("scan", bytes(3000))
         telemetry.close()
         assert time.monotonic() - start < 5.0
+
+
+def test_frozen_operator_costs_old_payloads_that_are_counted(endpoint: str, tell: Tell) -> None:
+    """An operator that stops in mid-message: the network fills up, then the queue."""
+    command = [sys.executable, "-m", "tools.cli", "monitor", "--text", "--listen", endpoint]
+    with subprocess.Popen(command, cwd=REPOSITORY, stdout=subprocess.DEVNULL) as operator:
+        try:
+            telemetry = tell(endpoint)
+            deadline = time.monotonic() + 2 * PATIENCE_S
+            while not telemetry.connected:
+                assert time.monotonic() < deadline, "the operator did not come"
+                time.sleep(0.02)
+            operator.send_signal(signal.SIGSTOP)
+            published, slowest = 0, 0.0
+            while not telemetry.dropped:
+                assert time.monotonic() < deadline, "nothing was dropped"
+                before = time.thread_time()
+                telemetry.publish("scan", bytes(20_000))
+                slowest = max(slowest, time.thread_time() - before)
+                published += 1
+                time.sleep(0.0005)
+            assert slowest < 0.05
+            assert telemetry.sent + telemetry.dropped <= published
+        finally:
+            operator.kill()
 
 
 def test_full_queue_drops_the_oldest_and_counts(endpoint: str, listen: Listen, tell: Tell) -> None:

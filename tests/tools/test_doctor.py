@@ -487,3 +487,17 @@ def test_plain_lines() -> None:
     lines = plain_lines([Finding("battery", Verdict.FAILED, "10.0 V", "charge it")])
     assert lines[0].split() == ["failed", "battery", "10.0", "V"]
     assert lines[1].strip() == "-> charge it"
+
+
+def test_watchdog_is_seen_to_stop_the_wheels(
+    robot: RobotOnTheBench, capsys: pytest.CaptureFixture[str]
+) -> None:
+    test = ["doctor", str(robot.config_path), "--watchdog-test"]
+    assert main(test) == 2
+    assert robot.rig.base.counters.sessions == 0, "nothing moves before somebody has said so"
+    assert main([*test, "--wheels-off-ground"]) == 0
+    out = capsys.readouterr().out
+    after = float(re.search(r"at rest ([0-9.]+) s after the last command", out)[1])  # type: ignore[index]
+    assert 1.9 < after < 2.7
+    assert not robot.rig.base.motors_enabled
+    assert robot.rig.base.velocity == (0.0, 0.0)

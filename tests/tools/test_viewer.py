@@ -89,8 +89,8 @@ def test_payloads_are_the_viewers_own_messages(recording: Path) -> None:
 
 def test_a_track_is_the_viewers_own_entity() -> None:
     stamp = timestamp_at(12.5)
-    tracks = [track_entity(stamp, 3, (1.0, 2.0), (0.3, 0.0), teammate=True)]
-    ours = json.loads(encode(SceneUpdate(entities=tracks)))
+    track = track_entity(stamp, 3, (1.0, 2.0), (0.3, 0.0), kind="teammate", probability=0.9)
+    ours = json.loads(encode(SceneUpdate(entities=[track])))
     assert len(viewer_message("SceneUpdate", ours).encode()) > 50
 
 

@@ -106,6 +106,8 @@ class AgentStage:
         self._flooders = ExitStack()
         self.traitor = ""
         """What the agent's process is sabotaged in at SIGUSR1, if it is; see sabotaged_agent."""
+        self.trace: list[Moment] = []
+        """All that has been true so far, at every step."""
         self.ends: list[float] = []
         """When each agent's process had ended, s."""
         make_room(folder / "room")
@@ -143,7 +145,9 @@ class AgentStage:
         if self._agent is not None and self._agent.poll() is not None:
             self._note_end(t)
         v, w = self.rig.base.velocity
-        return Moment(t, v, w, self._order(), self.world.contacts)
+        moment = Moment(t, v, w, self._order(), self.world.contacts)
+        self.trace.append(moment)
+        return moment
 
     def _order(self) -> str:
         base = self.rig.base

@@ -20,7 +20,7 @@ from tools.bench.camera_view import CameraView, posters_on_walls
 from tools.bench.robot_body import RobotBody
 from tools.bench.world import World
 
-PICTURE_PERIOD_S = 0.1
+PICTURE_PERIOD_S = 0.2
 PATH = "/camera.mjpeg"
 _BOUNDARY = "picture"
 _DAYLIGHT_PERIOD_S = 240.0

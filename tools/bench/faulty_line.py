@@ -81,6 +81,10 @@ class OrderTap:
         self._turn_rate = 0
         self.first_order = ""
         self.first_at = math.inf
+        self.sessions = 0
+        """How many a client has opened."""
+        self.last_at = 0.0
+        """When the client last said anything, s; 0 before it has."""
         self.response_times: list[float] = []
         self._last_output: float | None = None
 
@@ -100,6 +104,7 @@ class OrderTap:
 
     def feed(self, data: bytes, t: float) -> None:
         """Pass on bytes from the client, and read them."""
+        self.last_at = t
         for packet in self._framer.feed(data):
             self._read(packet, t)
         self._device.feed(data, t)
@@ -115,6 +120,7 @@ class OrderTap:
         command = decode_command(packet)
         number, value = command.number, command.integer
         if number == CommandNumber.OPEN:
+            self.sessions += 1
             self.forget()
         elif number == CommandNumber.VEL:
             self._time_response(t, is_new=value != self._speed)

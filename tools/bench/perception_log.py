@@ -57,7 +57,7 @@ class PerceptionLog:
 
     def sample(self, t: float, body: RobotBody, agent: Agent) -> None:
         """Compare one robot's tracks at t with who is truly there."""
-        tracks = agent.tracker.tracks
+        tracks = agent.tracker.tracks_at(t)  # as the patrol is told of them
         others = [other for other in self._world.bodies if other is not body]
         team = [other for other in others if other.kind is BodyKind.ROBOT]
         strangers = [other for other in others if other.kind is not BodyKind.ROBOT]

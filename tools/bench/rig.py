@@ -83,7 +83,7 @@ class RobotRig:
 
     def see(self, t: float, ranges: NDArray[np.float64] | None) -> None:
         """Let the laser run to t; ranges (n,) m: what the rays that ``looks`` returned met."""
-        self._seen = np.full_like(ranges, np.inf) if self.blind and ranges is not None else ranges
+        self._seen = ranges
         self.laser.advance(t)
 
     def put(self, pose: Pose) -> None:
@@ -93,6 +93,8 @@ class RobotRig:
     def _scan(self, t: float, n: int, increment: float) -> NDArray[np.float64]:
         """Measure one mirror turn about time t, which lies within the present step."""
         seen, self._seen = self._seen, None
+        if self.blind:
+            return np.full(n, np.inf)
         return self.world.scans([self._fan(t, n, increment)])[0] if seen is None else seen
 
     def _fan(self, t: float, n: int, increment: float) -> Fan:

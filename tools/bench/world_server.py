@@ -1,4 +1,5 @@
-"""The world of a demo as a process: bodies, lasers and bases in real time, on pseudo-terminals.
+"""The world of a demo as a process: bodies, lasers and bases in real time, on pseudo-terminals;
+cameras, if wanted, as MJPEG streams.
 
 Prints one JSON line naming each robot's ports and start, then runs until SIGTERM, writing the true
 positions as JSON lines.
@@ -11,6 +12,7 @@ import json
 import signal
 import sys
 import time
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import IO
@@ -19,8 +21,10 @@ import numpy as np
 
 from drivers.emulated_port import PtyPort
 from maps.map_folder import load_map_folder
+from tools.bench.emulated_camera import CameraServer, EmulatedCamera
 from tools.bench.rig import RobotRig, make_rigs
 from tools.bench.start_poses import free_start_poses
+from tools.bench.stranger import Stranger, make_strangers
 from tools.bench.world import World
 
 STEP_S = 0.01
@@ -32,11 +36,23 @@ MAX_LAG_S = 0.05
 class WorldServer:
     """Steps the world with the clock and pumps the ports."""
 
-    def __init__(self, world: World, rigs: list[RobotRig], truth: IO[str]) -> None:
-        """Open two ports per robot."""
+    def __init__(
+        self,
+        world: World,
+        rigs: list[RobotRig],
+        truth: IO[str],
+        strangers: Sequence[Stranger] = (),
+        *,
+        cameras: bool = False,
+    ) -> None:
+        """Open two ports per robot, and a camera's stream if wanted."""
         self._world = world
         self._rigs = rigs
         self._truth = truth
+        self._strangers = strangers
+        self.cameras = {
+            rig.name: CameraServer(EmulatedCamera(world, rig.body).take) for rig in rigs if cameras
+        }
         self._ended = False
         self.ports = {rig.name: (PtyPort(rig.base), PtyPort(rig.laser)) for rig in rigs}
 
@@ -48,6 +64,7 @@ class WorldServer:
                     "name": rig.name,
                     "base": self.ports[rig.name][0].url,
                     "laser": self.ports[rig.name][1].url,
+                    "camera": self.cameras[rig.name].url if self.cameras else "",
                     "start": list(rig.body.pose),
                 }
                 for rig in self._rigs
@@ -62,10 +79,16 @@ class WorldServer:
         """Step at a fixed rate in real time until ended."""
         next_step = time.monotonic()
         next_truth = next_step
+        last = next_step
         while not self._ended:
             now = time.monotonic()
             if now - next_step > MAX_LAG_S:
                 next_step = now
+            for stranger in self._strangers:
+                stranger.advance(now - last)
+            last = now
+            for camera in self.cameras.values():
+                camera.pump(now)
             for rig in self._rigs:
                 for port in self.ports[rig.name]:
                     port.pump(now)
@@ -94,6 +117,8 @@ def main() -> None:
     parser.add_argument("--border", required=True)
     parser.add_argument("--robots", type=int, required=True)
     parser.add_argument("--seed", type=int, required=True)
+    parser.add_argument("--strangers", type=int, default=0)
+    parser.add_argument("--cameras", action="store_true")
     parser.add_argument("--truth", type=Path, required=True)
     options = parser.parse_args()
     folder = load_map_folder(options.map, options.border)
@@ -104,7 +129,10 @@ def main() -> None:
     rigs = make_rigs(world, starts, time.monotonic())
     with ExitStack() as stack:
         truth = stack.enter_context(options.truth.open("w"))
-        server = WorldServer(world, rigs, truth)
+        strangers = make_strangers(world, folder.border, options.strangers, options.seed)
+        server = WorldServer(world, rigs, truth, strangers, cameras=options.cameras)
+        for camera in server.cameras.values():
+            stack.callback(camera.close)
         for ports in server.ports.values():
             for port in ports:
                 stack.callback(port.close)

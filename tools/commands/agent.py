@@ -10,12 +10,14 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import cv2
+import msgspec
 
 from maps.map_folder import MapFolder
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, ConfigError, format_config, load_config, load_map
 from robot_agent.disk_room import DiskRoom
 from robot_agent.journal import Journal
+from robot_agent.pose_file import PoseFile
 from robot_agent.recorder import Recorder
 from robot_agent.run_header import header_of_run
 from robot_agent.runtime import Clock, Runtime, end_on_signals
@@ -47,6 +49,11 @@ def run(options: argparse.Namespace) -> int:
             f"{options.config}: map.folder: {folder.name} has no border.toml to patrol; add one"
         )
     cv2.setNumThreads(1)
+    pose_file = make_pose_file(config, folder)
+    if pose_file is not None:
+        config = msgspec.structs.replace(config, remembered=pose_file.load())
+        if pose_file.failed:
+            print(f"patrol agent: {pose_file.failed}", file=sys.stderr)
     clock = Clock()
     with ExitStack() as stack:
         recorder = make_recorder(options.record, config, folder, clock)
@@ -56,15 +63,24 @@ def run(options: argparse.Namespace) -> int:
         stack.callback(telemetry.close)
         agent = Agent(config, folder, clock.start_wall_ns)
         give_memory_back()
-        runtime = Runtime(agent, clock, recorder, telemetry, Journal(sys.stderr))
+        runtime = Runtime(agent, clock, recorder, telemetry, Journal(sys.stderr), pose_file)
         end_on_signals(runtime)
         print(f"patrol agent: {config.robot.name} started", file=sys.stderr, flush=True)
         runtime.run()
     if recorder is not None and (recorder.failed or recorder.lost):
         trouble = recorder.failed or f"{recorder.lost} records lost, the disk was too slow"
         print(f"patrol agent: {trouble}", file=sys.stderr)
+    if pose_file is not None and pose_file.failed:
+        print(f"patrol agent: {pose_file.failed}", file=sys.stderr)
     print(f"patrol agent: {config.robot.name} ended", file=sys.stderr)
     return 0
+
+
+def make_pose_file(config: AgentConfig, folder: MapFolder) -> PoseFile | None:
+    """Return where the robot's pose is kept over restarts; None: nowhere."""
+    if not config.memory.file:
+        return None
+    return PoseFile(Path(config.memory.file), config.robot.name, folder)
 
 
 def give_memory_back() -> None:

@@ -31,6 +31,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="where the page is served; default: a free port, none with --headless",
     )
     parser.add_argument("--record", type=Path, metavar="DIR", help="keep recordings in DIR")
+    parser.add_argument(
+        "--strangers", type=int, default=0, metavar="N", help="people and carts that walk about"
+    )
+    parser.add_argument("--camera", choices=["on", "off"], default="on", help="on the robots")
     parser.add_argument("--seed", type=int, default=1, metavar="N")
 
 
@@ -49,6 +53,8 @@ def run(options: argparse.Namespace) -> int:
                 seed=options.seed,
                 operator=free_endpoint(),
                 record=record,
+                strangers=options.strangers,
+                cameras=options.camera == "on",
             )
         )
         http = options.http or (None if options.headless else "127.0.0.1:0")

@@ -7,9 +7,11 @@ import json
 import sys
 from pathlib import Path
 
+from robot_agent.config import load_config
 from tools.doctor import TRIAL_LIMIT_S, examine, is_fit
 from tools.finding import Finding, Verdict
 from tools.progress import Progress
+from tools.watchdog_test import LIMIT_S, WARNING, try_watchdog
 
 COLOURS = {
     Verdict.OK: "green",
@@ -23,11 +25,20 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = (
         "example: patrol doctor robot1.toml\n\n"
-        "Nothing moves. Ends with status 0 when the robot may patrol, 1 when something failed;\n"
-        "warnings do not count. In a unit: ExecStartPre=patrol doctor /etc/patrol/robot1.toml"
+        "Nothing moves, but for --watchdog-test. Ends with status 0 when the robot may patrol,\n"
+        "1 when something failed; warnings do not count. In a unit:\n"
+        "ExecStartPre=patrol doctor /etc/patrol/robot1.toml"
     )
     parser.add_argument("config", type=Path, metavar="ROBOT.toml", help="the robot's configuration")
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
+    parser.add_argument(
+        "--watchdog-test",
+        action="store_true",
+        help="only see whether the base stops by itself: turns the wheels, off the ground",
+    )
+    parser.add_argument(
+        "--wheels-off-ground", action="store_true", help="answers the question of --watchdog-test"
+    )
     parser.add_argument(
         "--limit", type=float, default=TRIAL_LIMIT_S, metavar="S", help="wait for silent devices"
     )
@@ -35,8 +46,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Check one robot; print what was found."""
-    with Progress("doctor", options.limit, "s") as progress:
-        findings = examine(options.config, options.limit, progress)
+    if options.watchdog_test:
+        if not (options.wheels_off_ground or wheels_are_off_ground()):
+            print("patrol doctor: nothing was moved", file=sys.stderr)
+            return 2
+        with Progress("watchdog", LIMIT_S, "s") as progress:
+            findings = [try_watchdog(load_config(options.config).base, progress)]
+    else:
+        with Progress("doctor", options.limit, "s") as progress:
+            findings = examine(options.config, options.limit, progress)
     if options.json:
         rows = [
             {
@@ -51,6 +69,15 @@ def run(options: argparse.Namespace) -> int:
     elif not (sys.stdout.isatty() and print_table(findings)):
         print("\n".join(plain_lines(findings)))
     return 0 if is_fit(findings) else 1
+
+
+def wheels_are_off_ground() -> bool:
+    """Ask; whoever cannot be asked has not said so."""
+    print(f"{WARNING}.", file=sys.stderr)
+    if not sys.stdin.isatty():
+        print("patrol doctor: say so with --wheels-off-ground", file=sys.stderr)
+        return False
+    return input("Are they? Type yes: ").strip().lower() == "yes"
 
 
 def plain_lines(findings: list[Finding]) -> list[str]:

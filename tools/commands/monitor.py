@@ -44,6 +44,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--record", type=Path, metavar="OUT.mcap", help="write every payload as it comes"
     )
     parser.add_argument(
+        "--forward", metavar="ENDPOINT", help="a head office's monitor that hears all this too"
+    )
+    parser.add_argument(
+        "--foxglove", metavar="HOST:PORT", help="serve Foxglove viewers (needs foxglove-sdk)"
+    )
+    parser.add_argument(
         "--play",
         type=Path,
         nargs="+",
@@ -61,7 +67,14 @@ def run(options: argparse.Namespace) -> int:
     site = chosen_site(options.map, options.border)
     http = None if options.text else options.http
     chosen = MonitorOptions(
-        options.listen, http, site, options.record, options.border, options.keys
+        options.listen,
+        http,
+        site,
+        record=options.record,
+        border=options.border,
+        keys=options.keys,
+        forward=options.forward,
+        foxglove=options.foxglove,
     )
     with Monitor(chosen) as monitor:
         if options.text:

@@ -119,7 +119,7 @@ def _of_sightings(robot: RobotState, now: float) -> Iterator[Condition]:
     tracks_age = robot.age("tracks", now)
     if robot.tracks is not None and tracks_age is not None and tracks_age < _FRESH_S:
         for entity in robot.tracks.entities:
-            if any((pair.key, pair.value) == ("class", "intruder") for pair in entity.metadata):
+            if any((pair.key, pair.value) == ("kind", "intruder") for pair in entity.metadata):
                 at = entity.cylinders[0].pose.position if entity.cylinders else None
                 place = "" if at is None else f" at {at.x:.1f}, {at.y:.1f} m"
                 yield Condition(robot.id, "intruder", Severity.CRITICAL, f"intruder{place}")

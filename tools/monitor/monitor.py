@@ -13,7 +13,9 @@ from typing import Self
 
 from maps.map_folder import DEFAULT_BORDER
 from tools.monitor.alarm import Condition, Severity
-from tools.monitor.operator import Operator
+from tools.monitor.forwarder import Forwarder
+from tools.monitor.foxglove_server import FoxgloveServer
+from tools.monitor.operator import Operator, Tap
 from tools.monitor.site import Site
 from tools.monitor.source import LiveSource
 from tools.monitor.team_recorder import TeamRecorder
@@ -36,6 +38,10 @@ class MonitorOptions:
     """Name of the site's border, for whoever plays the recording."""
     keys: Path | None = None
     """The operator's folder of ``patrol keys``, for a tls endpoint."""
+    forward: str | None = None
+    """Zenoh endpoint of a head office that hears everything too."""
+    foxglove: str | None = None
+    """Where Foxglove viewers are served."""
 
 
 class Monitor:
@@ -56,15 +62,9 @@ class Monitor:
             WebError: the page's address is.
         """
         with ExitStack() as stack:
-            tap = None
-            if self.options.record is not None:
-                folder = self.options.site.folder
-                self._recorder = TeamRecorder(self.options.record, folder, self.options.border)
-                stack.callback(self._recorder.close)
-                tap = self._recorder.take
-            self.operator = stack.enter_context(
-                Operator(self.options.listen, tap, self.options.keys)
-            )
+            taps = list(self._open_taps(stack))
+            operator = Operator(self.options.listen, taps, self.options.keys)
+            self.operator = stack.enter_context(operator)
             self.watch = Watch(self.operator.team, self.options.site, self._ailments)
             source = LiveSource()
             if self.options.http is None:
@@ -75,8 +75,26 @@ class Monitor:
             self._stack = stack.pop_all()
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def close(self) -> None:
+        """Close everything; idempotent."""
         self._stack.close()
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _open_taps(self, stack: ExitStack) -> Iterator[Tap]:
+        """Yield what gets every payload as it comes: recording, office, viewer."""
+        options = self.options
+        if options.record is not None:
+            self._recorder = TeamRecorder(options.record, options.site.folder, options.border)
+            stack.callback(self._recorder.close)
+            yield self._recorder.take
+        if options.forward is not None:
+            forwarder = Forwarder(options.forward)
+            stack.callback(forwarder.close)
+            yield forwarder.take
+        if options.foxglove is not None:
+            yield stack.enter_context(FoxgloveServer(options.foxglove)).take
 
     def _ailments(self) -> Iterator[Condition]:
         """Yield what is wrong with the monitor itself."""

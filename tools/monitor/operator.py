@@ -32,8 +32,8 @@ class OperatorError(ValueError):
 class Operator:
     """Listens for robots and keeps ``team`` up to date, until closed."""
 
-    def __init__(self, listen: str, tap: Tap | None = None, keys: Path | None = None) -> None:
-        """Listen on an endpoint such as ``tcp/0.0.0.0:7447``; ``tap`` gets every payload too.
+    def __init__(self, listen: str, taps: Sequence[Tap] = (), keys: Path | None = None) -> None:
+        """Listen on an endpoint such as ``tcp/0.0.0.0:7447``; ``taps`` get every payload too.
 
         keys: the operator's folder of ``patrol keys``, for a tls endpoint: each robot then can
         publish under the name in its certificate only.
@@ -43,7 +43,7 @@ class Operator:
             KeysError: the keys cannot be read.
         """
         self.team = TeamState()
-        self._tap = tap
+        self._taps = tuple(taps)
         if listen.startswith("tls/") and keys is None:
             raise OperatorError(f"{listen} needs certificates: give --keys, see `patrol keys`")
         try:
@@ -62,8 +62,8 @@ class Operator:
         if sample.kind == zenoh.SampleKind.PUT:
             key, payload = str(sample.key_expr), bytes(sample.payload)
             wall = time.time()
-            if self._tap is not None:
-                self._tap(key, payload, wall)
+            for tap in self._taps:
+                tap(key, payload, wall)
             self.team.receive(key, payload, time.monotonic(), wall)
 
     def _on_liveliness(self, sample: zenoh.Sample) -> None:

@@ -169,10 +169,10 @@ def _track(entity: SceneEntity) -> dict[str, Any]:
 
 
 def track_kind(entity: SceneEntity) -> str:
-    """Return what a track is taken for: its class if it tells one, else teammate or stranger."""
+    """Return what a track is taken for: its kind if it tells one, else teammate or stranger."""
     facts = {pair.key: pair.value for pair in entity.metadata}
-    if "class" in facts:
-        return facts["class"]
+    if "kind" in facts:
+        return facts["kind"]
     return "teammate" if facts.get("teammate") == "true" else "stranger"
 
 

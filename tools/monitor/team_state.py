@@ -61,7 +61,7 @@ class TeamState:
         """Change the state of the robot that a key's parts name."""
         with self._lock:
             self._version += 1
-            name = _robot_name(parts)
+            name = robot_name(parts)
             if name is None or (name not in self._robots and len(self._robots) >= MAX_ROBOTS):
                 self.stray += 1
                 self.stray_at = t
@@ -91,7 +91,7 @@ def _decoded(stream: str, data: bytes) -> Payload | None:
         return None
 
 
-def _robot_name(parts: list[str]) -> tuple[str, str] | None:
+def robot_name(parts: list[str]) -> tuple[str, str] | None:
     """Return team and robot of a key's parts, or None if it is no robot's."""
     if len(parts) != 3 or parts[0] != "patrol" or not all(map(_NAME.fullmatch, parts[1:])):
         return None

@@ -18,6 +18,7 @@ from robot_agent.streams import DecisionPayload, StatusPayload
 from tools.monitor.alarm_board import Alarm
 from tools.monitor.reason import why
 from tools.monitor.robot_state import RobotState
+from tools.monitor.text_details import detail_lines
 from tools.monitor.watch import Watch
 
 REFRESH_S = 0.25
@@ -133,19 +134,20 @@ def plain_alarm(alarm: Alarm, now: float) -> str:
 
 
 def team_view(watch: Watch) -> Group:
-    """Return table and alarms of a team for a terminal."""
-    lines = [Text(plain_alarm(alarm, watch.now)) for alarm in _shown_alarms(watch)]
-    return Group(team_table(watch.robots, watch.now), *lines)
+    """Return table, alarms and details of a team for a terminal."""
+    return Group(team_table(watch.robots, watch.now), *map(Text, _lines_below(watch)))
 
 
 def plain_view(watch: Watch) -> str:
     """Return the same as lines of text."""
-    lines = [plain_alarm(alarm, watch.now) for alarm in _shown_alarms(watch)]
-    return "\n".join([plain_table(watch.robots, watch.now), *lines])
+    return "\n".join([plain_table(watch.robots, watch.now), *_lines_below(watch)])
 
 
-def _shown_alarms(watch: Watch) -> list[Alarm]:
-    return [alarm for alarm in watch.alarms.alarms() if alarm.active]
+def _lines_below(watch: Watch) -> list[str]:
+    """Return the active alarms, worst first, then the details."""
+    active = [alarm for alarm in watch.alarms.alarms() if alarm.active]
+    details = map(_printable, detail_lines(watch))
+    return [*(plain_alarm(alarm, watch.now) for alarm in active), *details]
 
 
 def show_team(

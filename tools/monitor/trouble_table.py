@@ -16,12 +16,14 @@ import msgspec
 import numpy as np
 
 from robot_agent.streams import ProcessPayload
+from robot_agent.telemetry import Telemetry, TelemetrySettings
 from tools.bench.agent_stage import AgentStage
 from tools.demo import free_endpoint
+from tools.monitor.operator import Operator
 from tools.recording import read_recording
 
 SEED = 1
-SETTLED_S = 10.0
+SETTLED_S = 7.0
 """An agent has connected, localized and set off by then."""
 
 
@@ -98,7 +100,7 @@ class _Freezer:
 class _Restarter:
     """Kills the operator and starts another, again and again."""
 
-    PERIOD_S = 4.0
+    PERIOD_S = 3.0
 
     def __init__(self, operator: subprocess.Popen[bytes]) -> None:
         self._operator: subprocess.Popen[bytes] | None = operator
@@ -134,11 +136,25 @@ def _kept(_operator: subprocess.Popen[bytes]) -> Disturbance:
     return _nothing
 
 
-def loop_timings(measured: float) -> Iterator[LoopTiming]:
-    """Measure every trouble for ``measured`` s of real time."""
-    for trouble in TROUBLES:
-        with tempfile.TemporaryDirectory() as folder:
-            yield _timing(trouble, Path(folder), measured)
+def loop_timings(measured: float, rounds: int = 3) -> Iterator[LoopTiming]:
+    """Measure every trouble for ``measured`` s of real time, several times in turn.
+
+    Of each figure the best is kept: what others do on the machine meanwhile only adds.
+    """
+    timings: dict[str, list[LoopTiming]] = {trouble: [] for trouble in TROUBLES}
+    for _ in range(rounds):
+        for trouble, found in timings.items():
+            with tempfile.TemporaryDirectory() as folder:
+                found.append(_timing(trouble, Path(folder), measured))
+    for trouble, found in timings.items():
+        yield LoopTiming(
+            trouble,
+            min(timing.median for timing in found),
+            min(timing.p99 for timing in found),
+            min(timing.longest for timing in found),
+            max(timing.memory_mb for timing in found),
+            max(timing.dropped for timing in found),
+        )
 
 
 def _timing(trouble: str, folder: Path, measured: float) -> LoopTiming:
@@ -172,3 +188,18 @@ def _last_word(recording: Path) -> ProcessPayload:
     """Return what the process said of itself last."""
     *_, (_, _, payload) = read_recording(recording).messages({"process"})
     return msgspec.json.decode(payload, type=ProcessPayload)
+
+
+def reconnection_time(absence: float) -> float:
+    """Return how long after an operator is back (s) a robot is heard, having been absent (s)."""
+    endpoint = free_endpoint()
+    robot = Telemetry(TelemetrySettings(operator=endpoint), robot="robot1", team="faults")
+    try:
+        time.sleep(absence)
+        with Operator(endpoint) as operator:
+            back = time.monotonic()
+            while not any(state.online for state in operator.team.snapshot()):
+                time.sleep(0.01)
+            return time.monotonic() - back
+    finally:
+        robot.close()

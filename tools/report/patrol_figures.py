@@ -19,6 +19,7 @@ from tools.report.team import Team
 SHOWN_MEETINGS = 3
 AROUND_S = 6.0
 """A meeting's picture shows this long before and after its closest approach."""
+_VIEW_M = 2.6  # from the middle of a meeting to each side of its picture
 _ON_BORDER = 1.0  # m; further away a robot has no place along the border
 _FLAT = 0.12
 """m; smaller distances are what a patrol is made of, and get most of the axis."""
@@ -206,7 +207,7 @@ def meeting_close_ups(team: Team) -> Figure | None:
     chosen = _telling(team.meetings)
     if not chosen:
         return None
-    figure = style.new_figure(4.0)
+    figure = style.new_figure(4.5)
     panels = figure.subplots(1, SHOWN_MEETINGS, squeeze=False)[0]
     for axes in panels[len(chosen) :]:
         axes.set_visible(False)
@@ -229,6 +230,8 @@ def _close_up(axes: Axes, team: Team, meeting: Meeting) -> None:
     colors = style.robot_colors(team.names)
     a, b = _pair(team, meeting)
     closest = _closest(team, meeting)
+    pair = np.array([a.position[closest], b.position[closest]])
+    x, y = pair.mean(axis=0)
     inside = slice(max(0, closest - int(AROUND_S * 10)), closest + int(AROUND_S * 10) + 1)
     if team.folder.border is not None:
         axes.plot(*team.folder.border.polyline(0.1).T, color="#9fb3c8", lw=5, alpha=0.55, zorder=1)
@@ -237,21 +240,19 @@ def _close_up(axes: Axes, team: Team, meeting: Meeting) -> None:
         axes.plot(*way.T, color=colors[run.name], lw=1.6, zorder=2)
         for point, action in zip(way[::5], run.action[inside][::5], strict=True):
             axes.plot(*point, "o", ms=4.5, color=style.ACTIONS.get(action, style.QUIET), zorder=3)
-        start = way[np.isfinite(way[:, 0])]
-        if start.size:
+        shown = way[(np.abs(way - [x, y]) < _VIEW_M - 0.3).all(axis=1)]
+        if shown.size:
             axes.annotate(
                 run.name,
-                start[0],
+                shown[0],
                 xytext=(5, 5),
                 textcoords="offset points",
                 color=colors[run.name],
                 weight="bold",
-                clip_on=True,
+                ha="left" if shown[0][0] < x else "right",
             )
-    pair = np.array([a.position[closest], b.position[closest]])
     axes.plot(*pair.T, color=style.INK, lw=1.0, ls=(0, (2, 2)), zorder=2)
-    x, y = pair.mean(axis=0)
-    axes.set(xlim=(x - 2.6, x + 2.6), ylim=(y - 2.6, y + 2.6), aspect="equal")
+    axes.set(xlim=(x - _VIEW_M, x + _VIEW_M), ylim=(y - _VIEW_M, y + _VIEW_M), aspect="equal")
     axes.set_title(f"{style.clock(meeting.t)}, closest {meeting.closest_m:.2f} m")
     axes.grid()
     axes.tick_params(length=0, labelsize=8)

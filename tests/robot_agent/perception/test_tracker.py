@@ -10,6 +10,7 @@ import pytest
 
 from maps.pose import Pose
 from robot_agent.perception.identity import Kind
+from robot_agent.perception.pose_sigma import PoseSigma
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.tracker import TeammateTracker
 from tests.robot_agent.perception.simulated_room import Box, Room, shaken
@@ -98,6 +99,32 @@ def test_walls_never_become_tracks(room: Room) -> None:
         after_each=lambda t, told: tracks.extend(tracker.tracks),
     )  # fmt: skip
     assert tracks == []
+
+
+@pytest.mark.parametrize("error", [(0.1, 0.0, 0.0), (0.0, -0.1, 0.0), (0.0, 0.0, 2.0)])
+def test_a_pose_a_decimetre_or_two_degrees_off_makes_no_tracks_of_walls(
+    room: Room, error: tuple[float, float, float]
+) -> None:
+    rng = np.random.default_rng(20)
+    tracker = new_tracker(room)
+    for step in range(80):
+        angle = 0.1 * step
+        truth = Pose(6.0 + 4.5 * math.cos(angle), 4.0 + 2.8 * math.sin(angle), angle + math.pi / 2)
+        told = truth.compose(Pose(error[0], error[1], math.radians(error[2])))
+        tracker.update(step * PERIOD, told, room.scan(truth, [], rng))
+        assert tracker.tracks == []
+
+
+def test_an_unsure_pose_explains_more(room: Room) -> None:
+    rng = np.random.default_rng(21)
+    pose, box = Pose(3.0, 4.0, 0.0), Box(5.0, 7.5, 0.0)
+    sure, unsure = new_tracker(room), new_tracker(room)
+    for step in range(10):
+        points = room.scan(pose, [box], rng)
+        sure.update(step * PERIOD, pose, points, sigma=PoseSigma(0.02, 0.005))
+        unsure.update(step * PERIOD, pose, points, sigma=PoseSigma(0.3, 0.1))
+    assert len(sure.tracks) == 1, "a robot near a wall"
+    assert unsure.tracks == [], "which may be the wall itself"
 
 
 @pytest.mark.parametrize("size", [(0.511, 0.425), (0.4, 0.4), (0.65, 0.3)])

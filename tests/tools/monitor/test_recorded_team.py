@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 import signal
 import subprocess
@@ -13,14 +12,10 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
-from maps.map_folder import load_map_folder
-from robot_agent.config import AgentConfig, find_map, format_config
-from robot_agent.effects import Publish
-from robot_agent.recording_writer import RecordingWriter
-from robot_agent.run_header import RunHeader
 from robot_agent.streams import encode
 from robot_agent.telemetry import Telemetry, TelemetrySettings
-from tests.tools.monitor.reports import decision, pose, status
+from tests.tools.monitor.agent_recordings import FOLDER, START, agent_recording
+from tests.tools.monitor.reports import decision, pose
 from tools.demo import free_endpoint
 from tools.monitor.monitor import Monitor, MonitorOptions
 from tools.monitor.playback import Playback
@@ -32,8 +27,6 @@ from tools.monitor.team_state import TeamState
 from tools.monitor.watch import Watch
 from tools.recording import RecordingError
 
-FOLDER = load_map_folder(find_map("paper_lab", Path()))
-START = 1_700_000_000.0
 KEY = "patrol/north/anna"
 
 
@@ -81,7 +74,7 @@ def test_killed_monitor_leaves_a_readable_file(tmp_path: Path) -> None:
         robot = Telemetry(TelemetrySettings(operator=endpoint), robot="anna", team="north")
         try:
             deadline = time.monotonic() + 40.0
-            while not (path.exists() and path.stat().st_size > 20_000):
+            while not (path.exists() and path.stat().st_size > 60_000):
                 assert time.monotonic() < deadline, "nothing was recorded"
                 robot.publish("decision", encode(decision(1.0)) + b" " * 2000)
                 robot.publish("pose", os.urandom(3000))  # does not compress: the file grows
@@ -102,34 +95,6 @@ class Clock:
 
     def __call__(self) -> float:
         return self.t
-
-
-def agent_recording(name: str, path: Path, begin: float, seconds: float) -> Path:
-    """A robot's recording that begins at ``begin``: it drives along x, 0.1 m/s."""
-    config = AgentConfig()
-    header = RunHeader(
-        robot=name,
-        team="north",
-        seed=1,
-        software_version="0.1.0",
-        start_wall_ns=round(begin * 1e9),
-        configuration=format_config(config).encode(),
-        map_files=FOLDER.files,
-    )
-    file = io.BytesIO()
-    writer = RecordingWriter(file, header)
-    for step in range(round(10 * seconds)):
-        t = 0.1 * step
-        x = 0.1 * (begin - START + t)
-        writer.write_effect(t, Publish("pose", encode(pose(begin + t, x))))
-        writer.write_effect(t, Publish("decision", encode(decision(begin + t))))
-        if step % 5 == 0:
-            writer.write_effect(t, Publish("status", encode(status(begin + t))))
-        if step % 50 == 49:
-            writer.flush()
-    writer.finish()
-    path.write_bytes(file.getvalue())
-    return path
 
 
 @pytest.fixture

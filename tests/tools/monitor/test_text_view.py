@@ -141,8 +141,29 @@ def test_active_alarms_stand_under_the_table() -> None:
     team.receive("patrol/north/anna/status", encode(weak), 100.0, 1.0)
     watch.advance(100.1, 1.1)
     watch.advance(101.1, 2.1)
-    *_, alarm = plain_view(watch).splitlines()
+    _, _, alarm, _ = plain_view(watch).splitlines()
     assert alarm == "WARNING north/anna: battery at 11.2 V (1 s ago)"
+
+
+def test_inner_figures_stand_below() -> None:
+    team = TeamState()
+    watch = Watch(team, Site(None))
+    degrees = {"patrol_clockwise": 0.83, "keep_going": 0.17}
+    decided = msgspec.structs.replace(DECISION, degrees=degrees)
+    for stream, payload in (("status", STATUS), ("decision", decided)):
+        team.receive(f"patrol/north/anna/{stream}", encode(payload), 100.0, 1.5)
+    watch.advance(100.1, 1.6)
+    *_, details = plain_view(watch).splitlines()
+    for words in (
+        "north/anna: reach_frontier 0.00",
+        "keep_going 0.17 (second), patrol_clockwise 0.83 (first)",
+        "asked for 0.35 m/s 0.00 rad/s",
+        "at 17.0 m of the border",
+        "motors off",
+        "base 0 bad, 0 bytes lost",
+        "clock -0.50 s",
+    ):
+        assert words in details
 
 
 @pytest.fixture

@@ -1,10 +1,13 @@
 // Numbers and names as people read them.
 
 export const ABSENT = "–";
+const LARGEST = 1e6;
 
 export function quantity(value, unit, digits = 2) {
   if (typeof value !== "number" || !Number.isFinite(value)) return ABSENT;
-  return unit ? `${value.toFixed(digits)} ${unit}` : value.toFixed(digits);
+  // Nothing real is that large; what is must not tear the page apart.
+  const words = Math.abs(value) < LARGEST ? value.toFixed(digits) : value.toExponential(1);
+  return unit ? `${words} ${unit}` : words;
 }
 
 export function count(value) {

@@ -1,0 +1,60 @@
+"""Evidence adds up to who somebody is, and doubt does not make it flap."""
+
+from __future__ import annotations
+
+import pytest
+
+from robot_agent.perception.identity import Identity, Kind
+
+
+def test_nobody_is_known_at_first() -> None:
+    identity = Identity()
+    assert identity.kind is Kind.UNKNOWN
+    assert identity.probabilities.unknown == 1.0
+
+
+def test_two_pictures_with_a_band_make_a_teammate() -> None:
+    identity = Identity()
+    identity.note_band(0.9)
+    assert identity.kind is Kind.UNKNOWN
+    identity.note_band(0.9)
+    assert identity.kind is Kind.TEAMMATE
+    assert identity.probabilities.teammate > 0.6
+
+
+def test_two_pictures_without_one_make_a_stranger() -> None:
+    identity = Identity()
+    identity.note_no_band()
+    identity.note_no_band()
+    assert identity.kind is Kind.STRANGER
+    assert identity.probabilities.stranger > 0.5
+
+
+def test_a_teammate_whose_band_is_hidden_for_a_second_stays_one() -> None:
+    identity = Identity()
+    for _ in range(10):
+        identity.note_band(0.9)
+    for _ in range(5):
+        identity.note_no_band()
+        assert identity.kind is Kind.TEAMMATE
+    for _ in range(5):
+        identity.note_no_band()
+    assert identity.kind is Kind.STRANGER, "but not for ever"
+
+
+def test_without_pictures_a_robot_that_moves_is_a_teammate_until_pictures_say_otherwise() -> None:
+    identity = Identity()
+    identity.note_robot_like()
+    assert identity.kind is Kind.TEAMMATE
+    assert not identity.by_color
+    for _ in range(6):
+        identity.note_no_band()
+    assert identity.kind is Kind.STRANGER
+
+
+def test_probabilities_add_up_to_one() -> None:
+    identity = Identity()
+    for note in (identity.note_too_fast, identity.note_wrong_size, identity.note_reflector):
+        note()
+        told = identity.probabilities
+        assert told.teammate + told.stranger + told.unknown == pytest.approx(1.0)

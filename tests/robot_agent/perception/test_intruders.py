@@ -1,0 +1,94 @@
+"""Strangers who stay near the border are reported once, whatever their tracks do."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from maps.border import Border
+from maps.border_primitives import Segment
+from robot_agent.perception.identity import Kind, Probabilities
+from robot_agent.perception.intruders import Intruders
+from robot_agent.perception.settings import PerceptionSettings
+from robot_agent.perception.track import Track
+
+STRANGER = Track(
+    id=7, x=5.0, y=1.0, vx=0.0, vy=0.0, covariance=0.01 * np.eye(2), first_seen=0.0,
+    last_seen=0.0, kind=Kind.STRANGER, probabilities=Probabilities(0.0, 1.0, 0.0),
+    robot_sized=False, moving=True, by_color=True,
+)  # fmt: skip
+
+
+@pytest.fixture
+def intruders() -> Intruders:
+    border = Border([Segment((0.0, 0.0), (20.0, 0.0))], closed=False)
+    return Intruders(PerceptionSettings(), border)
+
+
+def stay(
+    intruders: Intruders, track: Track, start: float, end: float, step: float = 0.1
+) -> list[int]:
+    """Show a track from start to end, s; return the numbers reported as new."""
+    numbers = []
+    for k in range(round((end - start) / step) + 1):
+        t = start + k * step
+        seen = replace(track, last_seen=t, first_seen=max(track.first_seen, start))
+        numbers += [each.number for each in intruders.update(t, [seen])]
+    return numbers
+
+
+def test_a_stranger_is_reported_after_three_seconds_and_only_once(intruders: Intruders) -> None:
+    assert stay(intruders, STRANGER, 0.0, 2.9) == []
+    assert stay(intruders, STRANGER, 3.0, 30.0) == [1]
+    [known] = intruders.known
+    assert (known.x, known.distance) == (5.0, pytest.approx(1.0))
+    assert known.abscissa == pytest.approx(5.0)
+    assert known.first_seen == pytest.approx(0.0)
+    assert known.last_seen == pytest.approx(30.0)
+
+
+def test_a_new_track_of_the_same_stranger_is_no_news(intruders: Intruders) -> None:
+    assert stay(intruders, STRANGER, 0.0, 5.0) == [1]
+    again = replace(STRANGER, id=9, x=7.0, first_seen=12.0)
+    assert stay(intruders, again, 12.0, 20.0) == []
+    assert [each.number for each in intruders.known] == [1]
+    assert intruders.known[0].track == 9
+
+
+def test_two_strangers_are_two(intruders: Intruders) -> None:
+    other = replace(STRANGER, id=8, x=12.0)
+    numbers = []
+    for k in range(60):
+        t = 0.1 * k
+        tracks = [replace(each, last_seen=t) for each in (STRANGER, other)]
+        numbers += [each.number for each in intruders.update(t, tracks)]
+    assert numbers == [1, 2]
+
+
+def test_a_track_lost_for_a_moment_does_not_restart_the_three_seconds(
+    intruders: Intruders,
+) -> None:
+    assert stay(intruders, STRANGER, 0.0, 2.0) == []
+    again = replace(STRANGER, id=9, x=5.5, first_seen=2.5)
+    assert stay(intruders, again, 2.5, 3.2) == [1]
+
+
+@pytest.mark.parametrize(
+    "nobody",
+    [
+        replace(STRANGER, kind=Kind.TEAMMATE),
+        replace(STRANGER, kind=Kind.UNKNOWN, robot_sized=True),
+        replace(STRANGER, y=2.5),
+    ],
+)
+def test_teammates_robots_not_yet_looked_at_and_those_far_away_are_not_reported(
+    intruders: Intruders, nobody: Track
+) -> None:
+    assert stay(intruders, nobody, 0.0, 20.0) == []
+
+
+def test_whoever_comes_back_after_a_minute_is_news(intruders: Intruders) -> None:
+    assert stay(intruders, STRANGER, 0.0, 5.0) == [1]
+    assert stay(intruders, replace(STRANGER, id=9, first_seen=80.0), 80.0, 90.0) == [2]

@@ -1,0 +1,109 @@
+"""What pictures, sonars and reflectors add to the laser's tracks."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from drivers.camera_source import CameraSettings
+from maps.pose import Pose
+from robot_agent.perception.blob import Blob
+from robot_agent.perception.identity import Kind
+from robot_agent.perception.settings import PerceptionSettings
+from robot_agent.perception.tracker import TeammateTracker
+from tests.robot_agent.perception.simulated_room import Box, Room
+
+PERIOD = 0.1
+HERE = Pose(3.0, 4.0, 0.0)
+CAMERA = CameraSettings()
+
+
+def band_on(box: Box) -> Blob:
+    lens = HERE.compose(Pose(*CAMERA.mount))
+    dx, dy = box.x - lens.x, box.y - lens.y
+    return Blob(math.atan2(dy, dx), 0.0, 0.2, 0.05, math.hypot(dx, dy) - 0.2, 0.15, 0.9)
+
+
+def watched(room: Room, seconds: float, *, worn: tuple[bool, ...]) -> TeammateTracker:
+    """Return a tracker that saw standing robots for a while, with pictures of their bands."""
+    rng = np.random.default_rng(1)
+    tracker = TeammateTracker(PerceptionSettings(), room.map, CAMERA)
+    boxes = [Box(5.0, 4.5, 0.4), Box(5.0, 3.2, 1.9)][: len(worn)]
+    for step in range(round(seconds / PERIOD)):
+        t = step * PERIOD
+        tracker.update(t, HERE, room.scan(HERE, boxes, rng))
+        if step % 2:
+            bands = [band_on(box) for box, wears in zip(boxes, worn, strict=True) if wears]
+            tracker.see_bands(t, HERE, bands)
+    return tracker
+
+
+def test_a_standing_robot_with_a_band_is_a_teammate_and_one_without_a_stranger(room: Room) -> None:
+    tracks = watched(room, 1.5, worn=(True, False)).tracks
+    kinds = {round(track.y, 0): track.kind for track in tracks}
+    assert len(tracks) == 2
+    assert sorted(kinds.values()) == [Kind.STRANGER, Kind.TEAMMATE]
+    mate = next(track for track in tracks if track.teammate)
+    assert mate.y > 4.0
+
+
+def test_a_stranger_as_large_as_a_robot_is_never_the_closest_teammate(room: Room) -> None:
+    tracker = watched(room, 2.0, worn=(False,))
+    assert tracker.closest(1.9, HERE) is None
+
+
+def test_with_pictures_motion_alone_makes_no_teammate_and_without_it_does(room: Room) -> None:
+    kinds = []
+    for pictures in (True, False):
+        rng = np.random.default_rng(2)
+        tracker = TeammateTracker(PerceptionSettings(), room.map, CAMERA)
+        for step in range(40):
+            t = step * PERIOD
+            robot = Box(4.2, 5.6 - 0.3 * t, -math.pi / 2)  # outside the picture
+            tracker.update(t, HERE, room.scan(HERE, [robot], rng))
+            if pictures:
+                tracker.see_bands(t, HERE, [])
+            if step == 20:
+                kinds.append([track.kind for track in tracker.tracks])
+    assert kinds == [[Kind.UNKNOWN], [Kind.TEAMMATE]]
+
+
+def test_a_sonar_keeps_up_a_teammate_behind_for_a_while(room: Room) -> None:
+    tracker = watched(room, 2.0, worn=(True,))
+    [mate] = tracker.tracks
+    turned = Pose(HERE.x, HERE.y, math.pi)
+    echo = turned.between(Pose(mate.x - 0.2, mate.y, 0.0))
+    last, remembered = mate.last_seen, 0.0
+    for step in range(120):
+        t = last + PERIOD * (step + 1)
+        tracker.update(t, turned, room.scan(turned, [], np.random.default_rng(step)))
+        if tracker.awaits_echo(t):
+            tracker.hear(t, turned, np.array([[echo.x, echo.y]]))
+        if tracker.closest(t, turned) is not None:
+            remembered = t - last
+    assert 6.0 < remembered <= 9.1, "as long as a sonar counts, then the usual memory"
+
+
+def test_an_echo_of_a_wall_keeps_up_nobody(room: Room) -> None:
+    tracker = watched(room, 2.0, worn=(True,))
+    last = tracker.tracks[0].last_seen
+    turned = Pose(HERE.x, HERE.y, math.pi)
+    wall = turned.between(Pose(HERE.x, 7.95, 0.0))
+    for step in range(50):
+        t = last + PERIOD * (step + 1)
+        tracker.update(t, turned, room.scan(turned, [], np.random.default_rng(step)))
+        tracker.hear(t, turned, np.array([[wall.x, wall.y]]))
+    assert tracker.tracks == []
+
+
+def test_reflecting_bands_tell_a_teammate_where_no_camera_looks(room: Room) -> None:
+    rng = np.random.default_rng(4)
+    for reflecting, kind in ((True, Kind.TEAMMATE), (False, Kind.UNKNOWN)):
+        settings = PerceptionSettings(reflecting_bands=reflecting)
+        tracker = TeammateTracker(settings, room.map, CAMERA)
+        for step in range(15):
+            points = room.scan(HERE, [Box(3.3, 5.6, 0.3)], rng)
+            near = np.hypot(points[:, 0] - 0.3, points[:, 1] - 1.6) < 0.4
+            tracker.update(step * PERIOD, HERE, points, near)
+        assert [track.kind for track in tracker.tracks] == [kind]

@@ -1,0 +1,127 @@
+"""Robots with cameras in lockstep: who is a teammate, who a stranger, what is reported and kept."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from maps.map_folder import MapFolder, load_map_folder
+from maps.pose import Pose
+from robot_agent.config import AgentConfig, find_map
+from robot_agent.effects import Publish
+from robot_agent.events import BlobsSeen, LinkDown, PictureTaken
+from robot_agent.perception.identity import Kind
+from robot_agent.streams import IntruderPayload, StatusPayload, decode
+from tools.bench.fleet import Fleet
+from tools.bench.fleet_recorder import FleetRecorder
+from tools.bench.robot_body import BodyKind
+from tools.bench.stranger import PERSON
+from tools.recording import Recording, read_recording
+from tools.replay import Replay
+
+DURATION = 8.0
+
+
+@pytest.fixture(scope="module")
+def folder() -> MapFolder:
+    return load_map_folder(find_map("paper_lab", Path.cwd()))
+
+
+def ahead_of(folder: MapFolder, s: float, ahead: float, aside: float, turned: float) -> Pose:
+    """Return a pose ahead of the border's point s, aside of it to the left, m and rad."""
+    assert folder.border is not None
+    at = folder.border.at(s)
+    here = Pose(at.x, at.y, math.atan2(at.ty, at.tx))
+    return here.compose(Pose(ahead, aside, turned))
+
+
+@pytest.fixture(scope="module")
+def met(folder: MapFolder, tmp_path_factory: pytest.TempPathFactory) -> tuple[Fleet, Path]:
+    """Two robots that meet head on, a person beside the first one's way; all recorded."""
+    target = tmp_path_factory.mktemp("met")
+    starts = [ahead_of(folder, 32.0, 0.0, 0.0, 0.0), ahead_of(folder, 32.0, 5.0, 0.0, 3.14159)]
+    with FleetRecorder(folder, target) as recorder:
+        fleet = Fleet(folder, 2, 5, starts=starts, observer=recorder.observe, cameras=True)
+        place = ahead_of(folder, 32.0, 2.4, 1.1, 0.3)
+        person = fleet.world.add_body(place, PERSON)
+        person.kind = BodyKind.PERSON
+        while fleet.t < DURATION:
+            fleet.step()
+        fleet.shut_down()
+    return fleet, target
+
+
+def effects(recording: Recording, stream: str) -> list[bytes]:
+    return [
+        item.payload
+        for item in recording.items()
+        if isinstance(item, Publish) and item.stream == stream
+    ]
+
+
+def test_the_other_robot_is_a_teammate_by_its_band(met: tuple[Fleet, Path]) -> None:
+    agent = met[0].robots[0].agent
+    mates = [track for track in agent.tracker.tracks if track.teammate]
+    assert len(mates) == 1
+    assert mates[0].by_color
+
+
+def test_the_person_is_a_stranger_reported_once_with_evidence(met: tuple[Fleet, Path]) -> None:
+    fleet, target = met
+    recording = read_recording(target / "robot1.mcap")
+    said = [payload for payload in effects(recording, "event") if b'"intruder"' in payload]
+    assert len(said) == 1
+    told = [decode("intruder", payload) for payload in effects(recording, "intruder")]
+    assert {each.number for each in told if isinstance(each, IntruderPayload)} == {1}
+    first = told[0]
+    assert isinstance(first, IntruderPayload)
+    person = fleet.world.bodies[2].pose
+    assert abs(first.x - person.x) + abs(first.y - person.y) < 0.3
+    assert len(first.scan) >= 6
+    assert any(isinstance(each, IntruderPayload) and each.picture for each in told)
+    strangers = [
+        track for track in fleet.robots[0].agent.tracker.tracks if track.kind is Kind.STRANGER
+    ]
+    assert len(strangers) <= 1
+
+
+def test_the_recording_holds_bands_and_picture_and_replays_to_the_byte(
+    met: tuple[Fleet, Path],
+) -> None:
+    recording = read_recording(met[1] / "robot1.mcap")
+    kinds = {type(item) for item in recording.items()}
+    assert {BlobsSeen, PictureTaken} <= kinds
+    result = Replay(recording).run()
+    assert result.difference is None
+    assert result.decisions > 50
+
+
+def test_status_tells_of_a_camera_that_is_unplugged_and_robots_go_on(folder: MapFolder) -> None:
+    starts = [ahead_of(folder, 32.0, 0.0, 0.0, 0.0)]
+    fleet = Fleet(folder, 1, 5, AgentConfig(), starts, cameras=True)
+    robot = fleet.robots[0]
+    while fleet.t < 5.0:
+        fleet.step()
+    assert robot.agent.degraded(fleet.t) == []
+    robot.agent.handle(LinkDown(round(fleet.t, 6), "camera", "unplugged"))
+    [words] = robot.agent.degraded(fleet.t)
+    assert "camera down (unplugged)" in words
+    assert "size and motion" in words
+
+
+def test_a_dark_camera_is_blind_and_said_to_be(folder: MapFolder) -> None:
+    starts = [ahead_of(folder, 32.0, 0.0, 0.0, 0.0)]
+    fleet = Fleet(folder, 1, 5, AgentConfig(), starts, cameras=True)
+    agent = fleet.robots[0].agent
+    while fleet.t < 5.0:
+        fleet.step()
+    for k in range(15):
+        t = round(5.0 + 0.1 * k, 6)
+        agent.handle(BlobsSeen(t, t, "dark", ()))
+    status = agent.reports.on_time(7.0)[0][1]
+    assert isinstance(status, StatusPayload)
+    assert status.camera is not None
+    assert status.camera.state in ("dark", "silent")
+    assert any("camera" in words for words in status.degraded)

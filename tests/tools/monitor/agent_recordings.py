@@ -1,0 +1,45 @@
+"""Small recordings of robots, for tests of whoever plays them."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+from maps.map_folder import load_map_folder
+from robot_agent.config import AgentConfig, find_map, format_config
+from robot_agent.effects import Publish
+from robot_agent.recording_writer import RecordingWriter
+from robot_agent.run_header import RunHeader
+from robot_agent.streams import encode
+from tests.tools.monitor.reports import decision, pose, status
+
+FOLDER = load_map_folder(find_map("paper_lab", Path()))
+START = 1_700_000_000.0
+
+
+def agent_recording(name: str, path: Path, begin: float, seconds: float) -> Path:
+    """A robot's recording that begins at ``begin``: it drives along x, 0.1 m/s."""
+    config = AgentConfig()
+    header = RunHeader(
+        robot=name,
+        team="north",
+        seed=1,
+        software_version="0.1.0",
+        start_wall_ns=round(begin * 1e9),
+        configuration=format_config(config).encode(),
+        map_files=FOLDER.files,
+    )
+    file = io.BytesIO()
+    writer = RecordingWriter(file, header)
+    for step in range(round(10 * seconds)):
+        t = 0.1 * step
+        x = 0.1 * (begin - START + t)
+        writer.write_effect(t, Publish("pose", encode(pose(begin + t, x))))
+        writer.write_effect(t, Publish("decision", encode(decision(begin + t))))
+        if step % 5 == 0:
+            writer.write_effect(t, Publish("status", encode(status(begin + t))))
+        if step % 50 == 49:
+            writer.flush()
+    writer.finish()
+    path.write_bytes(file.getvalue())
+    return path

@@ -1,0 +1,92 @@
+"""What leaves the monitor: to a head office behind it, and to a stock viewer."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+
+import aiohttp
+import pytest
+
+from robot_agent.streams import encode
+from robot_agent.telemetry import Telemetry, TelemetrySettings
+from tests.tools.monitor.reports import pose
+from tools.demo import free_endpoint
+from tools.monitor.foxglove_server import FoxgloveServer
+from tools.monitor.monitor import Monitor, MonitorOptions
+from tools.monitor.site import Site
+from tools.monitor.web_server import WebError
+
+PATIENCE_S = 20.0
+
+
+def wait_until(condition: Callable[[], bool], what: str) -> None:
+    deadline = time.monotonic() + PATIENCE_S
+    while not condition():
+        assert time.monotonic() < deadline, what
+        time.sleep(0.02)
+
+
+def test_head_office_hears_the_robots_of_two_sites_behind_their_routers() -> None:
+    office_endpoint = free_endpoint()
+    sites = [free_endpoint(), free_endpoint()]
+    options = [MonitorOptions(site, None, Site(None), forward=office_endpoint) for site in sites]
+    with (
+        Monitor(MonitorOptions(office_endpoint, None, Site(None))) as office,
+        Monitor(options[0]) as first,
+        Monitor(options[1]),
+    ):
+        robots = [
+            Telemetry(TelemetrySettings(operator=site), robot=f"robot{number}", team="north")
+            for number, site in enumerate(sites)
+        ]
+
+        def report() -> list[str]:
+            for number, robot in enumerate(robots):
+                robot.publish("pose", encode(pose(1.0, float(number))))
+            return [robot.id for robot in office.operator.team.snapshot() if robot.poses]
+
+        wait_until(lambda: report() == ["north/robot0", "north/robot1"], "both sites' robots")
+        heard = office.operator.team.snapshot()
+        assert [robot.poses[-1][1].x for robot in heard] == [0.0, 1.0]
+        assert all(robot.online for robot in heard)
+        assert [robot.id for robot in first.operator.team.snapshot()] == ["north/robot0"]
+        for robot in robots:
+            robot.close()
+
+
+def test_foxglove_viewer_gets_channels_with_schemas_and_payloads() -> None:
+    pytest.importorskip("foxglove", reason="foxglove-sdk is not installed")
+    payload = encode(pose(1.0))
+
+    async def look(port: int, server: FoxgloveServer) -> None:
+        async with (
+            aiohttp.ClientSession() as session,
+            session.ws_connect(
+                f"http://127.0.0.1:{port}/", protocols=["foxglove.sdk.v1"]
+            ) as viewer,
+        ):
+            while True:
+                server.take("patrol/north/anna/pose", payload, time.time())
+                try:
+                    message = await viewer.receive(timeout=0.5)
+                except TimeoutError:
+                    continue  # it was said before the viewer had subscribed
+                if message.type is aiohttp.WSMsgType.BINARY and message.data.endswith(payload):
+                    return
+                if message.type is aiohttp.WSMsgType.TEXT and '"advertise"' in message.data:
+                    channel = message.json()["channels"][0]
+                    assert channel["topic"] == "/patrol/north/anna/pose"
+                    assert channel["schemaName"] == "foxglove.PoseInFrame"
+                    wanted = {
+                        "op": "subscribe",
+                        "subscriptions": [{"id": 1, "channelId": channel["id"]}],
+                    }
+                    await viewer.send_json(wanted)
+
+    with FoxgloveServer("127.0.0.1:0") as server:
+        server.take("patrol/north/anna/nonsense", b"{}", time.time())
+        asyncio.run(look(server.port, server))
+        with pytest.raises(WebError, match="--foxglove"):
+            FoxgloveServer(f"127.0.0.1:{server.port}")

@@ -1,0 +1,35 @@
+"""``patrol bundle``: everything a robot's computer needs, for installation with no network."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from tools.bundle import MACHINES, make_bundle
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = "example: patrol bundle -o patrol-bundle\n\nNeeds a package index, once."
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    parser.add_argument(
+        "--machine",
+        action="append",
+        choices=list(MACHINES),
+        help="x86_64 or aarch64 (arm64); default: both",
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Make the bundle; print its files."""
+    machines = options.machine or list(MACHINES)
+
+    def tell(words: str) -> None:
+        print(f"patrol bundle: {words}", file=sys.stderr, flush=True)
+
+    files = make_bundle(options.output, machines, tell)
+    for path in files:
+        print(f"{path.stat().st_size / 1e6:8.2f} MB  {path}")
+    print(f"patrol bundle: now follow {options.output / 'INSTALL.txt'}", file=sys.stderr)
+    return 0

@@ -1,0 +1,155 @@
+"""``patrol calibrate``: learn the team's colour, and where the camera looks."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from pathlib import Path
+
+import cv2
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.camera import Camera, wait_for_picture
+from drivers.camera_source import CameraSettings
+from robot_agent.config import AgentConfig, load_config
+from robot_agent.perception.band_detector import BandDetector
+from robot_agent.perception.color_settings import ColorModelSettings, ColorSettings
+from tools.camera_calibration import fit_camera, pairs_of
+from tools.color_calibration import (
+    Box,
+    CalibrationError,
+    band_at,
+    inside,
+    learn_color,
+    middle_of,
+)
+from tools.config_section import set_keys
+from tools.recording import read_recording
+
+LIVE_PICTURES = 10
+PICTURE_LIMIT_S = 10.0
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = (
+        "examples:\n"
+        "  patrol calibrate color --robot robot1.toml                 target before the lens\n"
+        "  patrol calibrate color band*.png --at 160,118 --robot robot1.toml --mask mask.png\n"
+        "  patrol calibrate camera RUN.mcap --robot robot1.toml"
+    )
+    kinds = parser.add_subparsers(dest="what", metavar="WHAT", required=True)
+    color = kinds.add_parser("color", help="learn the band's colour from pictures or the camera")
+    color.add_argument("pictures", nargs="*", type=Path, metavar="PICTURE", help="none: the camera")
+    color.add_argument("--box", metavar="LEFT,TOP,WIDTH,HEIGHT", help="where the band is, pixels")
+    color.add_argument("--at", metavar="X,Y", help="a point on the band, pixels")
+    color.add_argument("--mask", type=Path, metavar="PNG", help="show what is taken for the band")
+    color.add_argument("--robot", type=Path, metavar="ROBOT.toml", help="file to write it into")
+    camera = kinds.add_parser("camera", help="fit direction and focal length to a recording")
+    camera.add_argument("recording", type=Path, metavar="REC.mcap")
+    camera.add_argument("--robot", type=Path, metavar="ROBOT.toml", help="file to write it into")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Calibrate; print what was found as TOML, and write it where wanted."""
+    return _color(options) if options.what == "color" else _camera(options)
+
+
+def _color(options: argparse.Namespace) -> int:
+    config = load_config(options.robot) if options.robot else AgentConfig()
+    pictures = (
+        [_read(path) for path in options.pictures]
+        if options.pictures
+        else _live_pictures(config.camera)
+    )
+    masks = [_marked(picture, options.box, options.at) for picture in pictures]
+    model = learn_color(list(zip(pictures, masks, strict=True)))
+    print("[perception.color.band]")
+    print(f"mean = {list(model.mean)}")
+    print(f"covariance = {list(model.covariance)}")
+    if options.mask:
+        shown = mask_picture(pictures[0], config.camera, config.perception.color, model)
+        cv2.imwrite(str(options.mask), shown)
+    if options.robot:
+        values = {"mean": list(model.mean), "covariance": list(model.covariance)}
+        set_keys(options.robot, "perception.color.band", values)
+    return 0
+
+
+def _read(path: Path) -> NDArray[np.uint8]:
+    picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
+    if picture is None:
+        raise CalibrationError(f"{path}: is no picture that can be read; give a PNG or JPEG")
+    return np.asarray(picture, dtype=np.uint8)
+
+
+def _live_pictures(settings: CameraSettings) -> list[NDArray[np.uint8]]:
+    if not settings.url:
+        raise CalibrationError("no pictures and no camera: name files, or --robot with a [camera]")
+    camera = Camera(settings)
+    camera.start()
+    pictures: list[NDArray[np.uint8]] = []
+    number = 0
+    try:
+        while len(pictures) < LIVE_PICTURES:
+            picture = wait_for_picture(camera, PICTURE_LIMIT_S, after=number)
+            if picture is None:
+                raise CalibrationError(camera.status.reason or f"{settings.url}: no pictures")
+            number = picture.number
+            pictures.append(picture.pixels)
+    finally:
+        camera.close()
+    return pictures
+
+
+def _marked(picture: NDArray[np.uint8], box: str | None, at: str | None) -> NDArray[np.bool_]:
+    """Return which pixels of a picture are the band."""
+    if at:
+        x, y = _numbers(at, 2, "--at")
+        return band_at(picture, x, y)
+    return inside(picture, Box(*_numbers(box, 4, "--box")) if box else middle_of(picture))
+
+
+def _numbers(text: str, count: int, option: str) -> list[int]:
+    parts = text.split(",")
+    if len(parts) != count or not all(part.strip().lstrip("-").isdecimal() for part in parts):
+        raise CalibrationError(f"{option} {text}: give {count} whole numbers with commas between")
+    return [int(part) for part in parts]
+
+
+def mask_picture(
+    picture: NDArray[np.uint8],
+    camera: CameraSettings,
+    color: ColorSettings,
+    model: ColorModelSettings,
+) -> NDArray[np.uint8]:
+    """Return a picture beside what is taken for the band in it, its bands framed."""
+    detector = BandDetector(camera, msgspec.structs.replace(color, band=model))
+    mask = cv2.cvtColor(detector.mask(picture), cv2.COLOR_GRAY2BGR)
+    return np.hstack((picture, np.asarray(mask, dtype=np.uint8)))
+
+
+def _camera(options: argparse.Namespace) -> int:
+    recording = read_recording(options.recording)
+    pairs, settings = pairs_of(recording)
+    fit = fit_camera(pairs, settings)
+    x, y, _ = settings.mount
+    mount = [x, y, round(fit.theta, 5)]
+    print("[camera]")
+    print(f"mount = {mount}")
+    print(f"focal_length = {fit.focal_length:.2f}")
+    print(
+        f"{fit.pairs} moments; {math.degrees(fit.theta):.2f} degrees to the left of ahead, "
+        f"{fit.rms:.1f} pixels rms",
+        file=sys.stderr,
+    )
+    if options.robot:
+        set_keys(
+            options.robot,
+            "camera",
+            {"mount": mount, "focal_length": round(fit.focal_length, 2)},
+        )
+    return 0

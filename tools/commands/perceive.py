@@ -1,0 +1,71 @@
+"""``patrol perceive``: whom the tracker sees on a log, or saw in a recording, as pictures."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+import cv2
+
+from maps.map_folder import load_map_folder
+from robot_agent.config import find_map
+from tools.carmen import LogError, read_carmen
+from tools.localize import log_steps, map_of_log
+from tools.perceive import perceive
+from tools.perception_pictures import draw_picture, draw_scan, moment_of
+from tools.progress import Progress
+from tools.recording import read_recording
+
+RESOLUTION = 0.05  # m
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.epilog = (
+        "examples:\n"
+        "  patrol perceive LOG.gz --first-scan 27    figures of the tracker by laser alone\n"
+        "  patrol perceive RUN.mcap --pictures out/  what was seen when an intruder was reported"
+    )
+    parser.add_argument("log", type=Path, metavar="LOG", help="CARMEN log, or recording")
+    parser.add_argument("--pictures", type=Path, metavar="DIR", help="draw scan.png and camera.jpg")
+    parser.add_argument(
+        "--map",
+        metavar="DIR",
+        help="map folder or name; without it the map is built of every second scan of the log, "
+        "and the others are looked at",
+    )
+    parser.add_argument(
+        "--first-scan", type=int, default=0, metavar="N", help="leave out those before"
+    )
+    parser.add_argument("--seed", type=int, default=0, metavar="N")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Track on one log; print the figures as JSON. Status 1 when anyone is called a teammate."""
+    cv2.setNumThreads(1)
+    if options.log.suffix == ".mcap":
+        return _draw(options)
+    log = read_carmen(options.log)
+    steps = log_steps(log)[options.first_scan :]
+    if not steps:
+        raise LogError(f"{options.log}: no scan from scan {options.first_scan} on")
+    if options.map:
+        folder = load_map_folder(find_map(options.map, Path.cwd()))
+    else:
+        folder = map_of_log(log, RESOLUTION, "even")
+        steps = steps[1 - options.first_scan % 2 :: 2]
+    with Progress("perceive", len(steps), "scans") as progress:
+        result = perceive(str(options.log), steps, folder, options.seed, progress)
+    print(json.dumps({"log": options.log.name, **result.summary}, indent=2))
+    return 1 if result.teammates else 0
+
+
+def _draw(options: argparse.Namespace) -> int:
+    if options.pictures is None:
+        raise LogError(f"{options.log}: a recording is drawn: say where with --pictures DIR")
+    moment = moment_of(read_recording(options.log))
+    options.pictures.mkdir(parents=True, exist_ok=True)
+    draw_scan(moment, options.pictures / "scan.png")
+    draw_picture(moment, options.pictures / "camera.jpg")
+    return 0

@@ -1,0 +1,81 @@
+"""Serves the live stream to a Foxglove viewer, through its own SDK (extra ``foxglove``)."""
+
+from __future__ import annotations
+
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
+
+import msgspec
+
+from robot_agent.streams import STREAMS
+from tools.monitor.web_server import WebError, parsed_address
+
+if TYPE_CHECKING:
+    import foxglove
+
+MAX_CHANNELS = 2000
+
+
+class FoxgloveServer:
+    """One channel per telemetry key, with the stream's schema; payloads as they came."""
+
+    def __init__(self, address: str) -> None:
+        """Listen for viewers on an address such as ``127.0.0.1:8765``.
+
+        Raises:
+            WebError: the address is none or taken, or the SDK is not installed.
+        """
+        try:
+            import foxglove
+        except ImportError as error:
+            raise WebError(
+                f"--foxglove: {error}; install foxglove-sdk (the extra `foxglove`)"
+            ) from error
+        host, port = parsed_address(address, "--foxglove")
+        self._foxglove = foxglove
+        self._context = foxglove.Context()
+        self._channels: dict[str, foxglove.Channel] = {}
+        try:
+            self._server = foxglove.start_server(
+                name="border patrol", host=host, port=port, context=self._context
+            )
+        except Exception as error:
+            raise WebError(f"--foxglove {address}: {error}; give a free address") from error
+
+    @property
+    def port(self) -> int:
+        """Where it listens."""
+        return self._server.port
+
+    def take(self, key: str, payload: bytes, wall: float) -> None:
+        """Show a payload that came under a key at wall, s since 1970."""
+        channel = self._channels.get(key)
+        if channel is None:
+            stream = STREAMS.get(key.rpartition("/")[2])
+            if stream is None or len(self._channels) >= MAX_CHANNELS:
+                return
+            definition = msgspec.json.encode(stream.json_schema())
+            channel = self._channels[key] = self._foxglove.Channel(
+                f"/{key}",
+                schema=self._foxglove.Schema(
+                    name=stream.schema_name, encoding="jsonschema", data=definition
+                ),
+                message_encoding="json",
+                context=self._context,
+            )
+        channel.log(payload, log_time=round(wall * 1e9))
+
+    def close(self) -> None:
+        """Stop listening."""
+        self._server.stop()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()

@@ -1,0 +1,57 @@
+"""What the terminal tells besides the table: each robot's inner figures, and the border's wait."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from robot_agent.streams import ACTIONS, DecisionPayload, DeviceStatus
+from tools.monitor.robot_state import RobotState
+from tools.monitor.watch import Watch
+
+
+def detail_lines(watch: Watch) -> Iterator[str]:
+    """Yield one line per robot that has reported, and one of the border."""
+    for robot in watch.robots:
+        parts = [*_decision_parts(robot.decision), *_status_parts(robot), *_process_parts(robot)]
+        if parts:
+            yield f"{robot.id}: " + "; ".join(parts)
+    if watch.coverage is not None:
+        average, worst = watch.coverage.average(watch.now), watch.coverage.worst(watch.now)
+        yield f"border unseen for {average:.0f} s on average, {worst:.0f} s at worst"
+
+
+def _decision_parts(decision: DecisionPayload | None) -> Iterator[str]:
+    if decision is None:
+        return
+    marks = {decision.runner_up: " (second)", decision.winner: " (first)"}
+    yield ", ".join(
+        f"{action} {decision.degrees.get(action, 0.0):.2f}{marks.get(action, '')}"
+        for action in ACTIONS
+    )
+    yield f"asked for {decision.wish.v:.2f} m/s {decision.wish.w:.2f} rad/s"
+    yield f"neighbor state {decision.gamma:.2f}, at {decision.abscissa:.1f} m of the border"
+
+
+def _status_parts(robot: RobotState) -> Iterator[str]:
+    status = robot.status
+    if status is None:
+        return
+    yield f"motors {'on' if status.motors_enabled else 'off'}"
+    for name, device in (("base", status.base), ("laser", status.laser)):
+        yield _device_words(name, device, robot.rates.get(name))
+    localization = status.localization
+    yield f"{localization.particle_count} particles, fit {localization.likelihood:.2f}"
+    if robot.skew is not None:
+        yield f"clock {robot.skew:+.2f} s"
+
+
+def _device_words(name: str, device: DeviceStatus, rate: float | None) -> str:
+    pace = "" if rate is None else f" {rate:.1f} /s,"
+    return f"{name}{pace} {device.packets_bad} bad, {device.bytes_discarded} bytes lost"
+
+
+def _process_parts(robot: RobotState) -> Iterator[str]:
+    process = robot.process
+    if process is not None:
+        yield f"CPU {100 * process.cpu:.1f} %, {process.memory_mb:.0f} MB"
+        yield f"{process.telemetry_dropped} payloads not sent"
