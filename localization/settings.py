@@ -97,7 +97,7 @@ class HealthSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     same place in part (``SensorSettings.still_worth``).
     """
 
-    unsure_below: Share = 0.65  # mean fit of the scan
+    unsure_below: Share = 0.6  # mean fit of the scan
     localized_above: Share = 0.7
     lost_below: Share = 0.45
     found_above: Share = 0.5

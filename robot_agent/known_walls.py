@@ -16,7 +16,6 @@ from maps.pose import Pose
 from robot_agent.motion.gate_settings import GateSettings
 
 _MARGIN = 0.1  # m beyond what the corners reach in a turn on the spot
-_ERROR = 0.03  # m that pose and map may be off: walls are taken to be so much nearer
 _NOTHING = np.empty((0, 2))
 
 
@@ -34,7 +33,8 @@ class KnownWalls:
     def behind(self, pose: Pose) -> NDArray[np.float64]:
         """Return points (n, 2), m, in base_link at map_from_base ``pose``.
 
-        Cells that the body would stand in are left out: the pose or the map is wrong there.
+        Cells that the body would stand in are left out: the pose or the map is wrong there. The
+        gate's turn margin is what pose and map may be off; more would pin robots beside walls.
         """
         row = math.floor((pose.y - self._origin.y) / self._resolution)
         col = math.floor((pose.x - self._origin.x) / self._resolution)
@@ -54,6 +54,4 @@ class KnownWalls:
         x, y = c * dx + s * dy, c * dy - s * dx
         gate = self._gate
         taken = (x < 0.0) & ((x <= -gate.rear) | (np.abs(y) >= gate.half_width))
-        points = np.column_stack((x, y))[taken]
-        distance = np.hypot(points[:, 0], points[:, 1])
-        return np.asarray(points * (1.0 - _ERROR / distance)[:, None])
+        return np.column_stack((x, y))[taken]

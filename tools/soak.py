@@ -45,6 +45,7 @@ _LASTS = {
     FaultKind.STUCK: (0.2, 5.0),
     FaultKind.NOISY: (2.0, 20.0),
     FaultKind.CARRIED: (0.1, 0.2),
+    FaultKind.AWAY: (0.1, 0.2),
 }
 """How long a fault of each kind lasts, s, from and to."""
 

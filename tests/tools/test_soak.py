@@ -32,13 +32,13 @@ def test_a_robot_stuck_for_long_is_helped_and_recordings_rotate(
     faults = [BenchFault("robot1", FaultKind.STUCK, 14.0, 19.0)]
     monkeypatch.setattr(soak, "random_faults", lambda *_: faults)
     folder = load_map_folder(find_map("paper_lab", Path.cwd()))
-    run = Soak(folder, 1, 1, 60.0, 600.0, tmp_path)
+    run = Soak(folder, 1, 1, 80.0, 600.0, tmp_path)
     rows, speeds = [], []
     for row in run.hours():
         rows.append(row)
         speeds.append(run.fleet.robots[0].rig.base.velocity[0])
-    assert [row.contacts for row in rows] == [0, 0, 0]
+    assert [row.contacts for row in rows] == [0, 0, 0, 0]
     assert rows[-1].latched == 1
     assert rows[-1].records_lost == 0
-    assert speeds[0] < 0.1 < speeds[2], "patrols again after the person came"
+    assert speeds[0] < 0.1 < max(speeds[2:]), "patrols again after the person came"
     assert "robot1-20000101T000000Z.mcap" not in {path.name for path in tmp_path.iterdir()}
