@@ -7,6 +7,7 @@ bytes and carries out the effects. The same event list gives the same effects, b
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,6 +43,7 @@ from robot_agent.events import (
 )
 from robot_agent.evidence import cut_out, points_near
 from robot_agent.foxglove import LogLevel
+from robot_agent.known_walls import KnownWalls
 from robot_agent.motion.deadline_watch import DeadlineWatch
 from robot_agent.motion.frozen_watch import FrozenWatch
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
@@ -67,14 +69,17 @@ from robot_agent.perception.pose_sigma import PoseSigma
 from robot_agent.perception.tracker import TeammateTracker
 from robot_agent.pose_memory import PoseMemory
 from robot_agent.reports import Reports
-from robot_agent.scan_points import ScanProjector, hits
+from robot_agent.scan_points import ScanProjector, hits, move_points
 from robot_agent.sonar_obstacles import SonarObstacles
 from robot_agent.streams import Payload, encode
 from robot_agent.teleop import Teleop
+from robot_agent.turning_room import turning_room
 
 STOPPING = DENIALS - {GateReason.MOTORS_OFF, GateReason.BACKING} | {GateReason.OBSTACLE}
 """Reasons of the gate that mean the robot is being held, not merely kept to its limits."""
 
+_JUST_SEEN = 0.6  # s since a teammate was seen that is taken to be there
+_NEAR = 2.5  # m; teammates farther off are no obstacle yet
 PAUSE_S = 0.3
 """A process held up for longer finds bytes in its ports whose age it cannot tell."""
 OLD_BYTES_S = 0.15
@@ -140,6 +145,7 @@ class Agent:
         self.gate_stops = 0
         self._projector = ScanProjector(Pose(*(config.laser.mount or model.laser_mount)))
         self._obstacles = Obstacles()
+        self._known_walls = KnownWalls(folder.map, config.gate)
         self._sonar_obstacles = SonarObstacles(model)
         self._memory = PoseMemory(config.memory)
         self._to_recall = config.remembered
@@ -467,10 +473,31 @@ class Agent:
         )
 
     def _around(self, t: float, odometry: Pose) -> NDArray[np.float64]:
-        """Return (n, 2) m in base_link: what laser and sonar have seen about the robot."""
+        """Return (n, 2) m in base_link: what is seen about the robot, and what must be there."""
         return np.concatenate(
-            (self._obstacles.around(odometry), self._sonar_obstacles.around(t, odometry))
+            (
+                self._obstacles.around(odometry),
+                self._sonar_obstacles.around(t, odometry),
+                *self._known_obstacles(t, odometry),
+            )
         )
+
+    def _known_obstacles(self, t: float, odometry: Pose) -> Iterator[NDArray[np.float64]]:
+        """Yield points (n, 2), base_link, of what no sensor shows, while the pose is known."""
+        estimate = self.localizer.estimate
+        if estimate is None or estimate.health is not Health.LOCALIZED:
+            return
+        pose = estimate.pose_at(odometry)
+        yield self._known_walls.behind(pose)
+        near = [
+            (track.x, track.y)
+            for track in self.tracker.tracks
+            if track.teammate
+            and t - track.last_seen <= _JUST_SEEN
+            and math.hypot(track.x - pose.x, track.y - pose.y) < _NEAR
+        ]
+        if near:
+            yield turning_room(move_points(np.array(near), pose.inverse()))
 
     def _held_by_obstacle(self) -> bool:
         """Tell whether the gate's last word was to stand still before an obstacle, or about to."""

@@ -14,7 +14,8 @@ A study file names what all runs share and what is varied:
     robots = [3, 5]
     "patrol.reversal_probability" = [0.0, 0.25, 0.5]
 
-A key of ``[vary]`` other than ``robots`` is a key of a robot's configuration.
+``[vary]`` may also name ``map``, ``border`` and ``faults`` (each choice what ``bench --fault``
+takes, several apart by blanks). Any other key is one of a robot's configuration.
 """
 
 from __future__ import annotations
@@ -25,19 +26,27 @@ import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
 
+import cv2
 import msgspec
 import tomli_w
 
 from maps.border import BorderError
 from maps.map_folder import load_map_folder
 from robot_agent.config import AgentConfig, find_map, parse_config
+from tools.bench.bench_fault import BenchFaultError, check_robots, draw_faults
 from tools.bench.sensing import Sensing, bench
+from tools.study_cluster import run_on_cluster
 
 ROBOTS = "robots"
+MAP = "map"
+BORDER = "border"
+FAULTS = "faults"
+_OF_THE_BENCH = (ROBOTS, MAP, BORDER, FAULTS)
 RUNS_FOLDER = "runs"
 
 Setting = int | float | str | bool
@@ -75,12 +84,21 @@ class Case:
     @property
     def robots(self) -> int:
         """Size of the team."""
-        return int(dict(self.values).get(ROBOTS, 3))
+        return int(self.get(ROBOTS, 3))
+
+    @property
+    def faults(self) -> list[str]:
+        """The faults of each run, as ``bench --fault`` takes them."""
+        return str(self.get(FAULTS, "")).split()
+
+    def get(self, key: str, default: Setting) -> Setting:
+        """Return what the case says of a key, else the default."""
+        return dict(self.values).get(key, default)
 
     @property
     def settings(self) -> dict[str, Setting]:
         """What differs from the default configuration, by dotted key."""
-        return {key: value for key, value in self.values if key != ROBOTS}
+        return {key: value for key, value in self.values if key not in _OF_THE_BENCH}
 
     def __str__(self) -> str:
         return ", ".join(f"{key} {value}" for key, value in self.values) or "defaults"
@@ -136,9 +154,6 @@ def read_study(path: Path) -> Study:
     except msgspec.ValidationError as error:
         raise StudyError(f"{path}: {error}; correct the value") from None
     settings = content.study
-    folder = find_map(settings.map, path.parent)
-    if load_map_folder(folder, settings.border).border is None:
-        raise BorderError(f"{folder}: has no border.toml to patrol; add one")
     for key, choices in content.vary.items():
         if not choices:
             raise StudyError(f"{path}: vary.{key}: is empty; list the values to try")
@@ -147,16 +162,18 @@ def read_study(path: Path) -> Study:
         for values in product(*content.vary.values())
     )
     for case in cases:
-        configuration(case, str(path))
-        if case.robots < 1:
-            raise StudyError(f"{path}: vary.{ROBOTS}: {case.robots} robots; give 1 or more")
+        _check(case, path)
+    borders = {case: _border_of(case, settings, path.parent) for case in cases}
+    for folder, border in set(borders.values()):
+        if load_map_folder(folder, border).border is None:
+            raise BorderError(f"{folder}: has no {border}.toml to patrol; add one")
     seeds = range(settings.first_seed, settings.first_seed + settings.seeds)
     runs = tuple(
         Run(
             case,
             seed,
-            str(folder.resolve()),
-            settings.border,
+            str(borders[case][0].resolve()),
+            borders[case][1],
             settings.duration,
             settings.sensing,
         )
@@ -164,6 +181,27 @@ def read_study(path: Path) -> Study:
         for case in cases
     )
     return Study(settings, cases, runs)
+
+
+def _check(case: Case, path: Path) -> None:
+    configuration(case, str(path))
+    if case.robots < 1:
+        raise StudyError(f"{path}: vary.{ROBOTS}: {case.robots} robots; give 1 or more")
+    try:
+        faults = draw_faults(case.faults, _team(case), seed=0)
+        check_robots(faults, _team(case))
+    except BenchFaultError as error:
+        raise StudyError(f"{path}: vary.{FAULTS}: {error}") from None
+
+
+def _team(case: Case) -> list[str]:
+    return [f"robot{number}" for number in range(1, case.robots + 1)]
+
+
+def _border_of(case: Case, settings: StudySettings, base: Path) -> tuple[Path, str]:
+    """Return map folder and border of a case."""
+    folder = find_map(str(case.get(MAP, settings.map)), base)
+    return folder, str(case.get(BORDER, settings.border))
 
 
 def configuration(case: Case, source: str) -> AgentConfig:
@@ -186,8 +224,10 @@ def run_study(
     folder: Path,
     jobs: int,
     progress: Callable[[float], None] = lambda _: None,
+    cluster: str | None = None,
 ) -> list[Result]:
-    """Run what is not yet in the folder, ``jobs`` processes at a time; return all results.
+    """Run what is not yet in the folder, ``jobs`` processes at a time or on the cluster at an
+    address; return all results.
 
     Each result is written when its run ends: a study that was killed goes on where it was.
     """
@@ -196,7 +236,10 @@ def run_study(
     results = {run: result for run in study.runs if (result := _stored(runs_folder, run))}
     missing = [run for run in study.runs if run not in results]
     progress(len(results))
-    for result in _execute(missing, jobs):
+    execute = partial(_execute, jobs=jobs)
+    if cluster is not None:
+        execute = partial(run_on_cluster, run=bench_run, address=cluster)
+    for result in execute(missing):
         _store(runs_folder, result)
         results[result.run] = result
         progress(len(results))
@@ -215,9 +258,18 @@ def _execute(runs: Sequence[Run], jobs: int) -> Iterator[Result]:
 
 def bench_run(run: Run) -> Result:
     """Carry out one run."""
+    cv2.setNumThreads(1)  # a process per core is busy enough
     folder = load_map_folder(Path(run.map_folder), run.border)
     config = configuration(run.case, "study")
-    figures = bench(run.sensing, folder, run.case.robots, run.seed, run.duration, config=config)
+    figures = bench(
+        run.sensing,
+        folder,
+        run.case.robots,
+        run.seed,
+        run.duration,
+        config=config,
+        faults=draw_faults(run.case.faults, _team(run.case), run.seed),
+    )
     return Result(run, figures)
 
 

@@ -17,6 +17,19 @@ from tools.study import Case, Result
 
 CONFIDENCE = 0.95
 
+
+def _after_wrecks(figures: dict[str, Any], name: str) -> float | None:
+    """What came of the border once robots stood on it; None where none did."""
+    value: float | None = (figures.get("after_wrecks") or {}).get(name)
+    return value
+
+
+def _intruder(figures: dict[str, Any], dwell: float) -> float | None:
+    """Chance that an intruder is seen who waits so long, s, at the weakest place."""
+    seen = figures.get("intruder_seen")
+    return None if seen is None else seen["weakest_place"][seen["dwell_s"].index(dwell)]
+
+
 Extract = Callable[[dict[str, Any]], float | None]
 
 COLUMNS: dict[str, Extract] = {
@@ -34,6 +47,10 @@ COLUMNS: dict[str, Extract] = {
     "longest_avoid_s": lambda figures: figures["longest_avoid_s"],
     "gate_stops": lambda figures: figures["gate_stops"],
     "contacts": lambda figures: figures["contacts"],
+    "driven_again_laps": lambda figures: _after_wrecks(figures, "laps"),
+    "undriven_m": lambda figures: _after_wrecks(figures, "undriven_m"),
+    "abandoned_m": lambda figures: _after_wrecks(figures, "abandoned_m"),
+    "intruder_seen_60s": lambda figures: _intruder(figures, 60.0),
 }
 
 

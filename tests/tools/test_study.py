@@ -10,6 +10,7 @@ import pytest
 from robot_agent.config import ConfigError
 from tools.commands import study as command
 from tools.study import Case, Result, Run, StudyError, read_study, run_study
+from tools.study_cluster import ClusterError
 from tools.study_table import summarize, table
 
 SMALL = """
@@ -143,3 +144,50 @@ def test_rows_of_the_table_are_the_cases() -> None:
     assert first["idleness_worst_s"].mean == 12.0
     assert first["idleness_worst_s"].runs == 2
     assert second["idleness_worst_s"] is None
+
+
+def test_maps_borders_and_faults_vary_too(tmp_path: Path) -> None:
+    text = """
+[study]
+duration = 4.0
+seeds = 1
+
+[vary]
+robots = [3]
+map = ["paper_lab", "intel_lab"]
+border = ["border", "open"]
+faults = ["", "any1:dead@1..3 robot2:stuck@2"]
+"""
+    study = read_study(write(tmp_path, text))
+    assert len(study.runs) == 8
+    assert {(Path(run.map_folder).name, run.border) for run in study.runs} == {
+        (name, border) for name in ("paper_lab", "intel_lab") for border in ("border", "open")
+    }
+    assert study.cases[1].faults == ["any1:dead@1..3", "robot2:stuck@2"]
+    assert not study.cases[1].settings
+    with pytest.raises(StudyError, match="there is no such robot"):
+        read_study(write(tmp_path, text.replace("robot2", "robot7")))
+
+
+def test_a_study_on_a_cluster_has_the_results_of_one_here(tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    text = "[study]\nduration = 4.0\nseeds = 1\nsensing = 'ideal'\n[vary]\nrobots = [1, 2]\n"
+    study = read_study(write(tmp_path, text))
+    here = run_study(study, tmp_path / "here", jobs=1)
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
+    ) as cluster:
+        there = run_study(study, tmp_path / "there", jobs=1, cluster=cluster.scheduler_address)
+    for one, other in zip(here, there, strict=True):
+        assert one.run == other.run
+        assert one.figures["border_distance_m"] == other.figures["border_distance_m"]
+
+
+def test_a_cluster_that_is_not_there_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("tools.study_cluster.CONNECT_S", 0.5)
+    study = read_study(write(tmp_path, SMALL))
+    with pytest.raises(ClusterError, match=r"no Dask scheduler at tcp://127\.0\.0\.1:1"):
+        run_study(study, tmp_path / "out", jobs=1, cluster="tcp://127.0.0.1:1")

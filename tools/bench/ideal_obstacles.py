@@ -14,6 +14,7 @@ from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose
 from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.patrol.actions import PATROLLING
+from robot_agent.turning_room import turning_room
 from tools.bench.ideal_robot import STEP_S, IdealRobot
 from tools.bench.robot_body import Outline
 
@@ -40,7 +41,7 @@ class IdealObstacles:
     ) -> NDArray[np.float64]:
         """Return points (n, 2), m, in the robot's base_link; apart (n,): m to the robots."""
         pose, sight = robot.body.pose, self._sight(robot)
-        parts = []
+        parts, near = [], list[int]()
         if apart.min() <= sight + self._outline_reach:
             near = np.flatnonzero(apart <= sight + self._outline_reach).tolist()
             parts = [_in_map(self._outline, robots[other].body.pose) for other in near]
@@ -48,9 +49,14 @@ class IdealObstacles:
             parts.append(self._wall_points(pose, sight))
         if not parts:
             return _NOTHING
-        points = np.concatenate(parts) - (pose.x, pose.y)
         c, s = math.cos(pose.theta), math.sin(pose.theta)
-        return np.asarray(points @ np.array(((c, -s), (s, c))))
+        into_base = np.array(((c, -s), (s, c)))
+        here = np.array((pose.x, pose.y))
+        points = np.asarray((np.concatenate(parts) - here) @ into_base)
+        if not near:
+            return points
+        middles = np.array([robots[other].body.rectangle()[:2] for other in near])
+        return np.concatenate((points, turning_room((middles - here) @ into_base)))
 
     def _sight(self, robot: IdealRobot) -> float:
         """Return how far from base_link the gate looks at most in its next step, m."""

@@ -24,6 +24,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--jobs", type=int, default=os.cpu_count() or 1, metavar="N", help="processes at a time"
     )
+    parser.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="run on the Dask cluster of this scheduler, such as tcp://host:8786",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -35,7 +40,7 @@ def run(options: argparse.Namespace) -> int:
         file=sys.stderr,
     )
     with Progress("study", len(study.runs), "runs") as progress:
-        results = run_study(study, options.output, max(1, options.jobs), progress)
+        results = run_study(study, options.output, max(1, options.jobs), progress, options.cluster)
     rows = table(results)
     write_csv(results, options.output / "runs.csv")
     plot_study(rows, options.output / "study.svg")
