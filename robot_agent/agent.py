@@ -387,7 +387,7 @@ class Agent:
         # 1. Decide: closest teammate, action, velocity in the map.
         track = self.tracker.closest(t, pose)
         teammate = None if track is None else (track.x, track.y)
-        decision = self.patrol.step(t, pose, teammate, held=self._held_by_obstacle())
+        decision = self.patrol.step(t, pose, teammate, held=held_by_obstacle(self.gate_decision))
         # 2. Act: turn that velocity into wheel speeds.
         wish = self.heading_loop.command(t, decision.velocity, pose.theta, decision.curvature)
         # 3. Gate: nothing moves the robot but what leaves here.
@@ -499,11 +499,6 @@ class Agent:
         if near:
             yield turning_room(move_points(np.array(near), pose.inverse()))
 
-    def _held_by_obstacle(self) -> bool:
-        """Tell whether the gate's last word was to stand still before an obstacle, or about to."""
-        gate = self.gate_decision
-        return gate is not None and gate.reason is GateReason.OBSTACLE and gate.v < _CRAWL
-
     def _note_gate(self, t: float, gate: GateDecision) -> None:
         """Count and tell when the gate begins to hold the robot."""
         before = self.gate_decision
@@ -588,6 +583,11 @@ class Agent:
         if self.gate_decision is not None and self.gate_decision.reason in STOPPING:
             return f"gate: {self.gate_decision.reason}"
         return "ok"
+
+
+def held_by_obstacle(gate: GateDecision | None) -> bool:
+    """Tell whether the gate's last word was to stand still before an obstacle, or about to."""
+    return gate is not None and gate.reason is GateReason.OBSTACLE and gate.v < _CRAWL
 
 
 def _is_moving(state: BaseState) -> bool:

@@ -12,17 +12,15 @@ from drivers.p2os.motion_controller import ramp
 from drivers.p2os.settings import BaseSettings
 from maps.map_folder import MapFolder
 from maps.pose import Pose
-from robot_agent.agent import STOPPING
+from robot_agent.agent import STOPPING, held_by_obstacle
 from robot_agent.config import AgentConfig
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
-from robot_agent.motion.gate_reason import GateReason
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from tools.bench.robot_body import RobotBody
 
 STEP_S = 0.1
 """One control step: the base reports 10 times a second."""
-_CRAWL = 0.05  # m/s; slower than this before an obstacle is as good as held by it (as the agent)
 _BATTERY = 13.0  # V; a full one, which lasts
 
 
@@ -71,7 +69,7 @@ class IdealRobot:
         teammate: (x, y) of the closest one, map frame. obstacles: (n, 2) m in base_link.
         """
         pose = self.body.pose
-        decision = self.patrol.step(t, pose, teammate, held=self._held_by_obstacle())
+        decision = self.patrol.step(t, pose, teammate, held=held_by_obstacle(self.gate_decision))
         wish = self.heading_loop.command(t, decision.velocity, pose.theta, decision.curvature)
         inputs = GateInputs(
             base_time=t,
@@ -91,10 +89,6 @@ class IdealRobot:
             self.gate_stops += 1
         self.decision, self.gate_decision = decision, gate
         self._order = (gate.v, gate.w)
-
-    def _held_by_obstacle(self) -> bool:
-        gate = self.gate_decision
-        return gate is not None and gate.reason is GateReason.OBSTACLE and gate.v < _CRAWL
 
 
 def make_ideal_robot(body: RobotBody, config: AgentConfig, folder: MapFolder) -> IdealRobot:
