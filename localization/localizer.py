@@ -19,10 +19,12 @@ from localization.refinement import Refined, Refinement
 from localization.rival import RivalSearch
 from localization.scan_check import Fit, ScanCheck
 from localization.settings import LocalizationSettings
+from localization.slip_search import SlipSearch
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
 
 _WINDOW_STEP = 0.2  # of a window's reach, to the sample nearest to the best pose in it
+_SLIPPED = 0.8  # of the belief goes to a place found back along the last step
 _STILL_DECAY = 0.8  # of a scan's worth to a search, from one scan to the next on the same spot
 
 
@@ -55,6 +57,7 @@ class Localizer:
         field = LikelihoodField(settings.sensor, occupancy)
         self._filter = ParticleFilter(settings.motion, field, rng)
         self._refinement = Refinement(settings.refinement, occupancy)
+        self._slips = SlipSearch(settings.slip, field, self._refinement)
         self._check = ScanCheck(settings.check, occupancy, self._refinement.surface)
         self._search = GlobalSearch(settings.search, occupancy)
         # A number fixed for tracking would be too small for a search.
@@ -146,8 +149,9 @@ class Localizer:
             self._weigh(points, worth)
         # 3. Take the best cluster, slid to where the scan fits best.
         sight = self._look(points)
-        # 4. If the scan does not fit there, see whether it fits nearby: wheels slip.
+        # 4. Wheels slip: see whether the scan fits better behind, or, if badly, anywhere nearby.
         if not self._searching:
+            sight = self._look_back(sight, increment, points)
             sight = self._look_around(sight, points, worth)
         # 5. Judge how sure that is.
         self.estimate = self._judge(t, odometry, points, sight, worth)
@@ -196,6 +200,20 @@ class Localizer:
         refined = self._refinement.refine(cluster.mean, cluster.covariance, points)
         pose = cluster.mean if refined is None else refined.pose
         return _Sight(cluster, refined, pose, self._check.fit(pose, points))
+
+    def _look_back(
+        self, sight: _Sight, increment: Pose | None, points: NDArray[np.float64]
+    ) -> _Sight:
+        """Believe in a place back along the last step if the scan fits better there."""
+        slipped = None if increment is None else self._slips.find(sight.pose, increment, points)
+        if slipped is None:
+            return sight
+        pose, belief = slipped.pose, self._filter.belief
+        back = (pose.x - sight.pose.x, pose.y - sight.pose.y, 0.0)
+        moved = replace(belief, particles=belief.particles + back)
+        self._filter.belief = moved.mixed_with(belief, _SLIPPED)
+        cluster = replace(sight.cluster, mean=pose)
+        return _Sight(cluster, slipped, pose, self._check.fit(pose, points))
 
     def _look_around(self, sight: _Sight, points: NDArray[np.float64], worth: float) -> _Sight:
         """Weigh poses in a window round a misfit; believe in them if the scan fits there."""

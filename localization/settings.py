@@ -144,6 +144,16 @@ class WindowSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     reach_theta: Positive = 0.6  # rad
 
 
+class SlipSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Search back along the odometry's last step, for wheels that slipped."""
+
+    most: Share = 0.5  # of a counted translation, lost at most
+    candidates: Count = 10  # spread evenly up to it
+    independent_beams: Positive = 60.0  # what the beams of one scan are worth together
+    gain: NotNegative = 2.0  # of log-likelihood, at a place worth going to
+    least_xy: Positive = 0.1  # m; a smaller shift is the filter's own work
+
+
 class GlobalSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Search over the whole map, at an unknown start or once lost."""
 
@@ -173,6 +183,7 @@ class LocalizationSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     refinement: RefinementSettings = RefinementSettings()
     floor: FloorSettings = FloorSettings()
     check: CheckSettings = CheckSettings()
+    slip: SlipSettings = SlipSettings()
     window: WindowSettings = WindowSettings()
     health: HealthSettings = HealthSettings()
     search: GlobalSettings = GlobalSettings()

@@ -117,3 +117,10 @@ def drive(start: Pose, steps: int, v: float, w: float, dt: float = 0.1) -> list[
 def circle() -> list[Pose]:
     """Twenty seconds of patrol speed round the middle of the room, 10 scans a second."""
     return drive(Pose(4.0, 1.6, 0.2), 200, 0.35, 0.35)
+
+
+@pytest.fixture(scope="session")
+def corridor() -> Room:
+    """A corridor of 24 x 2 m, bare but for its ends and one pillar's nose of 0.15 m."""
+    nose: Ring = [(16.0, 0.0), (16.4, 0.0), (16.4, 0.15), (16.0, 0.15)]
+    return draw([[(0, 0), (24, 0), (24, 2), (0, 2)], nose], 24.0, 2.0)

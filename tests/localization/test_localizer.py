@@ -266,3 +266,18 @@ def test_lasting_slip_is_learned(room) -> None:
         estimate = localizer.update(float(index), odometry, room.scan(truth, rng))
         assert error(estimate.pose, truth)[0] < 0.1
     assert estimate.health is Health.LOCALIZED
+
+
+def test_slip_in_a_bare_corridor_is_found_at_once(corridor) -> None:
+    """Wheels that lose 30 % over steps of a metre, where only the far ends tell."""
+    localizer = new_localizer(corridor)
+    truth, odometry = Pose(3.0, 1.0, 0.0), Pose(0, 0, 0)
+    localizer.start_at(truth, 0.05, 0.02)
+    rng = np.random.default_rng(3)
+    localizer.update(0.0, odometry, corridor.scan(truth, rng))
+    for index in range(1, 11):
+        truth = truth.compose(Pose(1.0, 0, 0))
+        odometry = odometry.compose(Pose(1.0 / 0.7, 0, 0))
+        estimate = localizer.update(float(index), odometry, corridor.scan(truth, rng))
+        assert error(estimate.pose, truth)[0] < 0.3
+    assert estimate.health is not Health.LOST

@@ -1,0 +1,67 @@
+"""Look back along a step of the odometry: the wheels may have slipped.
+
+A bare corridor hides a slip from the particles: most beams end on its sides, which fit as well all
+along it, and the few that tell are outvoted by the odometry. Along this one line every beam can be
+heard in full.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from localization.likelihood_field import LikelihoodField
+from localization.refinement import Refined, Refinement
+from localization.settings import SlipSettings
+from maps.pose import Pose
+
+
+class SlipSearch:
+    """Compares a pose with those where the robot would be had its wheels slipped."""
+
+    def __init__(
+        self, settings: SlipSettings, field: LikelihoodField, refinement: Refinement
+    ) -> None:
+        self._settings = settings
+        self._field = field
+        self._refinement = refinement
+        self._lost = np.arange(1, settings.candidates + 1) / settings.candidates * settings.most
+
+    def find(self, pose: Pose, increment: Pose, points: NDArray[np.float64]) -> Refined | None:
+        """Return where behind ``pose`` (map_from_base) the scan fits clearly better, or None.
+
+        increment: the odometry's last step (base_then_from_base_now). points (m, 2): base_link, m.
+        """
+        travel = math.hypot(increment.x, increment.y)
+        if travel * self._settings.most < self._settings.least_xy:
+            return None
+        behind = self._behind(pose, increment)
+        fits = self._fits(np.vstack((np.array(pose), behind)), points)
+        best = int(fits[1:].argmax())
+        if fits[1 + best] < fits[0]:
+            return None
+        spacing = travel * self._settings.most / self._settings.candidates
+        place = Pose(*behind[best].tolist())
+        refined = self._refinement.refine(place, np.diag((spacing**2, spacing**2, 1e-3)), points)
+        if refined is None:
+            return None
+        shift = math.hypot(refined.pose.x - pose.x, refined.pose.y - pose.y)
+        gain = float(self._fits(np.array([refined.pose]), points)[0] - fits[0])
+        if shift < self._settings.least_xy or gain < self._settings.gain:
+            return None
+        return refined
+
+    def _behind(self, pose: Pose, increment: Pose) -> NDArray[np.float64]:
+        """Return (n, 3) the poses that shares of the step lead back to, the heading kept."""
+        heading = pose.theta - increment.theta + math.atan2(increment.y, increment.x)
+        back = self._lost * math.hypot(increment.x, increment.y)
+        places = np.empty((len(back), 3))
+        places[:, 0] = pose.x - back * math.cos(heading)
+        places[:, 1] = pose.y - back * math.sin(heading)
+        places[:, 2] = pose.theta
+        return places
+
+    def _fits(self, poses: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self._field.log_weights(poses, points, self._settings.independent_beams)
