@@ -34,14 +34,16 @@ class LikelihoodField:
         particles: NDArray[np.float64],
         points: NDArray[np.float64],
         independent_beams: float,
+        beams: int | None = None,
     ) -> NDArray[np.float64]:
         """Return (n,) log-likelihoods of the scan for particles (n, 3) (map_from_base).
 
         points: (m, 2) end points in base_link, m. The product over the beams is tempered to what
         ``independent_beams`` of them would tell: neighbouring beams hit the same surface and err
-        together, so that a plain product would be overconfident.
+        together, so that a plain product would be overconfident. beams: how many are looked at, if
+        not as many as the settings say.
         """
-        points = spread_evenly(points, self._beams)
+        points = spread_evenly(points, beams or self._beams)
         if len(points) == 0:
             return np.zeros(len(particles))
         exponent = min(1.0, independent_beams / len(points))

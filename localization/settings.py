@@ -149,7 +149,8 @@ class SlipSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 
     most: Share = 0.5  # of a counted translation, lost at most
     candidates: Count = 10  # spread evenly up to it
-    independent_beams: Positive = 60.0  # what the beams of one scan are worth together
+    beams: Count = 180  # at most, spread evenly over the scan: few of them tell
+    independent_beams: Positive = 60.0  # what they are worth together
     gain: NotNegative = 2.0  # of log-likelihood, at a place worth going to
     least_xy: Positive = 0.1  # m; a smaller shift is the filter's own work
 

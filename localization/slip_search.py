@@ -64,4 +64,5 @@ class SlipSearch:
         return places
 
     def _fits(self, poses: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self._field.log_weights(poses, points, self._settings.independent_beams)
+        settings = self._settings
+        return self._field.log_weights(poses, points, settings.independent_beams, settings.beams)
