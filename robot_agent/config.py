@@ -12,8 +12,9 @@ import tomli_w
 
 from drivers.camera_source import CameraSettings
 from drivers.lms200.settings import LaserSettings
+from drivers.p2os.model import UnknownModelError, load_model
 from drivers.p2os.settings import BaseSettings
-from localization.settings import LocalizationSettings
+from localization.settings import LocalizationSettings, MotionSettings
 from maps.map_folder import MapFolder, load_map_folder
 from robot_agent.disk_room import RecorderSettings
 from robot_agent.motion.gate_settings import GateSettings
@@ -111,11 +112,27 @@ def parse_config(content: bytes, source: str) -> AgentConfig:
         ConfigError: as ``load_config``.
     """
     try:
-        return msgspec.convert(tomllib.loads(content.decode()), AgentConfig)
+        told = tomllib.loads(content.decode())
+        return _with_noise_of_model(msgspec.convert(told, AgentConfig), told)
     except msgspec.ValidationError as error:
         raise ConfigError(_explain(source, str(error))) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{source}: is not TOML: {error}; correct that line") from error
+
+
+def _with_noise_of_model(config: AgentConfig, told: dict[str, Any]) -> AgentConfig:
+    """Return the configuration with the model's odometry noise where the file says none."""
+    try:
+        model = load_model(config.base.model)
+    except UnknownModelError:
+        return config  # told by whoever needs the model
+    motion: dict[str, Any] = told.get("localization", {}).get("motion", {})
+    noise = msgspec.to_builtins(model.odometry_noise)
+    whole = msgspec.to_builtins(config.localization.motion) | noise | motion
+    localization = msgspec.structs.replace(
+        config.localization, motion=msgspec.convert(whole, MotionSettings)
+    )
+    return msgspec.structs.replace(config, localization=localization)
 
 
 def _explain(source: str, complaint: str) -> str:

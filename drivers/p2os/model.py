@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import msgspec
 
 Positive = Annotated[float, msgspec.Meta(gt=0.0)]
+NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]
 _MODELS = resources.files("drivers.p2os.models")
 
 
@@ -47,6 +48,15 @@ class LaserMount(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     heading_deg: float
 
 
+class OdometryNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Standard deviations of what the wheels count, proportional to it."""
+
+    rotation_per_rotation: NotNegative  # rad/rad
+    rotation_per_translation: NotNegative  # rad/m
+    translation_per_translation: NotNegative  # m/m
+    translation_per_rotation: NotNegative  # m/rad
+
+
 class SonarMount(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fields=True):
     """Place and direction of one sonar transducer in base_link."""
 
@@ -63,7 +73,7 @@ class SonarMount(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fi
 class RobotModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Everything the driver and the bench know of one subclass of robot.
 
-    Source: the vendor's parameter files of the models.
+    Source: the vendor's parameter files of the models; the odometry's noise is ours.
     """
 
     subclass: str
@@ -74,6 +84,7 @@ class RobotModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     conversion: Conversion
     body: Body
     laser: LaserMount
+    odometry_noise: OdometryNoise
 
     @property
     def top_turn_rate(self) -> float:

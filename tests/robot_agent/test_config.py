@@ -73,3 +73,24 @@ def test_configured_map_is_loaded_with_its_border(tmp_path: Path) -> None:
     folder = load_map(config, tmp_path)
     assert folder.border is not None
     assert not folder.border.closed
+
+
+@pytest.mark.parametrize("model", ["p2dx", "p3dx"])
+def test_defaults_are_the_odometry_noise_of_our_robots(model: str) -> None:
+    assert parse_config(f'[base]\nmodel = "{model}"\n'.encode(), "x").localization == (
+        AgentConfig().localization
+    )
+
+
+def test_odometry_is_as_noisy_as_that_of_the_model_unless_told() -> None:
+    motion = "floor_xy = 0.02\ntranslation_per_rotation = 0.5\n"
+    told = f'[base]\nmodel = "p3at"\n[localization.motion]\n{motion}'
+    config = parse_config(told.encode(), "x")
+    found = config.localization.motion
+    assert (found.rotation_per_rotation, found.translation_per_translation) == (0.3, 0.1)
+    assert (found.floor_xy, found.translation_per_rotation) == (0.02, 0.5)
+    assert parse_config(format_config(config).encode(), "x") == config
+
+
+def test_unknown_model_is_left_to_those_who_need_it() -> None:
+    assert parse_config(b'[base]\nmodel = "p9"\n', "x").base.model == "p9"
