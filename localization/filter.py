@@ -24,7 +24,7 @@ class Belief:
     """A weighted set of poses."""
 
     particles: NDArray[np.float64]
-    """(n, 3) map_from_base."""
+    """(n, 3) map_from_base, column by column in memory: each is worked on as a whole."""
     weights: NDArray[np.float64]
     """(n,) summing to 1."""
     slips: NDArray[np.float32]
@@ -75,7 +75,8 @@ class ParticleFilter:
 
     @belief.setter
     def belief(self, belief: Belief) -> None:
-        self.particles, self.weights, self._slips = belief.particles, belief.weights, belief.slips
+        self.particles = np.asfortranarray(belief.particles)
+        self.weights, self._slips = belief.weights, belief.slips
         self.effective_sample_size = effective_sample_size(self.weights)
 
     def drawn(self, count: int) -> Belief:
@@ -140,7 +141,7 @@ class ParticleFilter:
         count = len(self.weights)
         if self.effective_sample_size < samples.resample_below * count:
             drawn = self._draw(count)
-            needed = needed_samples(self.particles.take(_distinct(drawn), axis=0), samples)
+            needed = needed_samples(_rows(self.particles, drawn), samples)
             if needed != count:
                 drawn = self._draw(needed)
         else:
@@ -148,13 +149,13 @@ class ParticleFilter:
             if count <= _MUCH_LARGER * needed:
                 return
             drawn = self._draw(needed)
-        self.particles, self._slips = self.particles.take(drawn, axis=0), self._slips[drawn]
+        self.particles, self._slips = _rows(self.particles, drawn), self._slips.take(drawn)
         self.weights = np.full(needed, 1.0 / needed)
 
     def _draw(self, count: int) -> NDArray[np.intp]:
         return draw_low_variance(self.weights, count, self._rng)
 
 
-def _distinct(ascending: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Return each of ascending indices (n,) once."""
-    return ascending[np.diff(ascending, prepend=-1) > 0]
+def _rows(particles: NDArray[np.float64], chosen: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return the chosen (m,) of particles (n, 3), which stay column by column in memory."""
+    return particles.T.take(chosen, axis=1).T

@@ -33,8 +33,9 @@ def bin_keys(particles: NDArray[np.float64], bin_xy: float, bin_theta: float) ->
     row = np.floor(particles[:, 1] * (1.0 / bin_xy)).astype(np.int64) + half
     # Whole bins fill the turn, so that headings either side of pi meet.
     around = max(1, round(math.tau / bin_theta))
-    sector = np.floor(particles[:, 2] * (around / math.tau)).astype(np.int64) % around
-    packed: NDArray[np.int64] = (column << _AXIS_BITS | row) << _AXIS_BITS | sector
+    sector = np.floor(particles[:, 2] * (around / math.tau))
+    sector -= around * np.floor(sector / around)
+    packed: NDArray[np.int64] = (column << _AXIS_BITS | row) << _AXIS_BITS | sector.astype(np.int64)
     return packed
 
 

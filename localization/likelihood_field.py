@@ -14,20 +14,23 @@ from numpy.typing import NDArray
 from localization.settings import SensorSettings
 from maps.occupancy_map import OccupancyMap
 
-_CHUNK = 2000  # particles gathered at once: what fits the cache (cv2.remap takes 32767 at most)
+_CHUNK = 1 << 17  # products looked up at once: what fits a core's cache
+_WIDEST = 32766  # columns of what cv2.remap returns
 
 
 class LikelihoodField:
     """Log-likelihoods of end points, looked up in the nearest cell."""
 
     def __init__(self, settings: SensorSettings, occupancy: OccupancyMap) -> None:
-        self._beams = settings.beams
+        self._beams = min(settings.beams, _CHUNK)
         self._origin = occupancy.origin
         self._resolution = occupancy.resolution
         fit = np.exp(-0.5 * (occupancy.distance_field() / np.float32(settings.sigma)) ** 2)
         share = settings.random_share
         self._log_image = np.log((1.0 - share) * fit + share).astype(np.float32)
         self._log_outside = float(np.log(share))
+        # Kept: memory new from the system at every scan costs more than all the work in it.
+        self._columns, self._rows, self._looked_up = np.empty((3, _CHUNK), dtype=np.float32)
 
     def log_weights(
         self,
@@ -48,50 +51,64 @@ class LikelihoodField:
             return np.zeros(len(particles))
         exponent = min(1.0, independent_beams / len(points))
         weight = np.full(len(points), exponent, dtype=np.float32)
-        chunks = [
-            weight @ self._gather(particles[start : start + _CHUNK], points)
-            for start in range(0, len(particles), _CHUNK)
-        ]
-        return np.concatenate(chunks).astype(np.float64)
+        homogeneous = np.ones((len(points), 3), dtype=np.float32)
+        homogeneous[:, :2] = points
+        to_column, to_row = self._pixels_from_base(particles)
+        total = np.empty(len(particles))
+        step = min(_WIDEST, _CHUNK // len(points))
+        for start in range(0, len(particles), step):
+            some = slice(start, start + step)
+            total[some] = weight @ self._look_up(homogeneous, to_column[:, some], to_row[:, some])
+        return total
 
-    def _gather(
-        self, particles: NDArray[np.float64], points: NDArray[np.float64]
+    def _look_up(
+        self,
+        homogeneous: NDArray[np.float32],
+        to_column: NDArray[np.float32],
+        to_row: NDArray[np.float32],
     ) -> NDArray[np.float32]:
-        """Return (m, n) each beam's log-likelihood for each particle.
+        """Return (m, n) log-likelihoods of points (m, 3) as (x, y, 1) by factors (3, n) of each.
 
         A beam's ends lie close together for all particles of a cloud: in this order the look-ups
-        stay in the cache.
+        stay in the cache. The result holds until the next call.
         """
-        columns, rows = self._pixels(particles, points)
-        looked_up = cv2.remap(
+        shape = len(homogeneous), to_column.shape[1]
+        columns, rows, looked_up = (
+            kept[: shape[0] * shape[1]].reshape(shape)
+            for kept in (self._columns, self._rows, self._looked_up)
+        )
+        np.matmul(homogeneous, to_column, out=columns)
+        np.matmul(homogeneous, to_row, out=rows)
+        cv2.remap(
             self._log_image,
             columns,
             rows,
             cv2.INTER_NEAREST,
+            looked_up,
             borderMode=cv2.BORDER_CONSTANT,
             borderValue=self._log_outside,
         )
-        return np.asarray(looked_up, dtype=np.float32)
+        return looked_up
 
-    def _pixels(
-        self, poses: NDArray[np.float64], points: NDArray[np.float64]
+    def _pixels_from_base(
+        self, poses: NDArray[np.float64]
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Return (m, n) columns and (m, n) rows of points (m, 2) seen from poses (n, 3).
+        """Return (3, n) factors of a point (x, y, 1) in base_link, seen from poses (n, 3).
 
-        In pixels; (0, 0) is the centre of the lower-left cell.
+        The first make its column, the others its row, in pixels; (0, 0) is the centre of the
+        lower-left cell.
         """
-        count = len(poses)
         heading = poses[:, 2].astype(np.float32)
         scale = np.float32(1.0 / self._resolution)
         cosine, sine = np.cos(heading) * scale, np.sin(heading) * scale
-        rigid = np.empty((2, 3, count), dtype=np.float32)
-        rigid[0, 0], rigid[0, 1] = cosine, -sine
-        rigid[1, 0], rigid[1, 1] = sine, cosine
-        rigid[0, 2] = (poses[:, 0] - self._origin.x) / self._resolution - 0.5
-        rigid[1, 2] = (poses[:, 1] - self._origin.y) / self._resolution - 0.5
-        homogeneous = np.ones((len(points), 3), dtype=np.float32)
-        homogeneous[:, :2] = points
-        return homogeneous @ rigid[0], homogeneous @ rigid[1]
+        to_column = np.empty((3, len(poses)), dtype=np.float32)
+        to_row = np.empty_like(to_column)
+        to_column[0], to_row[0] = cosine, sine
+        np.negative(sine, out=to_column[1])
+        to_row[1] = cosine
+        to_column[2] = (poses[:, 0] - self._origin.x) / self._resolution - 0.5
+        to_row[2] = (poses[:, 1] - self._origin.y) / self._resolution - 0.5
+        return to_column, to_row
 
 
 def spread_evenly(points: NDArray[np.float64], count: int) -> NDArray[np.float64]:

@@ -70,7 +70,7 @@ def move_particles(
     aside = aside_sigma * noise[2]
     cosine, sine = np.cos(heading), np.sin(heading)
     theta = heading + second + turn_sigma * noise[3]
-    moved = np.empty_like(particles)
+    moved = np.empty_like(particles, order="F")
     moved[:, 0] = particles[:, 0] + (ahead * cosine - aside * sine)
     moved[:, 1] = particles[:, 1] + (ahead * sine + aside * cosine)
     moved[:, 2] = theta - math.tau * np.rint(theta / math.tau)
