@@ -47,7 +47,8 @@ from robot_agent.known_walls import KnownWalls
 from robot_agent.motion.deadline_watch import DeadlineWatch
 from robot_agent.motion.frozen_watch import FrozenWatch
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
-from robot_agent.motion.gate_reason import DENIALS, LATCHED, GateReason
+from robot_agent.motion.gate_hold import STOPPING, held_by_obstacle, pinned_by_obstacle
+from robot_agent.motion.gate_reason import LATCHED, GateReason
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.motion.recovery_turn import RecoveryTurn
 from robot_agent.motion.trust import (
@@ -75,9 +76,6 @@ from robot_agent.streams import Payload, encode
 from robot_agent.teleop import Teleop
 from robot_agent.turning_room import turning_room
 
-STOPPING = DENIALS - {GateReason.MOTORS_OFF, GateReason.BACKING} | {GateReason.OBSTACLE}
-"""Reasons of the gate that mean the robot is being held, not merely kept to its limits."""
-
 _JUST_SEEN = 0.6  # s since a teammate was seen that is taken to be there
 _NEAR = 2.5  # m; teammates farther off are no obstacle yet
 PAUSE_S = 0.3
@@ -86,7 +84,6 @@ OLD_BYTES_S = 0.15
 """So long after a pause reports and scans may have come from these buffers, and are left out."""
 
 _LASER_BLIND = 1.0  # s without a scan after which nobody is seen any more
-_CRAWL = 0.05  # m/s; slower than this before an obstacle is as good as held by it
 _REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
 
 _LEVELS = {
@@ -389,7 +386,13 @@ class Agent:
         teammate = None if track is None else (track.x, track.y)
         decision = self.patrol.step(t, pose, teammate, held=held_by_obstacle(self.gate_decision))
         # 2. Act: turn that velocity into wheel speeds.
-        wish = self.heading_loop.command(t, decision.velocity, pose.theta, decision.curvature)
+        wish = self.heading_loop.command(
+            t,
+            decision.velocity,
+            pose.theta,
+            decision.curvature,
+            pinned=pinned_by_obstacle(self.gate_decision),
+        )
         # 3. Gate: nothing moves the robot but what leaves here.
         gate = self._drive(t, wish, self._gate_inputs(t, state))
         # 4. Tell.
@@ -583,11 +586,6 @@ class Agent:
         if self.gate_decision is not None and self.gate_decision.reason in STOPPING:
             return f"gate: {self.gate_decision.reason}"
         return "ok"
-
-
-def held_by_obstacle(gate: GateDecision | None) -> bool:
-    """Tell whether the gate's last word was to stand still before an obstacle, or about to."""
-    return gate is not None and gate.reason is GateReason.OBSTACLE and gate.v < _CRAWL
 
 
 def _is_moving(state: BaseState) -> bool:
