@@ -35,9 +35,14 @@ from robot_agent.events import (
 )
 from robot_agent.foxglove import LogLevel
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
+from robot_agent.motion.gate_hold import (
+    STOPPING,
+    begins_hold,
+    held_by_obstacle,
+    pinned_by_obstacle,
+)
 from robot_agent.motion.gate_reason import LATCHED, GateReason
 from robot_agent.motion.heading_loop import HeadingLoop
-from robot_agent.motion.hold import STOPPING, begins_hold, held_by_obstacle
 from robot_agent.motion.recovery_turn import RecoveryTurn
 from robot_agent.outbox import Outbox
 from robot_agent.patrol.actions import Action
@@ -215,7 +220,13 @@ class Agent:
         teammate = None if track is None else (track.x, track.y)
         decision = self.patrol.step(t, pose, teammate, held=held_by_obstacle(self.gate_decision))
         # 2. Act: turn that velocity into wheel speeds.
-        wish = self.heading_loop.command(t, decision.velocity, pose.theta, decision.curvature)
+        wish = self.heading_loop.command(
+            t,
+            decision.velocity,
+            pose.theta,
+            decision.curvature,
+            pinned=pinned_by_obstacle(self.gate_decision),
+        )
         # 3. Gate: nothing moves the robot but what leaves here.
         gate = self._drive(t, wish, self._gate_inputs(t, state))
         # 4. Tell.

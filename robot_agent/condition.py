@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from drivers.lms200.session import SessionState as LaserState
 from drivers.p2os.session import SessionState
 from localization.health import Health
-from robot_agent.motion.hold import STOPPING
+from robot_agent.motion.gate_hold import STOPPING
 
 if TYPE_CHECKING:
     from robot_agent.agent import Agent

@@ -14,8 +14,8 @@ from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
+from robot_agent.motion.gate_hold import begins_hold, held_by_obstacle, pinned_by_obstacle
 from robot_agent.motion.heading_loop import HeadingLoop
-from robot_agent.motion.hold import begins_hold, held_by_obstacle
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from tools.bench.robot_body import RobotBody
 
@@ -70,7 +70,13 @@ class IdealRobot:
         """
         pose = self.body.pose
         decision = self.patrol.step(t, pose, teammate, held=held_by_obstacle(self.gate_decision))
-        wish = self.heading_loop.command(t, decision.velocity, pose.theta, decision.curvature)
+        wish = self.heading_loop.command(
+            t,
+            decision.velocity,
+            pose.theta,
+            decision.curvature,
+            pinned=pinned_by_obstacle(self.gate_decision),
+        )
         inputs = GateInputs(
             base_time=t,
             scan_time=t,
