@@ -2,7 +2,8 @@
 
 Not in the paper; the usual heading loop under a null-space velocity. With the heading error
 e = angle(velocity) - theta: far off, the robot brakes, then turns on the spot, since it never
-backs up; otherwise v = |velocity| cos e and w = k e plus the turning rate of the path itself.
+backs up; one side throughout, but the other when an obstacle there pins it. Otherwise
+v = |velocity| cos e and w = k e plus the turning rate of the path itself.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ class HeadingSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     max_acceleration: Positive = 0.3  # m/s2
     max_deceleration: Positive = 0.3  # m/s2
     max_turn_acceleration: Positive = 2.0  # rad/s2
+    pinned_patience: NotNegative = 1.0  # s that an obstacle pins it until it turns the other way
     turn_braking: Positive = 1.0  # rad/s2 the approach to a heading counts on; less than the limit
 
     def __post_init__(self) -> None:
@@ -51,20 +53,39 @@ class HeadingLoop:
         self._v = 0.0
         self._w = 0.0
         self._turn_side = 0  # +1 left, -1 right while turning on the spot, else 0
+        self._pinned_since: float | None = None
 
     def command(
-        self, t: float, velocity: tuple[float, float], theta: float, curvature: float = 0.0
+        self,
+        t: float,
+        velocity: tuple[float, float],
+        theta: float,
+        curvature: float = 0.0,
+        *,
+        pinned: bool = False,
     ) -> tuple[float, float]:
         """Return (v, w), m/s and rad/s, at t, s.
 
         velocity: wanted, m/s in the map frame; theta: heading in the map, rad; curvature: of the
-        path ahead in the sense of velocity, 1/m, + turning left.
+        path ahead in the sense of velocity, 1/m, + turning left. pinned: an obstacle let it neither
+        drive nor turn by its last command.
         """
+        self._turn_from_obstacle(t, pinned=pinned)
         v, w = self._target(velocity, theta, curvature)
         dt = 0.0 if self._t is None else max(t - self._t, 0.0)
         self._t = t
         self._ramp(v, w, dt)
         return self._v, self._w
+
+    def _turn_from_obstacle(self, t: float, *, pinned: bool) -> None:
+        """Turn the other way once pinned for too long while turning."""
+        if not pinned or self._w == 0.0:
+            self._pinned_since = None
+        elif self._pinned_since is None:
+            self._pinned_since = t
+        elif t - self._pinned_since >= self._settings.pinned_patience:
+            self._pinned_since = None
+            self._turn_side = -1 if self._w > 0.0 else 1
 
     def _target(
         self, velocity: tuple[float, float], theta: float, curvature: float

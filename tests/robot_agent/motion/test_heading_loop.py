@@ -115,3 +115,37 @@ def test_approach_to_a_heading_can_be_braked():
 def test_settings_refuse_inverted_hysteresis():
     with pytest.raises(ValueError, match="resume_angle"):
         HeadingSettings(resume_angle=1.2)
+
+
+def pinned_turn(times, theta=0.0, error=1.3):
+    """Turning rates over 6 s while an obstacle pins the robot from and to each pair of times, s."""
+    loop, rates = HeadingLoop(HeadingSettings()), []
+    for k in range(60):
+        t = DT * k
+        pinned = any(begin <= t < end for begin, end in times)
+        rates.append(loop.command(t, toward(error), theta, pinned=pinned)[1])
+    return rates
+
+
+def test_pinned_for_a_second_it_turns_the_other_way():
+    rates = pinned_turn([(0.5, 2.0)])
+    assert all(w > 0.0 for w in rates[1:15])
+    assert all(w < 0.0 for w in rates[30:])  # all the way round
+
+
+def test_pinned_for_less_it_goes_on():
+    assert all(w > 0.0 for w in pinned_turn([(0.5, 1.4), (1.6, 2.5)])[1:])
+
+
+def test_pinned_on_both_sides_it_tries_them_in_turn():
+    rates = pinned_turn([(0.5, 6.0)])
+    assert min(rates) < 0.0 < max(rates[30:])
+
+
+def test_pinned_without_a_wish_to_turn_it_keeps_its_side():
+    assert pinned_turn([(0.5, 6.0)], error=0.0) == pytest.approx([0.0] * 60)
+
+
+def test_wedged_with_a_small_error_it_turns_round_the_other_way():
+    rates = pinned_turn([(0.5, 2.0)], error=0.6)
+    assert rates[10] > 0.0 > rates[30]

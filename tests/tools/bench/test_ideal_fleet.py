@@ -120,3 +120,13 @@ def test_the_gate_keeps_a_robot_off_walls_and_bodies_while_many_reach_one_border
     assert figures["contacts"] == 0
     assert figures["gate_stops"] > 0
     assert all(reached is not None for reached in figures["reach_s"][:10])
+
+
+def test_nobody_is_held_for_good_at_a_door_post(folder):
+    """A robot whom the gate does not let turn one way goes the other (once stuck: robot4)."""
+    fleet = IdealFleet(folder, 8, 1)
+    while fleet.t < 60.0:
+        fleet.step()
+    decision = fleet.robots[3].decision
+    assert decision is not None
+    assert decision.distance_from_border < 0.1
