@@ -133,7 +133,7 @@ class ApproachField:
         line[:, -1:] = end
         cells = np.floor((line - self._corner) / resolution) + 1.0  # of the padded map
         col, row = np.minimum(np.maximum(cells, 0.0), self._last_cell).astype(np.intp)
-        return self._padded.take(row * self._padded.shape[1] + col)
+        return np.asarray(self._padded.take(row * self._padded.shape[1] + col))
 
 
 def _room_around(occupancy: OccupancyMap) -> NDArray[np.float32]:

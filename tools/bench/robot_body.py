@@ -47,7 +47,9 @@ class Outline:
 
 @lru_cache(maxsize=64)
 def _perimeter(outline: Outline, step: float) -> NDArray[np.float64]:
-    lengthwise = np.linspace(-outline.rear, outline.front, math.ceil(2 * outline.half_length / step) + 1)
+    lengthwise = np.linspace(
+        -outline.rear, outline.front, math.ceil(2 * outline.half_length / step) + 1
+    )
     crosswise = np.linspace(
         -outline.half_width, outline.half_width, math.ceil(2 * outline.half_width / step) + 1
     )
