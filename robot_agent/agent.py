@@ -238,6 +238,8 @@ class Agent:
         self._note_gate(t, gate)
         if decision.blocked:
             self.outbox.say(t, "patrol", _blocked_words(decision), LogLevel.WARNING)
+        if decision.insists and not (self.decision and self.decision.insists):
+            self.outbox.say(t, "standoff", _insisting_words(decision), LogLevel.INFO)
         self.decision = decision
         if self.outbox.publishes:
             self.outbox.publish(self.reports.on_decision(t, pose, decision, wish, gate, track))
@@ -346,3 +348,7 @@ def _gate_settings(config: AgentConfig) -> GateSettings:
 def _blocked_words(decision: PatrolDecision) -> str:
     turned = ", turns back" if decision.action is Action.KEEP_GOING else ""
     return f"unknown object near s = {decision.abscissa:.1f} m holds the robot{turned}"
+
+
+def _insisting_words(decision: PatrolDecision) -> str:
+    return f"kept from the border near s = {decision.abscissa:.1f} m for too long, drives to it"

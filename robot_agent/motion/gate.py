@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,7 @@ from robot_agent.motion.swept_body import SweptBody
 _LONGEST_STEP = 0.3  # s between two commands that count for the acceleration
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class GateInputs:
+class GateInputs(NamedTuple):
     """What the gate depends on; None: never heard of."""
 
     base_time: float | None  # s, when the last base report was measured
@@ -45,8 +44,7 @@ class GateInputs:
     limited: bool = False  # limited mode: no localization needed, but slow; all else as ever
 
 
-@dataclass(frozen=True, slots=True)
-class GateDecision:
+class GateDecision(NamedTuple):
     """What may go to the base, m/s and rad/s, and the first reason why it is less than wished."""
 
     v: float

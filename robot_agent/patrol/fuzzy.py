@@ -71,7 +71,10 @@ class MamdaniSystem:
         self, inputs: Sequence[Variable], outputs: Sequence[Variable], rules: Sequence[Rule]
     ) -> None:
         self.inputs, self.outputs, self.rules = tuple(inputs), tuple(outputs), tuple(rules)
-        self._input_sets = [(v.name, tuple(v.sets.values())) for v in inputs]
+        self._input_sets: list[tuple[str, int, tuple[Trapezoid, ...]]] = []  # and its first degree
+        for variable in inputs:
+            first = sum(len(sets) for *_, sets in self._input_sets)
+            self._input_sets.append((variable.name, first, tuple(variable.sets.values())))
         inside, outside = _indices(self.inputs), _indices(self.outputs)
         self._rules = [
             (tuple(inside[key] for key in rule.when), tuple(outside[key] for key in rule.then))
@@ -86,7 +89,9 @@ class MamdaniSystem:
             centroid = next(known, None) or _Centroid(sets)
             self._centroids.append((output.name, first, first + len(sets), centroid))
             first += len(sets)
-        self._last: tuple[list[float], Mapping[str, float]] = [], {}
+        self._values: dict[str, float] = {}  # of the inputs at the last evaluation
+        self._degrees = [math.nan] * len(inside)  # of their sets
+        self._last: Mapping[str, float] = {}
 
     def evaluate(self, values: Mapping[str, float]) -> Mapping[str, float]:
         """Return the centroid of every output, for a value of every input (may be infinite).
@@ -94,10 +99,19 @@ class MamdaniSystem:
         An output about which no rule says anything is 0. While no degree changes (a robot alone
         on its border) the very same mapping is returned.
         """
-        degrees = [s(values[name]) for name, sets in self._input_sets for s in sets]
-        if degrees != self._last[0]:
-            self._last = degrees, MappingProxyType(self._levels(self._set_strengths(degrees)))
-        return self._last[1]
+        changed = False
+        for name, first, sets in self._input_sets:
+            value = values[name]
+            if value == self._values.get(name):
+                continue
+            self._values[name] = value
+            for index, fuzzy_set in enumerate(sets, first):
+                degree = fuzzy_set(value)
+                if degree != self._degrees[index]:
+                    self._degrees[index], changed = degree, True
+        if changed:
+            self._last = MappingProxyType(self._levels(self._set_strengths(self._degrees)))
+        return self._last
 
     def _set_strengths(self, degrees: Sequence[float]) -> list[float]:
         """Greatest degree (output sets,) to which a rule that names the output set holds."""

@@ -77,9 +77,11 @@ class IdealFleet:
         self._inject()
         self._move()
         teammates = self._look()
+        closest = self._sight.apart.min(axis=1).tolist()
         for index, robot in enumerate(self.robots):
             if not robot.dead:
-                obstacles = self._obstacles.around(robot, self._sight.apart[index], self.robots)
+                apart = self._sight.apart[index], closest[index]
+                obstacles = self._obstacles.around(robot, *apart, self.robots)
                 robot.decide(self.t, teammates[index], obstacles)
 
     def wrecks(self) -> list[Wreck]:

@@ -37,12 +37,19 @@ class IdealObstacles:
         self._room_of_border = border_clearance(occupancy, border).minimum
 
     def around(
-        self, robot: IdealRobot, apart: NDArray[np.float64], robots: Sequence[IdealRobot]
+        self,
+        robot: IdealRobot,
+        apart: NDArray[np.float64],
+        closest: float,
+        robots: Sequence[IdealRobot],
     ) -> NDArray[np.float64]:
-        """Return points (n, 2), m, in the robot's base_link; apart (n,): m to the robots."""
+        """Return points (n, 2), m, in the robot's base_link.
+
+        apart (n,): m to the robots, of which closest is the least.
+        """
         pose, sight = robot.body.pose, self._sight(robot)
         parts, near = [], list[int]()
-        if apart.min() <= sight + self._outline_reach:
+        if closest <= sight + self._outline_reach:
             near = np.flatnonzero(apart <= sight + self._outline_reach).tolist()
             parts = [_in_map(self._outline, robots[other].body.pose) for other in near]
         if self._may_meet_wall(robot) and not self.free(pose, sight):
