@@ -167,7 +167,7 @@ class Agent:
             self.odometry.add(state)
             self.trust.hear_base(t, state)
             self.surroundings.hear(state, at_report, self.base.model)
-            self.sight.listen(t, at_report, self.surroundings)
+            self.sight.hear_behind(t, at_report, self.surroundings)
             self._control_step(t, state)
         if states:
             self.whereabouts.remember(t)

@@ -73,7 +73,7 @@ class Sight:
         if pose is not None and event.sight == "clear":
             self.tracker.see_bands(event.taken, pose, event.blobs)
 
-    def listen(self, t: float, odometry: Pose, surroundings: Surroundings) -> None:
+    def hear_behind(self, t: float, odometry: Pose, surroundings: Surroundings) -> None:
         """Let the sonars keep up teammates whom the laser does not see."""
         pose = self._whereabouts.localized_pose_at(t)
         if pose is not None and self.tracker.awaits_echo(t):

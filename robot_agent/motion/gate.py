@@ -154,7 +154,7 @@ class SafetyGate:
             (GateReason.INVALID, all(map(math.isfinite, numbers))),
             (GateReason.STALE_BASE, _is_fresh(t, inputs.base_time, settings.max_base_age)),
             (GateReason.STALE_LASER, _is_fresh(t, inputs.scan_time, settings.scan_age)),
-            (GateReason.INVALID, bool(np.isfinite(inputs.obstacles).all())),
+            (GateReason.INVALID, _all_finite(inputs.obstacles)),
             (GateReason.OVERLOADED, not inputs.overloaded),
             (GateReason.NOT_LOCALIZED, located),
             (GateReason.BUMPED_AGAIN, not self._bumps.latched),
@@ -237,6 +237,10 @@ class SafetyGate:
             return 0.0, w
         slow = min(abs(w), stoppable_rate(free, settings.turn_braking, delay))
         return 0.0, math.copysign(slow, w)
+
+
+def _all_finite(points: NDArray[np.float64]) -> bool:
+    return not len(points) or bool(np.isfinite(points).all())
 
 
 def _is_fresh(t: float, measured: float | None, max_age: float) -> bool:

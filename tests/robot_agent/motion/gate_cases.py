@@ -124,6 +124,8 @@ CASES = [
     Case(DRIVE, DRIVE),
     Case((0.35, 0.4), (0.35, 0.4)),
     Case((0.0, -1.2), (0.0, -1.2)),
+    Case((0.2, 0.3), (0.2, 0.3), inputs={"v": 0.4}),  # it still rolls faster
+    Case((0.2, 0.3), (0.2, 0.3), inputs={"v": 0.4, "obstacles": [(0.0, -0.9)]}),
     Case(ZERO, ZERO),
     # numbers that are none
     Case(DRIVE, ZERO, "invalid", last_wish=(math.nan, 0.0)),
