@@ -57,6 +57,27 @@ class ScanCheck:
         excused = min(on_floor, int(self._settings.excused * len(ends)))
         return Fit(total / len(ends), total / (len(ends) - excused))
 
+    def hiding(self, pose: Pose, points: NDArray[np.float64]) -> NDArray[np.bool_] | None:
+        """Return (m,) which end points lie on something unmapped that hides much of the map.
+
+        points (m, 2), base_link, m. None if there is no such thing: it stands close before the
+        robot, on free floor, and what is seen beside it fits the map at the pose.
+        """
+        settings = self._settings
+        near = np.einsum("ij,ij->i", points, points) < settings.hiding_reach**2
+        least = settings.excused * len(points)  # fewer do no harm
+        if np.count_nonzero(near) <= least:
+            return None
+        arms = turned(as_complex(points), pose)
+        distance = self._surface.sample(pose, arms)[2]
+        hiding = near & (distance > settings.short)
+        hiding[hiding] = self._states(pose, arms[hiding]) == FREE
+        beside = distance[~hiding]
+        if len(points) - len(beside) <= least or len(beside) < TOO_FEW_POINTS:
+            return None
+        fit = float(np.exp(beside * beside * self._half).mean())
+        return hiding if fit >= settings.beside_above else None
+
     def through(self, pose: Pose, points: NDArray[np.float64]) -> float:
         """Return the share of the beams to end points (m, 2) that pass through mapped walls."""
         ends = as_complex(spread_evenly(points, self._settings.rays))
