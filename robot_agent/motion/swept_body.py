@@ -20,6 +20,8 @@ class SweptBody:
 
     def free_share(self, way: float, turn: float, obstacles: NDArray[np.float64]) -> float:
         """Return the share, 0 to 1, of an arc (way m, turn rad) the body can sweep freely."""
+        if not len(obstacles):
+            return 1.0
         settings = self._settings
         reach = way + settings.front + settings.rear + settings.half_width
         near = obstacles[np.maximum(*np.abs(obstacles.T)) < reach]

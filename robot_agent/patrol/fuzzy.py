@@ -154,7 +154,8 @@ class _Layer(NamedTuple):
     area = h (area1 + h area2), moment = h (moment1 + h (moment2 + h moment3)); the sign is in them.
     """
 
-    group: tuple[int, ...]  # of sets that overlap
+    first: int  # of the sets that overlap
+    others: tuple[int, ...]
     bottom: float
     height: float
     area1: float
@@ -183,10 +184,16 @@ class _Centroid:
     def of(self, strengths: Sequence[float]) -> float:
         """Return the centroid of strengths (sets,); 0 where all are 0."""
         area = moment = 0.0
-        for group, bottom, height, area1, area2, moment1, moment2, moment3 in self._layers:
-            cut = strengths[group[0]] if len(group) == 1 else min(strengths[i] for i in group)
-            h = min(cut - bottom, height)
+        for first, others, bottom, height, area1, area2, moment1, moment2, moment3 in self._layers:
+            cut = strengths[first]
+            for other in others:
+                strength = strengths[other]
+                if strength < cut:
+                    cut = strength
+            h = cut - bottom
             if h > 0.0:
+                if h > height:
+                    h = height
                 area += h * (area1 + h * area2)
                 moment += h * (moment1 + h * (moment2 + h * moment3))
         return moment / area if area > 0.0 else 0.0
@@ -203,7 +210,8 @@ def _integrated(
     h0, h1, left, left_slope, right, right_slope = layer
     sign = 1.0 if len(group) % 2 else -1.0
     return _Layer(
-        group,
+        group[0],
+        group[1:],
         h0,
         h1 - h0,
         sign * (right - left),

@@ -74,7 +74,7 @@ class IdealObstacles:
 
     def touches_no_wall(self, robot: IdealRobot, step: float) -> bool:
         """Tell whether no wall can be met while driving no more than a step, m."""
-        reach = robot.body.outline.reach + step
+        reach = robot.body.reach + step
         decision = robot.decision
         # The border's own room is known exactly, and so is the robot's distance from it.
         if decision and decision.distance_from_border + step + reach < self._room_of_border:
