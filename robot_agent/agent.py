@@ -6,6 +6,7 @@ bytes and carries out the effects. The same event list gives the same effects, b
 
 from __future__ import annotations
 
+import msgspec
 import numpy as np
 
 from drivers.lms200.scan import Scan
@@ -42,8 +43,10 @@ from robot_agent.motion.gate_hold import (
     pinned_by_obstacle,
 )
 from robot_agent.motion.gate_reason import LATCHED, GateReason
+from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.motion.recovery_turn import RecoveryTurn
+from robot_agent.motion.trust import scan_age_limit
 from robot_agent.outbox import Outbox
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
@@ -98,7 +101,7 @@ class Agent:
         self.heading_loop = HeadingLoop(config.heading)
         self.teleop = Teleop(config.teleop) if config.teleop.enabled else None
         self.recovery = RecoveryTurn(config.recovery)
-        self.gate = SafetyGate(config.gate)
+        self.gate = SafetyGate(_gate_settings(config))
         self.decision: PatrolDecision | None = None
         self.gate_decision: GateDecision | None = None
         self.gate_stops = 0
@@ -138,6 +141,7 @@ class Agent:
         self.trust.tick(t)
         self.base.tick(t)
         self.laser.tick(t)
+        self._expire(t)
         for part, words, level in self.trust.news(t):
             self.outbox.say(t, part, words, level)
         self._tell_degraded(t)
@@ -177,6 +181,7 @@ class Agent:
         for scan in scans:
             if self.trust.believes(t, scan, self.odometry.latest):
                 self._look(t, scan)
+        self._expire(t)
 
     def _look(self, t: float, scan: Scan) -> None:
         """Take in one scan: obstacles, pose, teammates."""
@@ -255,14 +260,22 @@ class Agent:
         self.base.drive(t, gate.v, gate.w)
         return gate
 
+    def _expire(self, t: float) -> None:
+        """Between reports: stop at once when what the last command rests on is too old."""
+        report_time = self.trust.report_time(self.odometry.latest)
+        scan_time = self.trust.scan_time(self.surroundings.seen_at)
+        gate = self.gate.expire(self._now, report_time, scan_time)
+        if gate is not None and not self._ending:
+            self.base.drive(t, gate.v, gate.w)
+            self._note_gate(t, gate)
+
     def _gate_inputs(self, t: float, state: BaseState, *, limited: bool = False) -> GateInputs:
         odometry = self.odometry.at(t)
-        # A report that waited so long that nobody knows where the robot is now (the process was
-        # stopped for a while) is none: the gate denies.
-        unknown = odometry is None or self.trust.base_frozen
         return GateInputs(
-            base_time=None if unknown else state.t,
-            scan_time=self.surroundings.seen_at,
+            # A report that waited so long that nobody knows where the robot is now (the process was
+            # stopped for a while) is none: the gate denies.
+            base_time=None if odometry is None else self.trust.report_time(state),
+            scan_time=self.trust.scan_time(self.surroundings.seen_at),
             health=self.whereabouts.health,
             motors_enabled=state.motors_enabled,
             stop_button=state.stop_button or self.base.motors is MotorState.STOP_BUTTON,
@@ -322,6 +335,14 @@ class Agent:
         self.whereabouts.remember(t, at_once=True)
         self.base.shut_down(t)
         self.laser.shut_down(t)
+
+
+def _gate_settings(config: AgentConfig) -> GateSettings:
+    """Return the gate's settings, with the age of scans that the laser's rate asks for."""
+    if config.gate.max_scan_age is not None:
+        return config.gate
+    limit = scan_age_limit(config.laser.scan_period)
+    return msgspec.structs.replace(config.gate, max_scan_age=limit)
 
 
 def _blocked_words(decision: PatrolDecision) -> str:

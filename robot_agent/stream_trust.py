@@ -54,10 +54,13 @@ class StreamTrust:
         """Tell whether bytes that arrive at t, s, may have waited through a pause."""
         return t < self._old_until
 
-    @property
-    def base_frozen(self) -> bool:
-        """Whether the base tells of speed but not of motion."""
-        return self._frozen_base.frozen
+    def report_time(self, latest: BaseState | None) -> float | None:
+        """Return when the latest report was measured, s; None: none, or it is not believed."""
+        return None if latest is None or self._frozen_base.frozen else latest.t
+
+    def scan_time(self, latest: float | None) -> float | None:
+        """Return ``latest``, s, of a scan; None while the laser shows the same for ever."""
+        return None if self._frozen_laser.frozen else latest
 
     def hear_base(self, t: float, state: BaseState) -> None:
         """Take a base report that arrived at t, s."""

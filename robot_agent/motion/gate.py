@@ -98,6 +98,25 @@ class SafetyGate:
             slowed = GateReason.ACCELERATION
         return self._decided(*free, slowed)
 
+    def expire(
+        self, t: float, base_time: float | None, scan_time: float | None
+    ) -> GateDecision | None:
+        """Between two reports: withdraw what was last let pass once what it rests on is too old.
+
+        base_time, scan_time: as in the inputs. None while nothing moves, or it may go on.
+        """
+        if self._v == self._w == 0.0:
+            return None
+        settings = self._settings
+        if not _is_fresh(t, base_time, settings.max_base_age):
+            reason = GateReason.STALE_BASE
+        elif not _is_fresh(t, scan_time, settings.scan_age):
+            reason = GateReason.STALE_LASER
+        else:
+            return None
+        self._t = None  # start again from standstill
+        return self._decided(0.0, 0.0, reason)
+
     def _decided(self, v: float, w: float, reason: GateReason) -> GateDecision:
         """Note what leaves, and count it when it is a new stop."""
         self._v, self._w = v, w
@@ -134,7 +153,7 @@ class SafetyGate:
         for reason, well in (
             (GateReason.INVALID, all(map(math.isfinite, numbers))),
             (GateReason.STALE_BASE, _is_fresh(t, inputs.base_time, settings.max_base_age)),
-            (GateReason.STALE_LASER, _is_fresh(t, inputs.scan_time, settings.max_scan_age)),
+            (GateReason.STALE_LASER, _is_fresh(t, inputs.scan_time, settings.scan_age)),
             (GateReason.INVALID, _all_finite(inputs.obstacles)),
             (GateReason.OVERLOADED, not inputs.overloaded),
             (GateReason.NOT_LOCALIZED, located),

@@ -239,7 +239,7 @@ def test_what_is_handled_late_is_an_overload_and_stops_the_robot(folder: MapFold
     reasons = []
     for event, _ in tape.steps:
         if event.t > 12.0 and isinstance(event, BytesReceived):
-            agent.handle(Tick(round(event.t + 0.2, 6)))  # the inbox is 0.2 s behind
+            agent.handle(Tick(round(event.t + 0.12, 6)))  # the inbox is 0.12 s behind
         agent.handle(event)
         if agent.gate_decision is not None:
             reasons.append(agent.gate_decision.reason)
@@ -281,7 +281,7 @@ def test_a_stream_that_is_missed_is_an_alarm_until_it_is_back(folder: MapFolder)
     events = [e for e in tape.effects() if isinstance(e, Publish) and e.stream == "event"]
     alarms = [decode("event", event.payload) for event in events]
     words = [a.message for a in alarms if isinstance(a, Log) and a.name == "trust.laser"]
-    assert words == ["laser scan: none for 0.4 s: the robot stands", "laser scan: is back"]
+    assert words == ["laser scan: none for 0.34 s: the robot stands", "laser scan: is back"]
 
 
 def test_what_had_waited_through_a_pause_is_not_believed(folder: MapFolder) -> None:
