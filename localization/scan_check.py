@@ -37,7 +37,7 @@ class ScanCheck:
     ) -> None:
         self._settings = settings
         self._surface = surface
-        self._cells = occupancy.cells
+        self._padded = np.pad(occupancy.cells, 1, constant_values=UNKNOWN)  # what lies outside
         self._scale = 1.0 / occupancy.resolution
         self._origin = complex(occupancy.origin.x, occupancy.origin.y)
         # Half a cell apart, so that no wall of one cell is stepped over.
@@ -97,7 +97,7 @@ class ScanCheck:
             self._scale
         )
         rows, cols = np.floor(pixels.imag).astype(np.intp), np.floor(pixels.real).astype(np.intp)
-        height, width = self._cells.shape
-        inside = (rows >= 0) & (rows < height) & (cols >= 0) & (cols < width)
-        states = self._cells[np.clip(rows, 0, height - 1), np.clip(cols, 0, width - 1)]
-        return np.where(inside, states, np.uint8(UNKNOWN))
+        height, width = self._padded.shape
+        rows = np.minimum(np.maximum(rows + 1, 0), height - 1)
+        cols = np.minimum(np.maximum(cols + 1, 0), width - 1)
+        return np.asarray(self._padded.take(rows * width + cols))
