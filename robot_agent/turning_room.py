@@ -11,7 +11,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-RADIUS = 0.37  # m about the middle of a Pioneer, what its corners reach in a turn
+RADIUS = 0.40
+"""m about the middle of a Pioneer: what its corners reach in a turn, 0.37, and what two that drive
+at each other roll on while both brake."""
 _OWN = 0.40  # m about the axle; nearer points would only keep this robot from turning away
 _STEPS = 16
 _ANGLES = np.arange(_STEPS) * (math.tau / _STEPS)
