@@ -12,7 +12,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-RADIUS = 0.42  # m about the middle of a Pioneer; its corners reach 0.369 m about the axle
+RADIUS = 0.42
+"""m about the middle of a Pioneer: corners reach 0.369 m about the axle, and the axle lies 0.046 m
+off the middle."""
 _OWN = 0.40  # m about the axle; nearer points would only keep this robot from turning away
 _STEPS = 16
 _ANGLES = np.arange(_STEPS) * (math.tau / _STEPS)
