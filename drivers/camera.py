@@ -119,6 +119,11 @@ class Camera:
         with self._lock:
             return self._status
 
+    @property
+    def alive(self) -> bool:
+        """Whether the thread is there; only ``close`` ends it, or a fault of ours."""
+        return self._thread is not None and self._thread.is_alive()
+
     def start(self) -> None:
         """Begin; may be called once."""
         self._thread = threading.Thread(target=self._run, name="camera", daemon=True)

@@ -49,7 +49,10 @@ class ApproachField:
     def __init__(self, occupancy: OccupancyMap, border: Border) -> None:
         """Find all shortest ways (Dijkstra from every point of the border at once)."""
         self._occupancy = occupancy
-        self._clearance = _room_around(occupancy)
+        self._padded = np.pad(_room_around(occupancy), 1)  # there is no room outside the map
+        self._clearance = self._padded[1:-1, 1:-1]
+        self._corner = np.array(((occupancy.origin.x,), (occupancy.origin.y,)))
+        self._last_cell = np.array(self._padded.shape[::-1])[:, None] - 1.0
         rows, cols = occupancy.cells_at(border.polyline(occupancy.resolution / 2))
         inside = occupancy.inside(rows, cols)
         goals = np.zeros(occupancy.cells.shape, dtype=np.bool_)
@@ -125,14 +128,12 @@ class ApproachField:
         """Room from the walls along a straight line, from its start on; 0 outside the map."""
         resolution = self._occupancy.resolution
         count = math.ceil(2.0 * math.hypot(to_x - x, to_y - y) / resolution) + 2
-        line = np.column_stack((np.linspace(x, to_x, count), np.linspace(y, to_y, count)))
-        rows, cols = self._occupancy.cells_at(line)
-        inside = self._occupancy.inside(rows, cols)
-        if inside.all():
-            return self._clearance[rows, cols]
-        room = np.zeros(count, dtype=np.float32)
-        room[inside] = self._clearance[rows[inside], cols[inside]]
-        return room
+        start, end = np.array(((x,), (y,))), np.array(((to_x,), (to_y,)))
+        line = np.arange(count) * ((end - start) / (count - 1)) + start
+        line[:, -1:] = end
+        cells = np.floor((line - self._corner) / resolution) + 1.0  # of the padded map
+        col, row = np.minimum(np.maximum(cells, 0.0), self._last_cell).astype(np.intp)
+        return np.asarray(self._padded.take(row * self._padded.shape[1] + col))
 
 
 def _room_around(occupancy: OccupancyMap) -> NDArray[np.float32]:

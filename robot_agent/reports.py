@@ -216,7 +216,7 @@ class Reports:
             robot=self._robot.name,
             team=self._robot.team,
             uptime=t,
-            health=agent.health(),
+            health=agent.condition.health(),
             battery=None if base is None else base.battery,
             motors_enabled=base is not None and base.motors_enabled,
             stalled=base is not None and (base.stall_left or base.stall_right),
@@ -224,7 +224,7 @@ class Reports:
             base=self._device(t, "base"),
             laser=self._device(t, "laser"),
             camera=self._camera(t),
-            degraded=agent.degraded(t),
+            degraded=agent.condition.degraded(t),
             localization=self._localization(),
         )
 
@@ -244,7 +244,7 @@ class Reports:
         )
 
     def _camera(self, t: float) -> CameraReport | None:
-        camera = self._agent.camera
+        camera = self._agent.sight.camera
         if not camera.exists:
             return None
         latest = camera.latest
@@ -307,7 +307,7 @@ class Reports:
                         track.probabilities.unknown,
                     ),
                 )
-                for track in self._agent.tracker.tracks
+                for track in self._agent.sight.tracker.tracks
             ]
         )
 

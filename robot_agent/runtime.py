@@ -108,6 +108,7 @@ class Runtime:
 
         self._eye: CameraEye | None = None
         self._camera: Camera | None = None
+        self._camera_died = False
         if agent.config.camera.url:
             color = agent.config.perception.color
             self._eye = CameraEye(agent.config.camera, color, self._inbox.put)
@@ -159,10 +160,17 @@ class Runtime:
                 return
 
     def _check_workers(self) -> None:
-        """Give up when a link has no thread any more: nothing would ever be heard again."""
+        """Give up when a link has no thread any more: nothing would ever be heard again.
+
+        Without the camera's the robot patrols on, and says so once.
+        """
         for name, link in self._links.items():
             if not link.alive:
                 raise WorkerDiedError(f"the thread of the {name}'s link has died")
+        if self._camera is not None and not self._camera.alive and not self._camera_died:
+            self._camera_died = True
+            reason = "the camera's thread has died: start the agent again"
+            self._inbox.put(LinkDown(self._clock(), "camera", reason))
 
     def _next_event(self, next_tick: float) -> Event:
         """Return the next event of the inbox, or a tick when one is due."""

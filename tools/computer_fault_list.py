@@ -126,6 +126,7 @@ COMPUTER_FAULTS: tuple[Fault, ...] = (
     ),
     _thread_dies("/base", "base's link thread dies; agent started again", Expected.BASE_STOPS),
     _thread_dies("/laser", "laser's link thread dies; agent started again", Expected.AGENT_STOPS),
+    _thread_dies("camera", "camera's thread dies; agent started again", Expected.MAY_PATROL),
     _thread_dies("recorder", "recorder's thread dies; agent started again", Expected.MAY_PATROL),
     _thread_dies("telemetry", "telemetry's thread dies; agent started again", Expected.MAY_PATROL),
 )

@@ -58,6 +58,11 @@ class Fault:
     to_border: bool = False
 
     @property
+    def with_camera(self) -> bool:
+        """Whether the robot needs a camera for it."""
+        return self.traitor == "camera"
+
+    @property
     def of_laser(self) -> bool:
         """Whether the laser is what must come back."""
         return self.name.startswith("laser-") and self.back_within is not None

@@ -47,6 +47,8 @@ def run_fault(fault: Fault, folder: Path) -> Reaction:
         stage.traitor = fault.traitor
         if fault.name.startswith("operator"):
             stage.seat_operator()
+        if fault.with_camera:
+            stage.mount_camera()
         stage.start_agent()
         _wait_for_patrol(stage)
         begun = time.monotonic()

@@ -39,11 +39,10 @@ SURVIVORS = [
     ("swept_body.free_share: x < front -> x <= front", _EDGE),
     ("swept_body.free_share: x > -rear -> x >= -rear", _EDGE),
     (
-        "swept_body.free_share: np.abs(obstacles).max(axis=1, initial=0.0) < reach -> "
-        "np.abs(obstacles).max(axis=1, initial=0.0) <= reach",
+        "swept_body.free_share: np.maximum(*np.abs(obstacles.T)) < reach -> "
+        "np.maximum(*np.abs(obstacles.T)) <= reach",
         "no difference: the reach is longer than anything the body can sweep",
     ),
-    ("swept_body.free_share: 0.0 -> -1.0", "no difference: start of a maximum of magnitudes"),
     ("gate._within_speed: abs(w) > turn_limit -> abs(w) >= turn_limit", _AT_LIMIT),
     ("gate._within_speed: v > limit -> v >= limit", _AT_LIMIT),
     ("gate._within_speed: 1.0 -> 2.0", _OTHER_SHARE),

@@ -170,7 +170,6 @@ LINE_FAULTS: tuple[Fault, ...] = (
         setting("base_line", "frozen", True),
         setting("base_line", "frozen", False),
         Expected.AGENT_STOPS,
-        order_within=0.7,
     ),
     Fault(
         "laser-absent",
@@ -192,7 +191,6 @@ LINE_FAULTS: tuple[Fault, ...] = (
         setting("laser_line", "frozen", True),
         setting("laser_line", "frozen", False),
         Expected.AGENT_STOPS,
-        order_within=1.0,
     ),
     Fault(
         "laser-blind",

@@ -7,13 +7,16 @@ change to Patrol CW comes with the other's to Patrol CCW; afterwards both keep g
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from maps.map_folder import MapFolder
+from maps.map_folder import MapFolder, load_map_folder
 from robot_agent.patrol.actions import Action
 from tools.bench.fleet import Fleet, FleetLog, run_bench
 from tools.bench.ideal_fleet import IdealFleet, IdealLog, run_ideal_bench
@@ -59,22 +62,40 @@ class PaperRun:
         return [meeting for meeting in meetings(self.runs) if meeting.parted]
 
 
-def run_paper(
-    folder: MapFolder,
-    sensing: Sensing,
-    seed: int,
-    duration: float = DURATION_S,
-    progress: Callable[[float], None] = lambda _: None,
-) -> PaperRun:
-    """Run the experiment for a duration, s; with bytes: full noise, every byte encoded."""
-    if sensing is Sensing.IDEAL:
+@dataclass(frozen=True)
+class PaperTrial:
+    """The experiment but for the seed."""
+
+    map_folder: Path
+    border: str
+    sensing: Sensing
+    duration: float
+    """s, virtual."""
+
+
+def run_seeds(trial: PaperTrial, seeds: Sequence[int], jobs: int) -> Iterator[PaperRun]:
+    """Run the experiment with every seed, ``jobs`` processes at a time; yield in their order.
+
+    Raises MapError, BorderError for a map or border that cannot be used.
+    """
+    if jobs == 1:
+        yield from (run_paper(trial, seed) for seed in seeds)
+        return
+    with ProcessPoolExecutor(jobs) as pool:
+        yield from pool.map(partial(run_paper, trial), seeds)
+
+
+def run_paper(trial: PaperTrial, seed: int) -> PaperRun:
+    """Run the experiment once; with bytes: full noise, every byte encoded."""
+    folder = load_map_folder(trial.map_folder, trial.border)
+    if trial.sensing is Sensing.IDEAL:
         ideal = IdealFleet(folder, ROBOTS, seed)
         ideal_log = IdealLog(ideal)
-        figures = run_ideal_bench(ideal, duration, progress, ideal_log)
+        figures = run_ideal_bench(ideal, trial.duration, log=ideal_log)
         return PaperRun(folder, ideal_log.runs(), figures)
     fleet = Fleet(folder, ROBOTS, seed)
     log = FleetLog(fleet)
-    figures = run_bench(fleet, duration, progress, log)
+    figures = run_bench(fleet, trial.duration, log=log)
     return PaperRun(folder, log.runs(), figures)
 
 
@@ -151,3 +172,32 @@ def claims(run: PaperRun) -> dict[str, Any]:
         "held": held,
         "turns": [asdict(turn) for turn in found],
     }
+
+
+def over_seeds(told: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return the claims of all seeds in one: the worst of each figure, and what held in all."""
+    distances = [each["border_distance_m"] for each in told]
+    counts = ("head_on", "cw_and_ccw_then_apart", "within_two_steps")
+    return {
+        "sensing": told[0]["sensing"],
+        "seeds": [each["seed"] for each in told],
+        "duration_s": told[0]["duration_s"],
+        "border_distance_m": {
+            "worst_p99": _worst(distance["p99"] for distance in distances),
+            "worst_max": _worst(distance["max"] for distance in distances),
+            "p99_by_seed": [distance["p99"] for distance in distances],
+        },
+        "contacts": sum(each["contacts"] for each in told),
+        "closest_m": min(
+            (each["closest_m"] for each in told if each["closest_m"] is not None), default=None
+        ),
+        "meetings": {
+            **{name: sum(each["meetings"][name] for each in told) for name in counts},
+            "most_steps_apart": max(each["meetings"]["most_steps_apart"] for each in told),
+        },
+        "held": {name: all(each["held"][name] for each in told) for name in told[0]["held"]},
+    }
+
+
+def _worst(values: Iterable[float | None]) -> float | None:
+    return max((value for value in values if value is not None), default=None)

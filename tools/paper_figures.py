@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,6 +20,20 @@ _LEVELS = ("ARF", "AKGCW", "AKGCCW", "APCW", "APCCW", "ATA")
 _AROUND_S = 12.0  # of a meeting that are drawn, before and after
 _ARROW_S = 2.0  # between two arrows
 _VIEW_M = 4.0  # round the place of a meeting
+
+
+def write_figures(run: PaperRun, folder: Path) -> bool:
+    """Write all as SVG and PNG; return False if no two robots met: then figure 6 is missing."""
+    drawn = {
+        "distance_from_border": distances(run),
+        "actions": actions(run),
+        "meeting": meeting(run),
+    }
+    for name, figure in drawn.items():
+        if figure is not None:
+            for suffix in ("svg", "png"):
+                figure.savefig(folder / f"{name}.{suffix}")
+    return drawn["meeting"] is not None
 
 
 def distances(run: PaperRun) -> Figure:

@@ -63,11 +63,14 @@ def moment_of(recording: Recording) -> Moment:
         if isinstance(item, BlobsSeen):
             blobs = item.blobs
         if isinstance(item, PictureTaken):
-            pose, odometry = agent.localized_pose_at(item.taken), agent.odometry.at(item.taken)
+            pose, odometry = (
+                agent.whereabouts.localized_pose_at(item.taken),
+                agent.odometry.at(item.taken),
+            )
             if pose is None or odometry is None:
                 continue
             picture = cv2.imdecode(np.frombuffer(item.jpeg, np.uint8), cv2.IMREAD_COLOR)
-            points = move_points(agent.obstacles_around(odometry), pose)
+            points = move_points(agent.surroundings.seen_around(odometry), pose)
             return Moment(
                 folder.map, agent, pose, points, blobs, np.asarray(picture, dtype=np.uint8)
             )
@@ -92,7 +95,7 @@ def draw_scan(moment: Moment, path: Path) -> None:
     px, py, theta = moment.pose
     axes.plot(px, py, "k^", ms=9)
     axes.plot([px, px + 0.5 * math.cos(theta)], [py, py + 0.5 * math.sin(theta)], "k-")
-    for track in moment.agent.tracker.tracks:
+    for track in moment.agent.sight.tracker.tracks:
         _draw_track(axes, track)
     axes.set(xlim=(px - _REACH, px + _REACH), ylim=(py - 3.5, py + 3.5), xlabel="m", ylabel="m")
     axes.set_aspect("equal")
@@ -131,7 +134,7 @@ def draw_picture(moment: Moment, path: Path) -> None:
         cv2.rectangle(picture, (corners[0], corners[1]), (corners[2], corners[3]), (0, 255, 255), 1)
         words = f"band {blob.range:.1f} m {blob.confidence:.2f}"
         _write(picture, words, (corners[0], corners[1] - 6), (0, 255, 255))
-    for track in moment.agent.tracker.tracks:
+    for track in moment.agent.sight.tracker.tracks:
         _mark_track(picture, track, moment.pose, camera, scale, middle)
     cv2.imwrite(str(path), picture)
 

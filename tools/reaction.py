@@ -20,7 +20,7 @@ STEADY_S = 0.7
 """A robot that has moved this long without a break patrols."""
 STANDING_S = 0.3
 """Wheels at rest this long have stopped; in a turn they pass zero for less."""
-AGENT_LIMIT_S = 0.5
+AGENT_LIMIT_S = 0.3
 """Within this the agent must have ordered a stop where it can see the fault and still command."""
 WATCHDOG_LIMIT_S = 2.0
 """Within this the base must have begun to stop by itself where the agent cannot."""
@@ -32,6 +32,8 @@ BORDER_LIMIT_S = 60.0
 SAMPLING_S = 0.05
 """Of the emulator's steps and its watchdog, on a loaded machine."""
 
+_DEVICES = ("base", "laser", "camera")
+_WELL = ("port open", "pictures come")
 STANDING_FIRST = ("", "STOP", "VEL 0", "RVEL 0", "CLOSE", "ENABLE 0")
 
 
@@ -174,7 +176,7 @@ def _alarm(item: Publish) -> str:
         return ""
     log = decode("event", item.payload)
     assert isinstance(log, Log)
-    if log.name in ("base", "laser") and log.message != "port open":
+    if log.name in _DEVICES and log.message not in _WELL:
         return f"event: {log.name}"
     held = log.name == "gate" and log.message.startswith("holds the robot")
     return f"event: {log.message}" if held else ""

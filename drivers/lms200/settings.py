@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal
 
 import msgspec
 
-from drivers.lms200.measurement import MEASURING_MODES, MODE_32_M, UNIT_CM, UNIT_MM
+from drivers.lms200.measurement import MEASURING_MODES, MODE_32_M, TURN, UNIT_CM, UNIT_MM
 from drivers.lms200.telegrams import VARIANTS, Variant
 
+_FRAME_BYTES = 10  # of a telegram of measured values, besides two per value
+_BITS_PER_BYTE = 10
 _UNIT_CODES = {"cm": UNIT_CM, "mm": UNIT_MM}
 
 
@@ -52,6 +55,20 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     def variant(self) -> Variant:
         """Field of view and resolution as the laser takes them."""
         return Variant(self.field_of_view_deg, round(self.resolution_deg * 100))
+
+    @property
+    def scan_period(self) -> float:
+        """Between two scans, s: whole mirror turns, and no sooner than the line has carried one.
+
+        Source: SICK telegram listing 8007954/Q501, scans lost at each rate.
+        """
+        interlaced = self.variant.mirror_turns
+        values = self.field_of_view_deg + 1 if self.partial_scans else self.variant.count
+        on_wire = (2 * values + _FRAME_BYTES) * _BITS_PER_BYTE / self.baud
+        turns = math.ceil(on_wire / TURN)
+        if self.partial_scans:  # each is the next of the interlaced turns
+            return (turns + (1 - turns) % interlaced) * TURN
+        return (turns + -turns % interlaced) * TURN
 
     @property
     def unit_code(self) -> int:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,7 @@ from robot_agent.motion.swept_body import SweptBody
 _LONGEST_STEP = 0.3  # s between two commands that count for the acceleration
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class GateInputs:
+class GateInputs(NamedTuple):
     """What the gate depends on; None: never heard of."""
 
     base_time: float | None  # s, when the last base report was measured
@@ -45,8 +44,7 @@ class GateInputs:
     limited: bool = False  # limited mode: no localization needed, but slow; all else as ever
 
 
-@dataclass(frozen=True, slots=True)
-class GateDecision:
+class GateDecision(NamedTuple):
     """What may go to the base, m/s and rad/s, and the first reason why it is less than wished."""
 
     v: float
@@ -100,6 +98,25 @@ class SafetyGate:
             slowed = GateReason.ACCELERATION
         return self._decided(*free, slowed)
 
+    def expire(
+        self, t: float, base_time: float | None, scan_time: float | None
+    ) -> GateDecision | None:
+        """Between two reports: withdraw what was last let pass once what it rests on is too old.
+
+        base_time, scan_time: as in the inputs. None while nothing moves, or it may go on.
+        """
+        if self._v == self._w == 0.0:
+            return None
+        settings = self._settings
+        if not _is_fresh(t, base_time, settings.max_base_age):
+            reason = GateReason.STALE_BASE
+        elif not _is_fresh(t, scan_time, settings.scan_age):
+            reason = GateReason.STALE_LASER
+        else:
+            return None
+        self._t = None  # start again from standstill
+        return self._decided(0.0, 0.0, reason)
+
     def _decided(self, v: float, w: float, reason: GateReason) -> GateDecision:
         """Note what leaves, and count it when it is a new stop."""
         self._v, self._w = v, w
@@ -136,8 +153,8 @@ class SafetyGate:
         for reason, well in (
             (GateReason.INVALID, all(map(math.isfinite, numbers))),
             (GateReason.STALE_BASE, _is_fresh(t, inputs.base_time, settings.max_base_age)),
-            (GateReason.STALE_LASER, _is_fresh(t, inputs.scan_time, settings.max_scan_age)),
-            (GateReason.INVALID, bool(np.isfinite(inputs.obstacles).all())),
+            (GateReason.STALE_LASER, _is_fresh(t, inputs.scan_time, settings.scan_age)),
+            (GateReason.INVALID, _all_finite(inputs.obstacles)),
             (GateReason.OVERLOADED, not inputs.overloaded),
             (GateReason.NOT_LOCALIZED, located),
             (GateReason.BUMPED_AGAIN, not self._bumps.latched),
@@ -220,6 +237,10 @@ class SafetyGate:
             return 0.0, w
         slow = min(abs(w), stoppable_rate(free, settings.turn_braking, delay))
         return 0.0, math.copysign(slow, w)
+
+
+def _all_finite(points: NDArray[np.float64]) -> bool:
+    return not len(points) or bool(np.isfinite(points).all())
 
 
 def _is_fresh(t: float, measured: float | None, max_age: float) -> bool:

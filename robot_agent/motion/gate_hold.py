@@ -12,6 +12,11 @@ STOPPING = DENIALS - {GateReason.MOTORS_OFF, GateReason.BACKING} | {GateReason.O
 """Reasons of the gate that mean the robot is being held, not merely kept to its limits."""
 
 
+def begins_hold(before: GateDecision | None, gate: GateDecision) -> bool:
+    """Tell whether the gate holds a robot that it did not hold before."""
+    return gate.reason in STOPPING and (before is None or before.reason not in STOPPING)
+
+
 def held_by_obstacle(gate: GateDecision | None) -> bool:
     """Tell whether the gate's last word was to stand still before an obstacle, or about to."""
     return gate is not None and gate.reason is GateReason.OBSTACLE and gate.v < _CRAWL

@@ -23,7 +23,7 @@ class GateSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     front_margin: NotNegative = 0.20  # m kept free ahead: room to turn round, corners reach 0.37 m
     turn_margin: NotNegative = 0.02  # m kept free round the body while turning on the spot
     max_base_age: Positive = BASE.max_age  # s since the last base report was measured
-    max_scan_age: Positive = LASER.max_age  # s since the last laser scan was measured
+    max_scan_age: Positive | None = None  # s likewise of a scan; None: as the laser's rate asks
     max_speed: Positive = 0.5  # m/s
     unsure_speed: NotNegative = 0.15  # m/s while the localization is unsure, or not needed
     max_turn_rate: Positive = 1.5  # rad/s
@@ -42,6 +42,11 @@ class GateSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     battery_cutoff: Positive = 11.0  # V; near it the controller itself shuts down
     battery_resume: Positive = 12.0  # V
     battery_patience: NotNegative = 2.0  # s below the cut-off: motors that start pull it down
+
+    @property
+    def scan_age(self) -> float:
+        """Age, s, of a scan that is too old; of the usual laser where none is set."""
+        return LASER.max_age if self.max_scan_age is None else self.max_scan_age
 
     def __post_init__(self) -> None:
         """Refuse a battery that would be low and well at once."""

@@ -20,9 +20,11 @@ class SweptBody:
 
     def free_share(self, way: float, turn: float, obstacles: NDArray[np.float64]) -> float:
         """Return the share, 0 to 1, of an arc (way m, turn rad) the body can sweep freely."""
+        if not len(obstacles):
+            return 1.0
         settings = self._settings
         reach = way + settings.front + settings.rear + settings.half_width
-        near = obstacles[np.abs(obstacles).max(axis=1, initial=0.0) < reach]
+        near = obstacles[np.maximum(*np.abs(obstacles.T)) < reach]
         if not len(near):
             return 1.0  # the usual case
         if way > 0.0:
@@ -41,7 +43,7 @@ class SweptBody:
         settings = self._settings
         x, aside = near[:, 0], np.abs(near[:, 1]) - settings.half_width
         alongside = (x < settings.front) & (x > -settings.rear)
-        clearance = aside.min(where=alongside, initial=settings.margin)
+        clearance = aside[alongside].min(initial=settings.margin)
         return max(float(clearance), settings.turn_margin)
 
 
@@ -55,7 +57,8 @@ def _seen_along_arc(
     half = turns / 2.0
     chord = ways * np.sinc(half / np.pi)  # sinc: sin(half) / half, 1 when straight
     c, s = np.cos(turns)[:, None], np.sin(turns)[:, None]
+    px, py = np.ascontiguousarray(points.T)
     # The chord of an arc leaves at half the turn, which seen from its end points to -half.
-    x = c * points[:, 0] + s * points[:, 1] - (chord * np.cos(half))[:, None]
-    y = c * points[:, 1] - s * points[:, 0] + (chord * np.sin(half))[:, None]
+    x = c * px + s * py - (chord * np.cos(half))[:, None]
+    y = c * py - s * px + (chord * np.sin(half))[:, None]
     return x, y

@@ -26,20 +26,35 @@ class Trusted:
     """Of the alarm."""
 
 
-BASE = Trusted("base", "base report", 10.0, 0.3, "the robot stands", LogLevel.ERROR)
-LASER = Trusted("laser", "laser scan", 5.0, 0.4, "the robot stands", LogLevel.ERROR)
+BASE = Trusted("base", "base report", 10.0, 0.28, "the robot stands", LogLevel.ERROR)
+LASER = Trusted("laser", "laser scan", 9.0, 0.34, "the robot stands", LogLevel.ERROR)
 SONAR = Trusted("sonar", "sonar echo", 3.0, 0.5, "old echoes are forgotten", LogLevel.WARNING)
 POSE = Trusted(
     *("pose", "localized pose", 5.0, 1.0),
     "unsure: the robot is slow; lost: it stands, then turns slowly to find itself",
     LogLevel.WARNING,
 )
-FROZEN_BASE = 4
-"""Reports in a row that tell of speed but not of motion."""
+FROZEN_BASE = 2
+"""Reports in a row that tell of speed but not of motion: five counts at the least speed."""
 FROZEN_LASER = 2
 """Scans in a row that are the last one again, beam for beam, while the robot moves."""
 LEAST_RETURNS = 0.05
 """Share of beams; a scan with less is that of a blind laser, and counts for none."""
+
+_LOST_SCANS, _SCAN_SLACK = 1, 0.02  # the latter s
+SHORTEST_SCAN_AGE, LONGEST_SCAN_AGE = 0.2, 0.45  # s
+
+
+def scan_age_limit(period: float) -> float:
+    """Return how old, s, a scan may get of a laser that gives one each ``period``, s.
+
+    It is a period old when the line has carried it and two when the next one comes, and one may
+    be lost; that is LASER.max_age at 38400 baud. A slower laser gets no more than the longest, with
+    which the robot stands for every scan lost, and is too old all the time at under 4.5 scans/s.
+    """
+    limit = (2 + _LOST_SCANS) * period + _SCAN_SLACK
+    return min(max(limit, SHORTEST_SCAN_AGE), LONGEST_SCAN_AGE)
+
 
 CONTROL = Trusted(
     *("control", "control step in time", 10.0, 0.1),

@@ -71,7 +71,10 @@ class MamdaniSystem:
         self, inputs: Sequence[Variable], outputs: Sequence[Variable], rules: Sequence[Rule]
     ) -> None:
         self.inputs, self.outputs, self.rules = tuple(inputs), tuple(outputs), tuple(rules)
-        self._input_sets = [(v.name, tuple(v.sets.values())) for v in inputs]
+        self._input_sets: list[tuple[str, int, tuple[Trapezoid, ...]]] = []  # and its first degree
+        for variable in inputs:
+            first = sum(len(sets) for *_, sets in self._input_sets)
+            self._input_sets.append((variable.name, first, tuple(variable.sets.values())))
         inside, outside = _indices(self.inputs), _indices(self.outputs)
         self._rules = [
             (tuple(inside[key] for key in rule.when), tuple(outside[key] for key in rule.then))
@@ -86,7 +89,9 @@ class MamdaniSystem:
             centroid = next(known, None) or _Centroid(sets)
             self._centroids.append((output.name, first, first + len(sets), centroid))
             first += len(sets)
-        self._last: tuple[list[float], Mapping[str, float]] = [], {}
+        self._values: dict[str, float] = {}  # of the inputs at the last evaluation
+        self._degrees = [math.nan] * len(inside)  # of their sets
+        self._last: Mapping[str, float] = {}
 
     def evaluate(self, values: Mapping[str, float]) -> Mapping[str, float]:
         """Return the centroid of every output, for a value of every input (may be infinite).
@@ -94,10 +99,19 @@ class MamdaniSystem:
         An output about which no rule says anything is 0. While no degree changes (a robot alone
         on its border) the very same mapping is returned.
         """
-        degrees = [s(values[name]) for name, sets in self._input_sets for s in sets]
-        if degrees != self._last[0]:
-            self._last = degrees, MappingProxyType(self._levels(self._set_strengths(degrees)))
-        return self._last[1]
+        changed = False
+        for name, first, sets in self._input_sets:
+            value = values[name]
+            if value == self._values.get(name):
+                continue
+            self._values[name] = value
+            for index, fuzzy_set in enumerate(sets, first):
+                degree = fuzzy_set(value)
+                if degree != self._degrees[index]:
+                    self._degrees[index], changed = degree, True
+        if changed:
+            self._last = MappingProxyType(self._levels(self._set_strengths(self._degrees)))
+        return self._last
 
     def _set_strengths(self, degrees: Sequence[float]) -> list[float]:
         """Greatest degree (output sets,) to which a rule that names the output set holds."""
@@ -140,7 +154,8 @@ class _Layer(NamedTuple):
     area = h (area1 + h area2), moment = h (moment1 + h (moment2 + h moment3)); the sign is in them.
     """
 
-    group: tuple[int, ...]  # of sets that overlap
+    first: int  # of the sets that overlap
+    others: tuple[int, ...]
     bottom: float
     height: float
     area1: float
@@ -169,10 +184,16 @@ class _Centroid:
     def of(self, strengths: Sequence[float]) -> float:
         """Return the centroid of strengths (sets,); 0 where all are 0."""
         area = moment = 0.0
-        for group, bottom, height, area1, area2, moment1, moment2, moment3 in self._layers:
-            cut = strengths[group[0]] if len(group) == 1 else min(strengths[i] for i in group)
-            h = min(cut - bottom, height)
+        for first, others, bottom, height, area1, area2, moment1, moment2, moment3 in self._layers:
+            cut = strengths[first]
+            for other in others:
+                strength = strengths[other]
+                if strength < cut:
+                    cut = strength
+            h = cut - bottom
             if h > 0.0:
+                if h > height:
+                    h = height
                 area += h * (area1 + h * area2)
                 moment += h * (moment1 + h * (moment2 + h * moment3))
         return moment / area if area > 0.0 else 0.0
@@ -189,7 +210,8 @@ def _integrated(
     h0, h1, left, left_slope, right, right_slope = layer
     sign = 1.0 if len(group) % 2 else -1.0
     return _Layer(
-        group,
+        group[0],
+        group[1:],
         h0,
         h1 - h0,
         sign * (right - left),

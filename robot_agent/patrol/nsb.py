@@ -25,16 +25,20 @@ def compose(tasks: Sequence[Task], speed_limit: float = math.inf) -> tuple[float
     """
     velocity: Numbers = (0.0,) * len(tasks[0].velocity)
     claimed: list[Numbers] = []  # directions of the tasks so far, orthonormal
+    last = tasks[-1]
     for task in tasks:
-        part = _projected(task.velocity, claimed)
-        share = _share_within(velocity, part, speed_limit)
-        velocity = [v + share * p for v, p in zip(velocity, part, strict=True)]
-        if task is not tasks[-1]:
+        part = _projected(task.velocity, claimed) if claimed else task.velocity
+        if any(part):
+            share = _share_within(velocity, part, speed_limit)
+            velocity = [v + share * p for v, p in zip(velocity, part, strict=True)]
+        if task is not last:
             _claim(task.jacobian, claimed)
     return tuple(velocity)
 
 
 def _dot(a: Numbers, b: Numbers) -> float:
+    if len(a) == 2:  # the usual case, and the same to the last bit
+        return a[0] * b[0] + a[1] * b[1]
     return math.fsum(map(mul, a, b))
 
 
@@ -48,8 +52,11 @@ def _projected(vector: Numbers, claimed: Sequence[Numbers]) -> Numbers:
 
 def _share_within(velocity: Numbers, part: Numbers, limit: float) -> float:
     """Largest share k in 0..1 with norm(velocity + k part) <= limit."""
-    a, b, c = _dot(part, part), _dot(velocity, part), _dot(velocity, velocity) - limit**2
-    if a == 0.0 or a + 2.0 * b + c <= 0.0:
+    a = _dot(part, part)
+    if a == 0.0:  # so short that its square vanishes
+        return 1.0
+    b, c = _dot(velocity, part), _dot(velocity, velocity) - limit**2
+    if a + 2.0 * b + c <= 0.0:
         return 1.0
     return min(max((-b + math.sqrt(max(b * b - a * c, 0.0))) / a, 0.0), 1.0)
 

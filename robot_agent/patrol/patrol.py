@@ -20,6 +20,7 @@ from robot_agent.patrol.neighbor_state import NeighborState, NeighborView
 from robot_agent.patrol.reversal import RandomReversal
 from robot_agent.patrol.rules import RULES_FILE, load_rules
 from robot_agent.patrol.settings import PatrolSettings
+from robot_agent.patrol.standoff import Standoff
 from robot_agent.patrol.supervisor import ActionChooser, Choice, Supervisor
 
 if TYPE_CHECKING:
@@ -58,6 +59,7 @@ class PatrolDecision(NamedTuple):
     reversed_at_random: bool
     blocked: bool  # gave up waiting for an object on its way, just now
     holding: bool  # caught between an end and a teammate: stands still
+    insists: bool  # reaches for the border whatever the rules say: kept from it for too long
 
 
 class Patrol:
@@ -92,6 +94,7 @@ class Patrol:
             else None
         )
         self._blockage = Blockage(settings)
+        self._standoff = Standoff(settings)
         self._abscissa: float | None = None
         self._direction: int | None = None  # of the last patrol; none before the first
 
@@ -116,22 +119,22 @@ class Patrol:
         # Beside the border but behind a wall a robot is as far from patrolling as its way is long.
         way = foot.distance if approach is None else approach.distance
         choice = self._supervisor.choose(t, _inputs(way, neighbor, ends))
-        reversed_at_random = self._turned_back(t, choice.winner, ends)
-        self._even_out(t, choice.winner, foot.abscissa)
+        insists = self._standoff.insists(t, position, way, choice.winner)
+        action = Action.REACH_FRONTIER if insists else choice.winner
+        reversed_at_random = self._turned_back(t, action, ends)
+        self._even_out(t, action, foot.abscissa)
         blocked = self._blockage.ends_waiting(t, position, neighbor.distance, held=held)
         if blocked:
-            self._turn_back(choice.winner)
-        direction = self._update_direction(choice.winner, foot, pose.theta)
-        holding = self._caught(choice)
+            self._turn_back(action)
+        direction = self._update_direction(action, foot, pose.theta)
+        holding = not insists and self._caught(choice)
         situation = Situation(
             position, foot, teammate, direction, ends[0] <= 0.0, ends[1] <= 0.0, approach
         )
-        velocity = (
-            (0.0, 0.0) if holding else action_velocity(choice.winner, situation, self._settings)
-        )
+        velocity = (0.0, 0.0) if holding else action_velocity(action, situation, self._settings)
         return PatrolDecision(
             t=t,
-            action=choice.winner,
+            action=action,
             raw_winner=choice.raw_winner,
             runner_up=choice.runner_up,
             degrees=choice.degrees,
@@ -145,10 +148,11 @@ class Patrol:
             distance_from_right_end=ends[1],
             abscissa=foot.abscissa,
             tangent=foot.tangent,
-            curvature=direction * foot.curvature if choice.winner in PATROLLING else 0.0,
+            curvature=direction * foot.curvature if action in PATROLLING else 0.0,
             reversed_at_random=reversed_at_random,
             blocked=blocked,
             holding=holding,
+            insists=insists,
         )
 
     def _approach(self, position: tuple[float, float], foot: BorderProjection) -> Approach | None:

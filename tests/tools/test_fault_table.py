@@ -40,3 +40,10 @@ def test_agent_stops_when_the_scans_end(tmp_path: Path) -> None:
     assert reaction.back is not None
     assert reaction.recovered is not None
     assert reaction.contacts == 0
+
+
+def test_robot_patrols_on_when_the_cameras_thread_dies(tmp_path: Path) -> None:
+    reaction = take("camera-thread", tmp_path)
+    assert reaction.detected_by == "event: camera"
+    assert reaction.recovered is not None
+    assert reaction.contacts == 0

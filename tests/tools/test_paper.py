@@ -11,8 +11,9 @@ from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from robot_agent.patrol.actions import Action
 from tools.bench.metrics import RobotRun
+from tools.bench.sensing import Sensing
 from tools.commands import paper as command
-from tools.paper import PaperRun, turns
+from tools.paper import PaperRun, PaperTrial, claims, over_seeds, run_seeds, turns
 
 KEEP, CW, CCW = (
     Action.KEEP_GOING.value,
@@ -56,16 +57,26 @@ def test_one_that_had_just_reversed_by_chance_is_not_met_head_on():
     assert turns(run) == []
 
 
-def test_command_writes_figures_and_claims(tmp_path, capsys):
+def arguments(*words: str) -> argparse.Namespace:
     parser = argparse.ArgumentParser()
     command.configure(parser)
-    options = ["-o", str(tmp_path), "--sensing", "ideal", "--duration", "40", "--seed", "1"]
-    status = command.run(parser.parse_args(options))
+    return parser.parse_args(words)
+
+
+def test_command_writes_figures_and_claims(tmp_path, capsys):
+    options = ["-o", str(tmp_path), "--sensing", "ideal", "--duration", "40", "--seeds", "2"]
+    status = command.run(arguments(*options))
     told = json.loads(capsys.readouterr().out)
     assert status == (0 if all(told["held"].values()) else 1)
     assert told["meetings"]["head_on"] == told["meetings"]["within_two_steps"] > 0
     assert told["held"]["every_meeting_cw_and_ccw_then_apart"]
-    assert told["contacts"] == 0
+    assert (told["contacts"], told["seeds"]) == (0, [1, 2])
+    by_seed = json.loads((tmp_path / "claims.json").read_text())
+    assert [each["seed"] for each in by_seed] == [1, 2]
+    heads_on = [each["meetings"]["head_on"] for each in by_seed]
+    assert told["meetings"]["head_on"] == sum(heads_on)
+    worst = max(each["border_distance_m"]["max"] for each in by_seed)
+    assert told["border_distance_m"]["worst_max"] == worst
     assert {path.name for path in tmp_path.iterdir()} == {
         "claims.json",
         *(
@@ -74,3 +85,25 @@ def test_command_writes_figures_and_claims(tmp_path, capsys):
             for kind in ("svg", "png")
         ),
     }
+
+
+def test_processes_and_maps_of_choice_give_the_same_as_one(tmp_path):
+    trial = PaperTrial(find_map("intel_lab", Path.cwd()), "open", Sensing.IDEAL, 5.0)
+    one, two = ([claims(run) for run in run_seeds(trial, [3, 4], jobs)] for jobs in (1, 2))
+    assert one == two
+    assert [each["seed"] for each in one] == [3, 4]
+
+
+def test_one_claim_broken_by_one_seed_is_broken(tmp_path):
+    trial = PaperTrial(find_map("paper_lab", Path.cwd()), "border", Sensing.IDEAL, 1.0)
+    (told,) = (claims(run) for run in run_seeds(trial, [1], 1))
+    told["held"] = dict.fromkeys(told["held"], True)
+    broken = told | {"held": told["held"] | {"no_contact": False}, "contacts": 3}
+    summary = over_seeds([told, broken])
+    assert [name for name, held in summary["held"].items() if not held] == ["no_contact"]
+    assert summary["contacts"] == 3
+
+
+def test_no_seeds_are_refused(tmp_path, capsys):
+    assert command.run(arguments("-o", str(tmp_path), "--seeds", "0")) == 2
+    assert "--seeds" in capsys.readouterr().err

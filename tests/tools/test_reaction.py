@@ -93,7 +93,7 @@ def test_faultless_reaction_has_no_complaint() -> None:
         ({"contacts": 1}, "1 contacts"),
         ({"first_order": "VEL 327"}, "first order after it was VEL 327"),
         ({"first_order": "ENABLE 1"}, "first order after it was ENABLE 1"),
-        ({"expected": Expected.AGENT_STOPS, "ordered": 0.6}, "no standing order within 0.5 s"),
+        ({"expected": Expected.AGENT_STOPS, "ordered": 0.6}, "no standing order within 0.3 s"),
         ({"expected": Expected.AGENT_STOPS, "stopped": 2.1}, "not at rest within 2.00 s"),
     ],
 )
@@ -130,7 +130,7 @@ def test_fault_may_have_limits_of_its_own() -> None:
     slow = {"expected": Expected.AGENT_STOPS, "ordered": 2.4, "stopped": 3.5}
     assert complaints(reaction(**slow, order_within=2.5)) == []
     assert complaints(reaction(**slow)) == [
-        "no standing order within 0.5 s",
+        "no standing order within 0.3 s",
         "not at rest within 2.00 s",
     ]
     assert complaints(reaction(recovered=50.0, recover_within=60.0)) == []

@@ -10,7 +10,7 @@ from maps.map_folder import MapFolder, load_map_folder
 from robot_agent.config import find_map, parse_config
 from robot_agent.effects import Publish
 from robot_agent.recording_writer import Gap, RecordingWriter, Reference
-from tools.benchmark import record_lockstep
+from tools.benchmark.recordings import record_lockstep
 from tools.carmen import CarmenLog, read_carmen
 from tools.convert import convert
 from tools.localize import LocalizeOptions, localize_steps

@@ -14,7 +14,7 @@ from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from robot_agent.foxglove import SceneUpdate, timestamp_at, track_entity
 from robot_agent.streams import STREAMS, encode
-from tools.benchmark import record_lockstep
+from tools.benchmark.recordings import record_lockstep
 
 NESTED = {
     "timestamp": "Timestamp",

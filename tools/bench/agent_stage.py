@@ -30,6 +30,8 @@ from robot_agent.config import (
     StartSettings,
     format_config,
 )
+from tools.bench.cpu_limit import CpuLimit
+from tools.bench.emulated_camera import CameraServer, EmulatedCamera
 from tools.bench.faulty_line import Cable, FaultyLine, OrderTap
 from tools.bench.flood import Flood
 from tools.bench.real_time_rig import RealTimeRig
@@ -120,6 +122,7 @@ class AgentStage:
         self.laser_line = FaultyLine(self.rig.laser, rng)
         self.base_cable = Cable(self.base_line, folder / "base")
         self.laser_cable = Cable(self.laser_line, folder / "laser")
+        self._camera: CameraServer | None = None
         self._real_time = RealTimeRig(self.rig, (self.base_cable, self.laser_cable))
 
     def __enter__(self) -> Self:
@@ -136,10 +139,18 @@ class AgentStage:
         self._flooders.close()
         self.base_cable.pull()
         self.laser_cable.pull()
+        if self._camera is not None:
+            self._camera.close()
+
+    def mount_camera(self) -> None:
+        """Give the robot a camera, which the next agent is told of."""
+        self._camera = CameraServer(EmulatedCamera(self.world, self.rig.body).take)
 
     def step(self) -> Moment:
         """Let one step of real time pass; return what is true after it."""
         t = self._real_time.step()
+        if self._camera is not None:
+            self._camera.pump(t)
         while self._to_do and self._to_do[0][0] <= t:
             self._to_do.popleft()[1]()
         if self._agent is not None and self._agent.poll() is not None:
@@ -184,10 +195,10 @@ class AgentStage:
         if len(self.ends) < len(self.recordings):
             self.ends.append(t)
 
-    def start_agent(self, *, elsewhere: bool = False) -> None:
+    def start_agent(self, limit: CpuLimit | None = None, *, elsewhere: bool = False) -> None:
         """Start an agent process, told where the robot truly stands; an earlier one is ended.
 
-        ``elsewhere``: with the map of another place.
+        ``limit``: holds it to a share of a core. ``elsewhere``: with the map of another place.
         """
         self.end_agent()
         number = len(self.recordings) + 1
@@ -203,6 +214,8 @@ class AgentStage:
                 start_new_session=True,
                 stderr=log,
             )
+        if limit is not None:
+            limit.hold(self._agent.pid)
 
     def _program(self) -> tuple[str, ...]:
         if self.traitor:
@@ -276,5 +289,8 @@ class AgentStage:
             start=StartSettings(x=pose.x, y=pose.y, theta=pose.theta),
             base=msgspec.structs.replace(defaults.base, url=str(self.base_cable.path)),
             laser=msgspec.structs.replace(defaults.laser, url=str(self.laser_cable.path)),
+            camera=msgspec.structs.replace(
+                defaults.camera, url="" if self._camera is None else self._camera.url
+            ),
             telemetry=msgspec.structs.replace(defaults.telemetry, operator=self._endpoint),
         )

@@ -77,9 +77,11 @@ class IdealFleet:
         self._inject()
         self._move()
         teammates = self._look()
+        closest = self._sight.apart.min(axis=1).tolist()
         for index, robot in enumerate(self.robots):
             if not robot.dead:
-                obstacles = self._obstacles.around(robot, self._sight.apart[index], self.robots)
+                apart = self._sight.apart[index], closest[index]
+                obstacles = self._obstacles.around(robot, *apart, self.robots)
                 robot.decide(self.t, teammates[index], obstacles)
 
     def wrecks(self) -> list[Wreck]:
@@ -98,7 +100,7 @@ class IdealFleet:
         closest = self._sight.apart.min(axis=1).tolist()
         for index, robot in enumerate(self.robots):
             body, motion = robot.body, robot.roll(STEP_S)
-            room = 2.0 * body.outline.reach + 4.0 * _STEP_WAY
+            room = 2.0 * body.reach + 4.0 * _STEP_WAY
             if closest[index] > room and self._obstacles.touches_no_wall(robot, _STEP_WAY):
                 body.pose = along_arc(body.pose, *motion)
             else:

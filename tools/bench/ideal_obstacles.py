@@ -20,7 +20,7 @@ from tools.bench.robot_body import Outline
 
 _NOTHING = np.empty((0, 2))
 _OUTLINE_STEP = 0.08  # m between the points of a body
-_BESIDE_BORDER = 0.3  # m; nearer the border keeps its 0.45 m from walls: they cannot matter
+_SLACK = 0.02  # m beyond the circle that a turning robot's corners reach
 
 
 class IdealObstacles:
@@ -37,15 +37,22 @@ class IdealObstacles:
         self._room_of_border = border_clearance(occupancy, border).minimum
 
     def around(
-        self, robot: IdealRobot, apart: NDArray[np.float64], robots: Sequence[IdealRobot]
+        self,
+        robot: IdealRobot,
+        apart: NDArray[np.float64],
+        closest: float,
+        robots: Sequence[IdealRobot],
     ) -> NDArray[np.float64]:
-        """Return points (n, 2), m, in the robot's base_link; apart (n,): m to the robots."""
+        """Return points (n, 2), m, in the robot's base_link.
+
+        apart (n,): m to the robots, of which closest is the least.
+        """
         pose, sight = robot.body.pose, self._sight(robot)
         parts, near = [], list[int]()
-        if apart.min() <= sight + self._outline_reach:
+        if closest <= sight + self._outline_reach:
             near = np.flatnonzero(apart <= sight + self._outline_reach).tolist()
             parts = [_in_map(self._outline, robots[other].body.pose) for other in near]
-        if self._off_border(robot) and not self.free(pose, sight):
+        if self._may_meet_wall(robot) and not self.free(pose, sight):
             parts.append(self._wall_points(pose, sight))
         if not parts:
             return _NOTHING
@@ -67,7 +74,7 @@ class IdealObstacles:
 
     def touches_no_wall(self, robot: IdealRobot, step: float) -> bool:
         """Tell whether no wall can be met while driving no more than a step, m."""
-        reach = robot.body.outline.reach + step
+        reach = robot.body.reach + step
         decision = robot.decision
         # The border's own room is known exactly, and so is the robot's distance from it.
         if decision and decision.distance_from_border + step + reach < self._room_of_border:
@@ -87,12 +94,13 @@ class IdealObstacles:
         room = min(float(self._room[row, col]), edge) - 1.5 * resolution
         return bool(room > distance)
 
-    def _off_border(self, robot: IdealRobot) -> bool:
+    def _may_meet_wall(self, robot: IdealRobot) -> bool:
+        """Tell whether walls can matter: not to one that patrols the border in its clear room."""
         decision = robot.decision
         return (
             decision is None
             or decision.action not in PATROLLING
-            or decision.distance_from_border > _BESIDE_BORDER
+            or decision.distance_from_border + self._outline_reach + _SLACK > self._room_of_border
         )
 
     def _wall_points(self, pose: Pose, sight: float) -> NDArray[np.float64]:

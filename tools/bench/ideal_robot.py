@@ -14,7 +14,7 @@ from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
-from robot_agent.motion.gate_hold import STOPPING, held_by_obstacle, pinned_by_obstacle
+from robot_agent.motion.gate_hold import begins_hold, held_by_obstacle, pinned_by_obstacle
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from tools.bench.robot_body import RobotBody
@@ -90,9 +90,8 @@ class IdealRobot:
             v=self.v,
             w=self.w,
         )
-        before, gate = self.gate_decision, self.gate.permit(t, wish, inputs)
-        if gate.reason in STOPPING and (before is None or before.reason not in STOPPING):
-            self.gate_stops += 1
+        gate = self.gate.permit(t, wish, inputs)
+        self.gate_stops += begins_hold(self.gate_decision, gate)
         self.decision, self.gate_decision = decision, gate
         self._order = (gate.v, gate.w)
 

@@ -56,8 +56,8 @@ def border_visits(
         points = points[np.hypot(*(points - wreck).T) > BESIDE_WRECK]
     visited = np.zeros((t.size, len(points)), dtype=bool)
     for position in positions:
-        offset = position[:, None, :] - points[None, :, :]
-        visited |= (offset**2).sum(axis=2) <= VISIT_RADIUS**2
+        dx, dy = (position[:, axis, None] - points[:, axis] for axis in (0, 1))
+        visited |= dx * dx + dy * dy <= VISIT_RADIUS**2
     step = float(np.median(np.diff(t))) if t.size > 1 else 0.0
     gaps, whole, visits = [], [], []
     for column in visited.T:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from enum import Enum, auto
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,19 +42,28 @@ class Outline:
 
     def perimeter(self, step: float) -> NDArray[np.float64]:
         """Return points (n, 2) in base_link along the outline, at most ``step`` m apart."""
-        lengthwise = np.linspace(-self.rear, self.front, math.ceil(2 * self.half_length / step) + 1)
-        crosswise = np.linspace(
-            -self.half_width, self.half_width, math.ceil(2 * self.half_width / step) + 1
-        )
-        sides = [
-            np.column_stack((lengthwise, np.full_like(lengthwise, y)))
-            for y in (-self.half_width, self.half_width)
-        ]
-        ends = [
-            np.column_stack((np.full_like(crosswise, x), crosswise))
-            for x in (-self.rear, self.front)
-        ]
-        return np.concatenate(sides + ends)
+        return _perimeter(self, step)
+
+
+@lru_cache(maxsize=64)
+def _perimeter(outline: Outline, step: float) -> NDArray[np.float64]:
+    lengthwise = np.linspace(
+        -outline.rear, outline.front, math.ceil(2 * outline.half_length / step) + 1
+    )
+    crosswise = np.linspace(
+        -outline.half_width, outline.half_width, math.ceil(2 * outline.half_width / step) + 1
+    )
+    sides = [
+        np.column_stack((lengthwise, np.full_like(lengthwise, y)))
+        for y in (-outline.half_width, outline.half_width)
+    ]
+    ends = [
+        np.column_stack((np.full_like(crosswise, x), crosswise))
+        for x in (-outline.rear, outline.front)
+    ]
+    points = np.concatenate(sides + ends)
+    points.setflags(write=False)
+    return points
 
 
 class BodyKind(Enum):

@@ -97,11 +97,13 @@ class World:
     contact_log: list[Contact] = field(default_factory=list)
     _caster: RayCaster = field(init=False)
     _wall_distance: NDArray[np.float64] = field(init=False)
+    _solid: NDArray[np.bool_] = field(init=False)
     _in_touch: set[Contact] = field(init=False, default_factory=set)
 
     def __post_init__(self) -> None:
         self._caster = RayCaster(self.occupancy)
         self._wall_distance = _distance_to_walls_and_rim(self.occupancy)
+        self._solid = np.pad(self.occupancy.cells == OCCUPIED, 1, constant_values=True)
 
     @property
     def contacts(self) -> int:
@@ -333,11 +335,11 @@ class World:
         points = grown.perimeter(self.occupancy.resolution / 2)
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         in_map = points @ np.array(((c, s), (-s, c))) + (pose.x, pose.y)
-        rows, cols = self.occupancy.cells_at(in_map)
-        inside = self.occupancy.inside(rows, cols)
-        in_wall = ~inside
-        in_wall[inside] = self.occupancy.cells[rows[inside], cols[inside]] == OCCUPIED
-        return points[in_wall]
+        cells = np.floor((in_map - self.occupancy.origin[:2]) / self.occupancy.resolution)
+        rows, cols = self._solid.shape
+        cells = np.minimum(np.maximum(cells + 1.0, 0.0), (cols - 1.0, rows - 1.0)).astype(np.intp)
+        in_wall = self._solid.take(cells[:, 1] * cols + cells[:, 0])
+        return np.asarray(points[in_wall])
 
     def clearance(self, pose: Pose) -> float:
         """Return a distance, m, within which there is no wall, 0 outside the map."""

@@ -11,7 +11,8 @@ from rich.console import Console
 from rich.table import Table
 
 from robot_agent.config import find_map
-from tools.benchmark import GROUPS, Figure
+from tools.benchmark.figure import Figure
+from tools.benchmark.groups import GROUPS
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

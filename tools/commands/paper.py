@@ -10,19 +10,23 @@ from pathlib import Path
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.bench.sensing import Sensing
-from tools.paper import BORDER, DURATION_S, MAP, claims, run_paper
-from tools.paper_figures import actions, distances, meeting
+from tools.paper import BORDER, DURATION_S, MAP, PaperTrial, claims, over_seeds, run_seeds
+from tools.paper_figures import write_figures
 from tools.progress import Progress
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.epilog = "example: patrol paper -o paper/"
+    parser.epilog = "example: patrol paper -o paper/ --seeds 20 --jobs 2"
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="DIR", help="for figures and JSON"
     )
     parser.add_argument("--duration", type=float, default=DURATION_S, metavar="S")
-    parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="the first")
+    parser.add_argument("--seeds", type=int, default=1, metavar="N", help="how many")
+    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes at a time")
+    parser.add_argument("--map", default=MAP, metavar="DIR", help="map folder or name")
+    parser.add_argument("--border", default=BORDER, metavar="NAME")
     parser.add_argument(
         "--sensing",
         choices=list(Sensing),
@@ -32,23 +36,27 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run it; print the claims as JSON; status 1 when one did not hold."""
-    folder = load_map_folder(find_map(MAP, Path.cwd()), BORDER)
-    sensing = Sensing(options.sensing)
-    with Progress("paper", options.duration, "s") as progress:
-        done = run_paper(folder, sensing, options.seed, options.duration, progress)
-    told = claims(done)
+    """Run it; print the claims as JSON; status 1 when one did not hold.
+
+    Every seed's claims are in ``claims.json``; the figures are of the first seed.
+    """
+    if options.seeds < 1 or options.jobs < 1:
+        print("patrol paper: --seeds and --jobs must be 1 or more", file=sys.stderr)
+        return 2
+    folder = find_map(options.map, Path.cwd())
+    load_map_folder(folder, options.border)  # a wrong one is told before anything is run
     options.output.mkdir(parents=True, exist_ok=True)
-    (options.output / "claims.json").write_text(json.dumps(told, indent=2) + "\n")
-    for name, figure in (
-        ("distance_from_border", distances(done)),
-        ("actions", actions(done)),
-        ("meeting", meeting(done)),
-    ):
-        if figure is None:
-            print("patrol paper: no two robots met, no figure of it", file=sys.stderr)
-            continue
-        for suffix in ("svg", "png"):
-            figure.savefig(options.output / f"{name}.{suffix}")
-    print(json.dumps({key: value for key, value in told.items() if key != "turns"}, indent=2))
-    return 0 if all(told["held"].values()) else 1
+    trial = PaperTrial(folder, options.border, Sensing(options.sensing), options.duration)
+    seeds = range(options.seed, options.seed + options.seeds)
+    told = []
+    with Progress("paper", len(seeds), "runs") as progress:
+        for done in run_seeds(trial, seeds, options.jobs):
+            told.append(claims(done))
+            # Written as they come: who is stopped keeps what there is.
+            (options.output / "claims.json").write_text(json.dumps(told, indent=2) + "\n")
+            if len(told) == 1 and not write_figures(done, options.output):
+                print("patrol paper: no two robots met, no figure of it", file=sys.stderr)
+            progress(len(told))
+    summary = over_seeds(told)
+    print(json.dumps(summary, indent=2))
+    return 0 if all(summary["held"].values()) else 1

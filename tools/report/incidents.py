@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robot_agent.agent import STOPPING
+from robot_agent.motion.gate_hold import STOPPING
 from tools.report.run_log import Floats, RunLog
 
 SILENT_S = {"base": 0.35, "laser": 0.6}

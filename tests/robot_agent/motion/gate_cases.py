@@ -124,6 +124,8 @@ CASES = [
     Case(DRIVE, DRIVE),
     Case((0.35, 0.4), (0.35, 0.4)),
     Case((0.0, -1.2), (0.0, -1.2)),
+    Case((0.2, 0.3), (0.2, 0.3), inputs={"v": 0.4}),  # it still rolls faster
+    Case((0.2, 0.3), (0.2, 0.3), inputs={"v": 0.4, "obstacles": [(0.0, -0.9)]}),
     Case(ZERO, ZERO),
     # numbers that are none
     Case(DRIVE, ZERO, "invalid", last_wish=(math.nan, 0.0)),
@@ -136,15 +138,15 @@ CASES = [
     Case(DRIVE, ZERO, "invalid", last_time=math.nan),
     # ages
     denied("stale_base", base_time=None),
-    denied("stale_base", base_time=END - 0.301),
+    denied("stale_base", base_time=END - 0.281),
     denied("stale_base", base_time=END + 0.01),
     denied("stale_base", base_time=math.nan),
-    permitted(base_time=END - 0.299),
+    permitted(base_time=END - 0.279),
     permitted(base_time=END),
     denied("stale_laser", scan_time=None),
-    denied("stale_laser", scan_time=END - 0.401),
+    denied("stale_laser", scan_time=END - 0.341),
     denied("stale_laser", scan_time=END + 0.01),
-    permitted(scan_time=END - 0.399),
+    permitted(scan_time=END - 0.339),
     permitted(scan_time=END),
     Case(DRIVE, ZERO, "stale_base", {"base_time": END - 0.5}, settings={"max_base_age": 0.5}),
     Case(DRIVE, ZERO, "stale_laser", {"scan_time": END - 0.5}, settings={"max_scan_age": 0.5}),
@@ -284,6 +286,7 @@ CASES = [
     ),
     Case((0.01, 0.2), (0.01, 0.2), "none", {"v": 0.3, "obstacles": []}),
     Case((0.01, 0.2), (0.01, 0.2), "none", {"v": 0.3, "obstacles": [(3.0, 0.0)]}),
+    Case((0.1, 0.2), (0.1, 0.2), "none", {"v": 0.3, "obstacles": [(-0.33, 0.0)]}),
     Case((0.3, 0.3), ZERO, "obstacle", {"v": 0.3, "obstacles": [(0.3, 0.0)]}),
     Case((0.1, 0.3), ZERO, "obstacle", {"v": 0.3, "obstacles": [(0.3, 0.0)]}),
     Case((0.0, 0.6), ZERO, "obstacle", {"v": 0.3, "obstacles": [(0.3, 0.0)]}),
@@ -385,6 +388,8 @@ class Step:
     inputs: dict[str, Any] = field(default_factory=dict)
     wish: tuple[float, float] = DRIVE
     v: float | None = None
+    between: bool = False
+    """Between two reports: only ages are looked at; the reason may be that it GOES_ON."""
 
 
 @dataclass(frozen=True)
@@ -400,7 +405,13 @@ def holds(story: Story, module: ModuleType = gate) -> bool:
     """Tell whether a story comes true on the gate of a module."""
     tested = module.SafetyGate(module.GateSettings(**story.settings))
     for step in story.steps:
-        decision = tested.permit(step.t, step.wish, inputs(module, step.t, **step.inputs))
+        given = inputs(module, step.t, **step.inputs)
+        if step.between:
+            decision = tested.expire(step.t, given.base_time, given.scan_time)
+        else:
+            decision = tested.permit(step.t, step.wish, given)
+        if decision is None and step.reason == GOES_ON:
+            continue
         if decision.reason != step.reason:
             return False
         if step.v is not None and not math.isclose(decision.v, step.v, abs_tol=1e-6):
@@ -412,6 +423,13 @@ BUMPED = {"bumpers": 4}
 HIT = {"stalled": True}
 BUTTON = {"stop_button": True}
 GOES = "acceleration"  # from standstill
+GOES_ON = "goes on"
+
+
+def between(t: float, reason: str, **ages: float) -> Step:
+    """Between two reports, with ages in s of base report and scan."""
+    times = {f"{name}_time": t - age for name, age in ages.items()}
+    return Step(t, reason, times, v=0.0, between=True)
 
 
 def pressed(*times: float) -> list[Step]:
@@ -428,6 +446,52 @@ def battery(t: float, volts: float, reason: str = "none") -> Step:
 
 
 STORIES = [
+    # between two reports what was let pass is withdrawn once, when a report or a scan is too old
+    Story(
+        [
+            between(0.0, GOES_ON, base=9.0, scan=9.0),  # nothing moves yet
+            Step(0.1, GOES, v=0.0),
+            between(0.15, GOES_ON, base=9.0, scan=9.0),
+            Step(0.2, GOES, v=0.025),
+            between(0.25, GOES_ON, base=0.279, scan=0.339),
+            Step(0.26, GOES),
+            between(0.3, "stale_base", base=0.281, scan=9.0),
+            between(0.35, GOES_ON, base=9.0, scan=9.0),  # is withdrawn
+            Step(0.4, GOES, v=0.0),
+            Step(0.5, GOES, v=0.025),
+            between(0.55, "stale_laser", base=0.1, scan=0.341),
+            Step(0.6, GOES, v=0.0),
+        ],
+        {"stale_base": 1, "stale_laser": 1},
+    ),
+    Story(
+        [
+            Step(0.0, GOES, wish=(0.0, 1.2)),
+            Step(0.1, GOES, wish=(0.0, 1.2)),
+            between(0.15, "stale_laser", scan=0.5),  # a turn is withdrawn too
+        ],
+        {"stale_laser": 1},
+    ),
+    Story(
+        [
+            Step(0.0, GOES),
+            Step(0.1, GOES),
+            Step(0.15, "stale_base", {"base_time": None}, v=0.0, between=True),
+        ],
+        {"stale_base": 1},
+    ),
+    Story(
+        [
+            Step(0.0, GOES),
+            Step(0.1, GOES),
+            Step(0.15, "stale_laser", {"scan_time": None}, v=0.0, between=True),
+        ],
+        {"stale_laser": 1},
+    ),
+    Story(
+        [Step(0.0, GOES), Step(0.1, GOES), between(0.15, GOES_ON, base=0.4, scan=0.4)],
+        settings={"max_base_age": 0.5, "max_scan_age": 0.5},
+    ),
     # jerk: acceleration grows by 0.25 m/s2 per step of 0.1 s, up to 0.5 m/s2
     Story([Step(0.1 * k, GOES, v=v) for k, v in enumerate((0.0, 0.025, 0.075, 0.125, 0.175))]),
     # slower for a moment: acceleration grows from nothing again

@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
+from drivers.lms200.settings import LaserSettings
 from robot_agent.motion.gate_settings import GateSettings
-from robot_agent.motion.trust import BASE, LASER, TRUSTED, TrustWatch, markdown
+from robot_agent.motion.trust import BASE, LASER, TRUSTED, TrustWatch, markdown, scan_age_limit
 
 README = Path(__file__).parents[3] / "README.md"
 
@@ -15,7 +16,25 @@ def test_readme_has_the_table():
 def test_the_gate_has_its_limits_from_the_table():
     settings = GateSettings()
     assert settings.max_base_age == BASE.max_age
-    assert settings.max_scan_age == LASER.max_age
+    assert settings.scan_age == LASER.max_age
+
+
+def test_the_age_of_a_scan_follows_the_lasers_rate():
+    usual = LaserSettings()
+    assert abs(scan_age_limit(usual.scan_period) - LASER.max_age) < 0.001
+    fast, slow = LaserSettings(baud=500000), LaserSettings(baud=19200)
+    assert scan_age_limit(fast.scan_period) == 0.2
+    assert scan_age_limit(slow.scan_period) == 0.45
+
+
+def test_one_scan_may_be_lost_at_the_usual_rate():
+    """It is a period old when it comes, two when the next one is due, three when that is lost."""
+    slow = LaserSettings(resolution_deg=0.5)
+    for settings in (LaserSettings(), LaserSettings(baud=500000), slow):
+        period = settings.scan_period
+        may_be_lost = settings is not slow
+        assert (scan_age_limit(period) > 3.0 * period) == may_be_lost
+        assert scan_age_limit(period) > 2.0 * period
 
 
 def test_every_stream_may_miss_one_of_its_own():

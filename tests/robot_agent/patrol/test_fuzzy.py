@@ -9,65 +9,44 @@ import pytest
 import skfuzzy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from skfuzzy import control
 
 from robot_agent.patrol.fuzzy import MamdaniSystem, Rule, Trapezoid, Variable
 from robot_agent.patrol.rules import RULES_FILE, load_rules
-
-FARTHEST = 4.0  # m, stands for infinity in skfuzzy's finite universes
+from tools.skfuzzy_peer import FARTHEST, finite, simulation_of
 
 
 def shipped(*, open_border: bool = False) -> MamdaniSystem:
     return load_rules(RULES_FILE, reading="R1", safety_distance=2.4, open_border=open_border)
 
 
-def finite(fuzzy_set: Trapezoid) -> list[float]:
-    return [min(x, FARTHEST) for x in (fuzzy_set.a, fuzzy_set.b, fuzzy_set.c, fuzzy_set.d)]
-
-
-def skfuzzy_simulation(system: MamdaniSystem, output_universe):
-    """The same rule base in skfuzzy.control."""
-    terms = {}
-    for variable in system.inputs:
-        corners = sorted({x for s in variable.sets.values() for x in finite(s)})
-        antecedent = control.Antecedent(np.array(corners), variable.name)
-        for name, fuzzy_set in variable.sets.items():
-            antecedent[name] = skfuzzy.trapmf(antecedent.universe, finite(fuzzy_set))
-            terms[variable.name, name] = antecedent[name]
-    for variable in system.outputs:
-        consequent = control.Consequent(output_universe, variable.name, "centroid")
-        for name, fuzzy_set in variable.sets.items():
-            consequent[name] = skfuzzy.trapmf(consequent.universe, finite(fuzzy_set))
-            terms[variable.name, name] = consequent[name]
-    rules = []
-    for rule in system.rules:
-        condition = terms[rule.when[0]]
-        for key in rule.when[1:]:
-            condition = condition & terms[key]
-        rules.append(control.Rule(condition, [terms[key] for key in rule.then]))
-    return control.ControlSystemSimulation(control.ControlSystem(rules))
+def round_values(variable: Variable, step: float = 0.05) -> list[float]:
+    """Values at which the degrees of all sets are multiples of a step."""
+    corners = [finite(fuzzy_set) for fuzzy_set in variable.sets.values()]
+    edges = [edge for a, b, c, d in corners for edge in ((a, b), (c, d))]
+    shares = np.arange(0.0, 1.0 + step / 2.0, step)
+    values = sorted({round(a + share * (b - a), 12) for a, b in edges for share in shares})
+    degrees = np.array([[s(x) for s in variable.sets.values()] for x in values]) / step
+    return np.array(values)[(np.abs(degrees - np.rint(degrees)) < 1e-9).all(axis=1)].tolist()
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
-def test_equals_skfuzzy_control_on_a_grid():
+@pytest.mark.parametrize("reading", ["R1", "R2", "R3"])
+def test_equals_skfuzzy_control_on_a_grid(reading):
     """skfuzzy integrates between the points of its output universe and the points where each
     set is cut at its own strength; it misses where one set rises out of another's plateau. With
-    strengths that are multiples of 0.1 all those points are multiples of 0.05."""
-    system = shipped()
-    simulation = skfuzzy_simulation(system, np.linspace(0.0, 1.0, 21))
-    border = [0.3, 0.46, 0.64, 0.7, 0.88, 1.2, 1.5, 1.7, 3.0]
-    neighbor = [0.5, 0.92, 1.1, 1.28, 1.5, 1.9, 2.2, 3.0]
-    state = [-1.0, -0.525, -0.375, 0.0, 0.225]
-    grid = [(b, n, s) for b in border for n in neighbor for s in state]
-    chosen = np.random.default_rng(1).permutation(len(grid))[:60]
-    for b, n, s in [grid[i] for i in chosen]:
-        values = {"distance_from_border": b, "distance_from_neighbor": n, "neighbor_state": s}
-        for name, value in values.items():
-            simulation.input[name] = value
-        simulation.compute()
-        ours = system.evaluate(values)
-        for output, level in simulation.output.items():
-            assert ours[output] == pytest.approx(level, abs=1e-9), (values, output)
+    strengths that are multiples of 0.05 all those points are multiples of 0.025."""
+    system = load_rules(RULES_FILE, reading=reading, safety_distance=2.4, open_border=False)
+    axes = [round_values(variable)[::2] for variable in system.inputs]
+    grid = np.array(np.meshgrid(*axes)).reshape(len(axes), -1)
+    assert grid.shape[1] >= 10_000
+    simulation = simulation_of(system, np.linspace(0.0, 1.0, 41))
+    names = [variable.name for variable in system.inputs]
+    for name, column in zip(names, grid, strict=True):
+        simulation.input[name] = column
+    simulation.compute()
+    ours = [system.evaluate(dict(zip(names, point, strict=True))) for point in grid.T.tolist()]
+    for output, levels in simulation.output.items():
+        assert [each[output] for each in ours] == pytest.approx(levels, abs=1e-9), output
 
 
 def sampled_centroid(system: MamdaniSystem, values: dict[str, float]) -> dict[str, float]:

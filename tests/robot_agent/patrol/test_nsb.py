@@ -1,11 +1,26 @@
 """Null-space composition: priority is never broken, whatever the tasks and the speed limit."""
 
+import math
+from itertools import permutations
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robot_agent.patrol.behaviors import Task
+from maps.approach_field import Approach
+from maps.map_folder import load_map_folder
+from robot_agent.config import find_map
+from robot_agent.patrol.behaviors import (
+    Task,
+    patrol_clockwise,
+    patrol_counter_clockwise,
+    patrol_onward,
+    reach_around_walls,
+    reach_frontier,
+    teammate_avoidance,
+)
 from robot_agent.patrol.nsb import compose
 
 coordinate = st.floats(-2.0, 2.0, allow_subnormal=False).map(lambda x: round(x, 6))
@@ -75,3 +90,72 @@ def test_a_third_task_gets_what_two_leave():
     x, y, z = np.eye(3)
     tasks = [Task(0.1 * x, x[None]), Task(y + x, y[None]), Task(x + y + z, z[None])]
     assert compose(tasks) == pytest.approx([0.1, 1.0, 1.0])
+
+
+BORDERS = [
+    load_map_folder(find_map("paper_lab", Path.cwd()), name).border for name in ("border", "open")
+]
+
+
+def behavior(name, border, position, teammate, direction):
+    """Return the task of an elementary behavior of the paper, at its default gains."""
+    foot = border.project(*position)
+    ends = not border.closed and foot.abscissa in (0.0, border.length)
+    match name:
+        case "reach_frontier":
+            return reach_frontier(position, foot, gain=0.3, speed_limit=0.5, beyond_end=ends)
+        case "reach_around_walls":
+            way = Approach(3.0, (math.cos(direction), math.sin(direction)))
+            return reach_around_walls(way, gain=0.3, speed_limit=0.5)
+        case "patrol_clockwise":
+            return patrol_clockwise(foot, speed=0.35)
+        case "patrol_counter_clockwise":
+            return patrol_counter_clockwise(foot, speed=0.35)
+        case "patrol_onward":
+            return patrol_onward(foot, 1 if direction > 0.0 else -1, speed=0.35)
+        case _:
+            return teammate_avoidance(
+                position,
+                teammate,
+                gain=0.3,
+                safety_distance=2.4,
+                speed_limit=0.3,
+                fallback=foot.normal,
+            )
+
+
+BEHAVIORS = (
+    "reach_frontier",
+    "reach_around_walls",
+    "patrol_clockwise",
+    "patrol_counter_clockwise",
+    "patrol_onward",
+    "teammate_avoidance",
+)
+place = st.tuples(st.floats(-2.0, 18.0), st.floats(-2.0, 18.0))
+
+
+@pytest.mark.parametrize(("first", "second"), list(permutations(BEHAVIORS, 2)))
+@settings(max_examples=40, deadline=None)
+@given(
+    border=st.sampled_from(BORDERS),
+    position=place,
+    teammate=place,
+    direction=st.floats(-math.pi, math.pi),
+    limit=st.sampled_from([0.2, 0.5, math.inf]),
+)
+def test_no_behavior_changes_the_task_of_one_before_it(
+    first, second, border, position, teammate, direction, limit
+):
+    primary, secondary = (
+        behavior(name, border, position, teammate, direction) for name in (first, second)
+    )
+    alone, both = compose([primary], limit), compose([primary, secondary], limit)
+    (claimed,) = primary.jacobian
+    assert np.dot(claimed, both) == pytest.approx(np.dot(claimed, alone), abs=1e-9)
+    assert math.hypot(*both) <= limit * (1 + 1e-9)
+    # What the first leaves free is the second's, as far as the limit has room for it.
+    free = (-claimed[1], claimed[0])
+    wanted = np.dot(free, alone) + np.dot(free, secondary.velocity)
+    if math.hypot(np.dot(claimed, alone), wanted) <= limit:
+        assert np.dot(free, both) == pytest.approx(wanted, abs=1e-9)

@@ -63,7 +63,7 @@ def effects(recording: Recording, stream: str) -> list[bytes]:
 
 def test_the_other_robot_is_a_teammate_by_its_band(met: tuple[Fleet, Path]) -> None:
     agent = met[0].robots[0].agent
-    mates = [track for track in agent.tracker.tracks if track.teammate]
+    mates = [track for track in agent.sight.tracker.tracks if track.teammate]
     assert len(mates) == 1
     assert mates[0].by_color
 
@@ -82,7 +82,7 @@ def test_the_person_is_a_stranger_reported_once_with_evidence(met: tuple[Fleet, 
     assert len(first.scan) >= 6
     assert any(isinstance(each, IntruderPayload) and each.picture for each in told)
     strangers = [
-        track for track in fleet.robots[0].agent.tracker.tracks if track.kind is Kind.STRANGER
+        track for track in fleet.robots[0].agent.sight.tracker.tracks if track.kind is Kind.STRANGER
     ]
     assert len(strangers) <= 1
 
@@ -104,9 +104,9 @@ def test_status_tells_of_a_camera_that_is_unplugged_and_robots_go_on(folder: Map
     robot = fleet.robots[0]
     while fleet.t < 5.0:
         fleet.step()
-    assert robot.agent.degraded(fleet.t) == []
+    assert robot.agent.condition.degraded(fleet.t) == []
     robot.agent.handle(LinkDown(round(fleet.t, 6), "camera", "unplugged"))
-    [words] = robot.agent.degraded(fleet.t)
+    [words] = robot.agent.condition.degraded(fleet.t)
     assert "camera down (unplugged)" in words
     assert "size and motion" in words
 

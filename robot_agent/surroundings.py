@@ -1,0 +1,81 @@
+"""What stands about the robot, for the gate: seen, heard, or known to be there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.lms200.scan import Scan
+from drivers.p2os.base_state import BaseState
+from drivers.p2os.model import RobotModel
+from maps.occupancy_map import OccupancyMap
+from maps.pose import Pose
+from robot_agent.config import AgentConfig
+from robot_agent.known_walls import KnownWalls
+from robot_agent.obstacles import Obstacles
+from robot_agent.odometry_history import OdometryHistory
+from robot_agent.perception.track import Track
+from robot_agent.scan_points import ScanProjector, move_points
+from robot_agent.sonar_obstacles import SonarObstacles
+from robot_agent.turning_room import turning_room
+
+_JUST_SEEN = 0.6  # s since a teammate was seen that is taken to be there
+_NEAR = 2.5  # m; teammates farther off are no obstacle yet
+
+
+class Surroundings:
+    """Points in base_link from laser, sonars, the map behind, and teammates near by."""
+
+    def __init__(self, config: AgentConfig, model: RobotModel, occupancy: OccupancyMap) -> None:
+        """Nothing has been seen yet."""
+        self._projector = ScanProjector(Pose(*(config.laser.mount or model.laser_mount)))
+        self._obstacles = Obstacles()
+        self._sonar_obstacles = SonarObstacles(model)
+        self._known_walls = KnownWalls(occupancy, config.gate)
+
+    @property
+    def seen_at(self) -> float | None:
+        """When the latest scan was measured, s."""
+        return self._obstacles.seen_at
+
+    def see(self, scan: Scan, odometry: Pose, history: OdometryHistory) -> NDArray[np.float64]:
+        """Take a scan where odometry was odom_from_base; return its points (n, 2), m, base_link."""
+        points = self._projector.points(scan, *history.twist_at(scan.t))
+        self._obstacles.see(scan.t, odometry, points)
+        return points
+
+    def hear(self, state: BaseState, odometry: Pose, model: RobotModel) -> None:
+        """Take the sonar echoes of a base report where odometry was odom_from_base."""
+        self._sonar_obstacles.hear(state, odometry, model)
+
+    def echoes(self, t: float, odometry: Pose) -> NDArray[np.float64]:
+        """Return (n, 2) m in base_link: what the sonars hear at t, s."""
+        return self._sonar_obstacles.around(t, odometry)
+
+    def seen_around(self, odometry: Pose) -> NDArray[np.float64]:
+        """Return what the latest scan saw near the robot, (n, 2) m, in base_link."""
+        return self._obstacles.around(odometry)
+
+    def around(
+        self, t: float, odometry: Pose, localized: Pose | None, tracks: Sequence[Track]
+    ) -> NDArray[np.float64]:
+        """Return (n, 2) m in base_link: what is seen about the robot, and what must be there.
+
+        ``localized``: map_from_base while it is known; without it no sensor, no obstacle.
+        """
+        parts = [self._obstacles.around(odometry), self._sonar_obstacles.around(t, odometry)]
+        if localized is not None:
+            parts.append(self._known_walls.behind(localized))
+            near = [
+                (track.x, track.y)
+                for track in tracks
+                if track.teammate
+                and t - track.last_seen <= _JUST_SEEN
+                and math.hypot(track.x - localized.x, track.y - localized.y) < _NEAR
+            ]
+            if near:
+                parts.append(turning_room(move_points(np.array(near), localized.inverse())))
+        return np.concatenate(parts)

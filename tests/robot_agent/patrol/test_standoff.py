@@ -1,0 +1,102 @@
+"""Standing off beside the border: a while, and then one insists."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from maps.map_folder import load_map_folder
+from maps.pose import Pose
+from robot_agent.config import find_map, parse_config
+from robot_agent.effects import Publish
+from robot_agent.patrol.actions import Action
+from robot_agent.patrol.settings import PatrolSettings
+from robot_agent.patrol.standoff import Standoff
+from tools.bench.fleet import Fleet
+from tools.bench.robot_body import Outline
+
+AVOID, REACH, PATROL = Action.AVOID_TEAMMATE, Action.REACH_FRONTIER, Action.PATROL_CLOCKWISE
+SETTINGS = PatrolSettings(standoff_time=12.0, longest_avoiding=20.0, insisting_time=8.0)
+
+
+def insisting(places, action=AVOID, way=1.2):
+    """The times, s, of ten steps a second at these places at which the robot insists."""
+    standoff = Standoff(SETTINGS)
+    return [
+        k / 10.0 for k, place in enumerate(places) if standoff.insists(k / 10.0, place, way, action)
+    ]
+
+
+@pytest.mark.parametrize("action", [AVOID, PATROL, Action.KEEP_GOING])
+def test_insists_after_standing_about_for_a_while_and_then_waits_again(action):
+    wandering = [(0.1 * math.sin(k / 7.0), 0.0) for k in range(500)]
+    times = insisting(wandering, action)
+    assert times[0] == pytest.approx(12.0, abs=0.11)
+    assert len([t for t in times if t < 30.0]) == pytest.approx(80, abs=1)
+    again = next(t for t in times if t > 25.0)
+    assert again == pytest.approx(12.0 + 8.0 + 12.0, abs=0.3)
+
+
+def test_somebody_who_gets_on_does_not_insist():
+    assert insisting([(k / 50.0, 0.0) for k in range(500)], PATROL) == []
+
+
+def test_avoiding_all_the_time_ends_wherever_it_leads():
+    times = insisting([(k / 50.0, 0.0) for k in range(300)])
+    assert times[0] == pytest.approx(20.0)
+
+
+def test_on_the_border_and_on_the_way_to_it_there_is_nothing_to_insist_on():
+    assert insisting([(0.0, 0.0)] * 500, AVOID, way=0.25) == []
+    assert insisting([(0.0, 0.0)] * 500, REACH) == []
+
+
+def test_arriving_ends_it():
+    standoff = Standoff(SETTINGS)
+    at = (0.0, 0.0)
+    assert [k for k in range(130) if standoff.insists(k / 10.0, at, 1.0, AVOID)]
+    assert not standoff.insists(13.1, at, 0.2, AVOID)
+    assert not standoff.insists(13.2, at, 1.0, AVOID)  # counts from the border on
+
+
+def test_other_actions_between_begin_the_count_of_avoiding_anew():
+    standoff, insists = Standoff(SETTINGS), []
+    for k in range(350):
+        action = PATROL if k == 150 else AVOID
+        insists.append(standoff.insists(k / 10.0, (k / 50.0, 0.0), 1.2, action))
+    assert not any(insists[:350])
+
+
+class Journal:
+    """Keeps what an agent says."""
+
+    def __init__(self):
+        self.lines = []
+
+    def record_event(self, event):
+        pass
+
+    def record_effect(self, t, effect):
+        if isinstance(effect, Publish) and effect.stream == "event":
+            self.lines.append(effect.payload.decode())
+
+
+def test_a_robot_that_a_box_keeps_beside_the_border_goes_straight_there_and_says_so():
+    """It keeps going along the border, 0.65 m beside it, and stands before the box on its way."""
+    journal, lab = Journal(), load_map_folder(find_map("paper_lab", Path.cwd()))
+    config = parse_config(b"[patrol]\nstandoff_time = 3.0\n", "test")
+    fleet = Fleet(lab, 1, 1, config, [Pose(5.5, 13.0, 0.0)], lambda *_: journal)
+    fleet.world.add_body(Pose(6.3, 13.2, 0.0), Outline(0.1, 0.1, 0.15))
+    agent = fleet.robots[0].agent
+    decisions = []
+    while fleet.t < 15.0:
+        fleet.step()
+        decisions.append(agent.decision)
+    insisting = [decision for decision in decisions if decision is not None and decision.insists]
+    nearest = min(each.distance_from_border for each in insisting)
+    assert nearest < 0.35
+    assert {decision.action for decision in insisting} == {REACH}
+    assert {decision.raw_winner for decision in insisting} != {REACH}
+    said = [line for line in journal.lines if "kept from the border near s" in line]
+    assert said
+    assert fleet.world.contacts == 0

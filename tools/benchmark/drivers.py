@@ -1,0 +1,52 @@
+"""Figures of the drivers: decoding, and both at full rate."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+from maps.map_folder import load_map_folder
+from robot_agent.effects import Effect
+from robot_agent.events import BytesReceived, Event, LinkName
+from tools.bench.driver_load import driver_load
+from tools.bench.fleet import Fleet
+from tools.benchmark.figure import MEASURED_S, SEED, SETTLED_S, Figure
+
+
+def drivers(folder_path: Path) -> Iterator[Figure]:
+    """Time the decoding of base reports and of scans, and load the drivers at full rate."""
+    yield from _decoding(folder_path)
+    share, scans, reports = driver_load(MEASURED_S)
+    yield Figure("driver threads at full rate, share of one core", 100 * share, "%")
+    yield Figure("scans of 361 values at 500 kbaud", scans, "1/s", 37.0, at_least=True)
+    yield Figure("base reports meanwhile", reports, "1/s", 9.5, at_least=True)
+
+
+def _decoding(folder_path: Path) -> Iterator[Figure]:
+    """Time what a settled agent's sessions make of what it heard: from bytes to SI units."""
+    heard: dict[LinkName, list[BytesReceived]] = {"base": [], "laser": []}
+
+    class Listener:
+        """Keeps what a settled agent receives."""
+
+        def record_event(self, event: Event) -> None:
+            """Keep bytes received after the handshakes."""
+            if isinstance(event, BytesReceived) and event.t > SETTLED_S:
+                heard[event.link].append(event)
+
+        def record_effect(self, t: float, effect: Effect) -> None:
+            """Effects do not matter here."""
+
+    fleet = Fleet(load_map_folder(folder_path), 1, SEED, observer=lambda _name, _config: Listener())
+    while fleet.t < 60.0:
+        fleet.step()
+    agent = fleet.robots[0].agent
+    for name, session, events in (
+        ("base report, bytes to SI", agent.base, heard["base"]),
+        ("scan of 181 values, bytes to SI", agent.laser, heard["laser"]),
+    ):
+        started = time.perf_counter()
+        for event in events:
+            session.feed(event.data, event.t)
+        yield Figure(name, 1e6 * (time.perf_counter() - started) / len(events), "us")

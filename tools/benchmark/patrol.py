@@ -1,0 +1,81 @@
+"""Figures of the patrol: the supervisor, and a team in lockstep."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from maps.map_folder import load_map_folder
+from robot_agent.patrol.rules import RULES_FILE, load_rules
+from robot_agent.patrol.settings import PatrolSettings
+from tools.bench.fleet import Fleet, run_bench
+from tools.benchmark.figure import SEED, Figure
+from tools.skfuzzy_peer import simulation_of
+
+
+def supervisor(_folder_path: Path) -> Iterator[Figure]:
+    """Time one evaluation of the fuzzy supervisor."""
+    settings = PatrolSettings()
+    system = load_rules(
+        RULES_FILE,
+        reading=settings.reading,
+        safety_distance=settings.safety_distance,
+        open_border=False,
+    )
+    rng = np.random.default_rng(SEED)
+    inputs = [
+        {
+            "distance_from_border": border,
+            "distance_from_neighbor": neighbor,
+            "neighbor_state": gamma,
+            "distance_from_left_end": np.inf,
+            "distance_from_right_end": np.inf,
+        }
+        for border, neighbor, gamma in (
+            rng.random((2000, 3)) * (3.0, 3.0, 2.0) - (0, 0, 1)
+        ).tolist()
+    ]
+    seconds = _per_call(lambda index: system.evaluate(inputs[index]), len(inputs))
+    yield Figure("fuzzy supervisor, one evaluation", seconds * 1e3, "ms", 0.1)
+    simulation = simulation_of(system, np.linspace(0.0, 1.0, 101))
+
+    def skfuzzy(index: int) -> None:
+        for name, value in inputs[index].items():
+            if name in known:
+                simulation.input[name] = value
+        simulation.compute()
+
+    known = {variable.name for variable in system.inputs}
+    theirs = _per_call(skfuzzy, 100)
+    yield Figure("the same by skfuzzy.control", theirs * 1e3, "ms")
+    yield Figure("as many times faster than skfuzzy.control", theirs / seconds, "x", 300.0, True)
+
+
+def patrol_bench(folder_path: Path) -> Iterator[Figure]:
+    """Run three robots in lockstep with noise and take the distances from the border."""
+    fleet = Fleet(load_map_folder(folder_path), 3, SEED)
+    figures = run_bench(fleet, 300.0)
+    distance = figures["border_distance_m"]
+    yield Figure("distance from border while patrolling, p99", distance["p99"], "m", 0.05)
+    yield Figure("distance from border while patrolling, maximum", distance["max"], "m", 0.10)
+    yield Figure("contacts in 300 s of three robots", figures["contacts"], "", 0)
+    yield Figure(
+        "lockstep bench of three robots",
+        300.0 / figures["wall_s"],
+        "x real time",
+        20.0,
+        at_least=True,
+    )
+
+
+def _per_call(call: Callable[[int], object], count: int) -> float:
+    """Return the median time of a call, s, over ``count`` of them."""
+    times = []
+    for index in range(count):
+        started = time.perf_counter()
+        call(index)
+        times.append(time.perf_counter() - started)
+    return float(np.median(times))
