@@ -160,11 +160,10 @@ class _Edges:
                 terms = (nu * nu, nu * nv, nv * nv, nu * target, nv * target, target * target)
                 sums[:, :, index] += np.array(terms) / edge.sigma**2
                 count[index] += 1.0
-        return cls(*sums, count)
+        uu, uv, vv, right_u, right_v, square = sums
+        return cls(uu, uv, vv, right_u, right_v, square, count)
 
-    def chi2(
-        self, u: NDArray[np.float64], v: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def chi2(self, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the squared residuals over their variances for centres (headings, segments)."""
         linear = self.right_u * u + self.right_v * v
         squares = self.uu * u * u + 2.0 * self.uv * u * v + self.vv * v * v

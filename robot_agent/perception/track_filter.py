@@ -214,9 +214,7 @@ class TrackFilter:
             if detection.misfit > _FITS_NOT:
                 self.identity.note_other_shape()
             elif (
-                detection.misfit < _FITS
-                and self._has_moved
-                and _LEAST_SPEED < speed < _MOST_SPEED
+                detection.misfit < _FITS and self._has_moved and _LEAST_SPEED < speed < _MOST_SPEED
             ):
                 self.identity.note_robot_like()
         if self._whole >= _SIZE_KNOWN and not self.robot_sized:

@@ -32,7 +32,7 @@ class TeammateTracker:
 
     A track is confirmed after a few detections. Pictures tell who wears the team's band; beside the
     camera's view, whom a Pioneer's outline fits while it moves as fast as one is taken for a
-    teammate too. A track is remembered for a while unseen: a robot that turned away does not forget.
+    teammate too. A track is remembered for a while unseen: a robot that turns away does not forget.
     """
 
     def __init__(
