@@ -137,6 +137,7 @@ class Localizer:
         if increment is not None:
             self._filter.predict(increment)
         self._last_odometry = odometry
+        points = self._without_hiding(odometry, points)
         if self._uprooted:
             self._rivals.remember(increment, points)
         # 2. Weigh them by the scan.
@@ -158,6 +159,13 @@ class Localizer:
         # 6. Renew the set for the next scan.
         self._filter.resample(self._search_samples if self._searching else self._settings.samples)
         return self.estimate
+
+    def _without_hiding(self, odometry: Pose, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Leave out what lies on a large unmapped thing before a robot that knows where it is."""
+        if self.estimate is None or self.estimate.health is Health.LOST or self._searching:
+            return points
+        hiding = self._check.hiding(self.estimate.pose_at(odometry), points)
+        return points if hiding is None else points[~hiding]
 
     def _search_again(self, points: NDArray[np.float64]) -> None:
         """Search the whole map, but keep the old belief: a crowd may only have hidden the map."""

@@ -137,7 +137,7 @@ class Refinement:
 
 def as_complex(points: NDArray[np.float64]) -> NDArray[np.complex64]:
     """Return points (m, 2) as x + iy: turning them is then one multiplication."""
-    return (points[:, 0] + 1j * points[:, 1]).astype(np.complex64)
+    return points.astype(np.float32, order="C").view(np.complex64)[:, 0]
 
 
 def turned(ends: NDArray[np.complex64], pose: Pose) -> NDArray[np.complex64]:

@@ -37,7 +37,7 @@ class ScanCheck:
     ) -> None:
         self._settings = settings
         self._surface = surface
-        self._cells = occupancy.cells
+        self._padded = np.pad(occupancy.cells, 1, constant_values=UNKNOWN)  # what lies outside
         self._scale = 1.0 / occupancy.resolution
         self._origin = complex(occupancy.origin.x, occupancy.origin.y)
         # Half a cell apart, so that no wall of one cell is stepped over.
@@ -56,6 +56,27 @@ class ScanCheck:
         on_floor = int(np.count_nonzero(self._states(pose, arms[short]) == FREE))
         excused = min(on_floor, int(self._settings.excused * len(ends)))
         return Fit(total / len(ends), total / (len(ends) - excused))
+
+    def hiding(self, pose: Pose, points: NDArray[np.float64]) -> NDArray[np.bool_] | None:
+        """Return (m,) which end points lie on something unmapped that hides much of the map.
+
+        points (m, 2), base_link, m. None if there is no such thing: it stands close before the
+        robot, on free floor, and what is seen beside it fits the map at the pose.
+        """
+        settings = self._settings
+        near = np.einsum("ij,ij->i", points, points) < settings.hiding_reach**2
+        least = settings.excused * len(points)  # fewer do no harm
+        if np.count_nonzero(near) <= least:
+            return None
+        arms = turned(as_complex(points), pose)
+        distance = self._surface.sample(pose, arms)[2]
+        hiding = near & (distance > settings.short)
+        hiding[hiding] = self._states(pose, arms[hiding]) == FREE
+        beside = distance[~hiding]
+        if len(points) - len(beside) <= least or len(beside) < TOO_FEW_POINTS:
+            return None
+        fit = float(np.exp(beside * beside * self._half).mean())
+        return hiding if fit >= settings.beside_above else None
 
     def through(self, pose: Pose, points: NDArray[np.float64]) -> float:
         """Return the share of the beams to end points (m, 2) that pass through mapped walls."""
@@ -76,7 +97,7 @@ class ScanCheck:
             self._scale
         )
         rows, cols = np.floor(pixels.imag).astype(np.intp), np.floor(pixels.real).astype(np.intp)
-        height, width = self._cells.shape
-        inside = (rows >= 0) & (rows < height) & (cols >= 0) & (cols < width)
-        states = self._cells[np.clip(rows, 0, height - 1), np.clip(cols, 0, width - 1)]
-        return np.where(inside, states, np.uint8(UNKNOWN))
+        height, width = self._padded.shape
+        rows = np.minimum(np.maximum(rows + 1, 0), height - 1)
+        cols = np.minimum(np.maximum(cols + 1, 0), width - 1)
+        return np.asarray(self._padded.take(rows * width + cols))

@@ -84,6 +84,8 @@ class CheckSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     sigma: Positive = 0.1  # m; an end point this far from the map fits by 61 %
     short: Positive = 0.3  # m; an end on free floor, farther than this from the map: a person
     excused: Share = 0.3  # of the beams, at most: that many people are thought possible
+    hiding_reach: Positive = 1.5  # m; what hides more than that is nearer
+    beside_above: Share = 0.85  # fit of what is seen beside it, for the pose to be trusted
     rays: Count = 45  # beams followed through the map, at most
     reach: Positive = 10.0  # m; how far they are followed
     margin: Positive = 0.3  # m before the end of a beam that may touch a wall

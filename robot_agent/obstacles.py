@@ -25,7 +25,8 @@ class Obstacles:
         """Take a scan's points (n, 2), m, base_link at t, where odometry was odom_from_base."""
         self.seen_at = t
         self._odom_from_scan = odometry
-        self._points = points[(points**2).sum(axis=1) < REACH**2]
+        x, y = points.T
+        self._points = points[x * x + y * y < REACH**2]
 
     def around(self, odometry: Pose) -> NDArray[np.float64]:
         """Return the points (n, 2), m, in base_link where odometry is odom_from_base."""

@@ -101,15 +101,17 @@ class Recorder:
         self._unmarked = 0
 
     def _run(self, header: RunHeader) -> None:
-        """Write until told to end; a refusal of the disk becomes ``failed``."""
+        """Write until told to end; a refusal of the disk, or its own death, becomes ``failed``."""
+        trouble = "its thread has died: start the agent again"
         try:
             with self.path.open("wb") as file:
                 trouble = self._write_run(file, header)
         except (OSError, ValueError) as error:
             trouble = getattr(error, "strerror", None) or str(error)
-        if trouble:
-            self.failed = f"{self.path}: recording stopped: {trouble}"
-            self._queue.clear()
+        finally:
+            if trouble:
+                self.failed = f"{self.path}: recording stopped: {trouble}"
+                self._queue.clear()
 
     def _write_run(self, file: BinaryIO, header: RunHeader) -> str:
         """Write a whole recording; return why it had to end early, empty if it had not.

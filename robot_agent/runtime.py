@@ -99,7 +99,7 @@ class Runtime:
         self._pose_file = pose_file
         self._notifier = ServiceNotifier()
         self._watch = ProcessWatch(agent.config.robot.name, clock.start_wall_ns)
-        self._recorder_trouble = ""
+        self._troubles: dict[str, str] = {}
         self._inbox: SimpleQueue[Event] = SimpleQueue()
         self._links: dict[LinkName, Link] = {
             "base": self._make_link("base", agent.config.base.url, agent.config.base.baud),
@@ -204,12 +204,17 @@ class Runtime:
         self._note("process", "process", report, t)
         if not trouble and lost:
             trouble = "the disk is too slow: parts of the recording are lost"
-        if trouble and trouble != self._recorder_trouble:
+        self._tell_trouble("recorder", trouble, t)
+        self._tell_trouble("telemetry", self._telemetry.failed, t)
+
+    def _tell_trouble(self, part: str, trouble: str, t: float) -> None:
+        """Tell once what is wrong with a part beside the agent."""
+        if trouble and trouble != self._troubles.get(part):
             stamp = timestamp_at(t, self._clock.start_wall_ns)
-            log = Log(timestamp=stamp, level=LogLevel.ERROR, message=trouble, name="recorder")
+            log = Log(timestamp=stamp, level=LogLevel.ERROR, message=trouble, name=part)
             self._note("process_log", "event", encode(log), t)
             self._journal.write(encode(log))
-        self._recorder_trouble = trouble
+        self._troubles[part] = trouble
 
     def _note(self, topic: str, stream: str, payload: bytes, t: float) -> None:
         self._telemetry.publish(stream, payload)

@@ -74,7 +74,7 @@ class StreamTrust:
         """Tell a scan from that of a laser that is blind, or shows the same for ever."""
         moving = base is not None and _is_moving(base)
         self._frozen_laser.take(scan.ranges.tobytes(), moving=moving)
-        returns = float(np.isfinite(scan.ranges).mean())
+        returns = np.count_nonzero(np.isfinite(scan.ranges)) / max(scan.ranges.size, 1)
         if returns < LEAST_RETURNS or self._frozen_laser.frozen:
             return False
         self._watch.well(LASER, t)

@@ -95,17 +95,26 @@ class Telemetry:
             self._thread.join(CLOSE_S)
 
     def _run(self) -> None:
-        """Open the session and publish until told to end."""
+        """Open the session and publish until told to end; what else ends it becomes ``failed``."""
+        trouble = "its thread has died: start the agent again"
+        try:
+            trouble = self._publish_all()
+        finally:
+            self.failed = trouble and f"no telemetry to {self._operator}: {trouble}"
+            self.connected = None
+
+    def _publish_all(self) -> str:
+        """Publish until told to end; return what was in the way, empty for nothing."""
         try:
             import zenoh
         except ImportError as error:
-            self.failed = f"no telemetry: {error}; install eclipse-zenoh"
-            return
+            return f"{error}; install eclipse-zenoh"
         try:
             with zenoh.open(session_config(self._operator, self._keys)) as session:
                 self._serve(session)
         except zenoh.ZError as error:
-            self.failed = f"no telemetry to {self._operator}: {plain_reason(error)}"
+            return plain_reason(error)
+        return ""
 
     def _serve(self, session: zenoh.Session) -> None:
         """Say that the robot is there, then publish what is queued as it comes."""

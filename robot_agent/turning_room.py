@@ -1,7 +1,8 @@
 """Room for teammates near by: each may turn where it stands, and its corners sweep a circle.
 
 Two robots that stop nose to nose and both turn round would otherwise touch with their corners,
-which neither sees coming.
+which neither sees coming. Known is the middle of a teammate's body; it turns about its axle, which
+lies 0.046 m before that, in whatever direction it faces.
 """
 
 from __future__ import annotations
@@ -11,7 +12,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-RADIUS = 0.37  # m about the middle of a Pioneer, what its corners reach in a turn
+RADIUS = 0.42
+"""m about the middle of a Pioneer: corners reach 0.369 m about the axle, and the axle lies 0.046 m
+off the middle."""
 _OWN = 0.40  # m about the axle; nearer points would only keep this robot from turning away
 _STEPS = 16
 _ANGLES = np.arange(_STEPS) * (math.tau / _STEPS)

@@ -7,6 +7,7 @@ come where a robot asks for one: they switch its motors off and on again.
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
 import os
 import time
@@ -69,6 +70,8 @@ class SoakHour:
     recordings_mb: float
     recordings: int
     records_lost: int
+    touched: tuple[str, ...] = ()
+    """The contacts of this hour: when each began, s, and who touched what."""
 
 
 def random_faults(robots: int, duration: float, every: float, seed: int) -> list[BenchFault]:
@@ -176,6 +179,7 @@ class Soak:
         self._dead_until = [-math.inf] * robots
         self._contacts_blind = 0
         self._contacts_seen = 0
+        self._touched: list[str] = []
 
     def hours(self, progress: Callable[[float], None] = lambda _: None) -> Iterator[SoakHour]:
         """Run to the end, an hour at a time."""
@@ -218,8 +222,15 @@ class Soak:
         new = fleet.world.contacts - self._contacts_seen
         if new:
             self._contacts_seen += new
+            for contact in fleet.world.contact_log[-new:]:
+                other = "a wall" if contact.other is None else self._name(contact.other)
+                self._touched.append(f"{fleet.t:.1f} s: {self._name(contact.body)}, {other}")
             if any(until >= fleet.t for until in self._dead_until):
                 self._contacts_blind += new
+
+    def _name(self, body: int) -> str:
+        robots = {robot.rig.body.index: robot.rig.name for robot in self.fleet.robots}
+        return robots.get(body, f"body {body}")
 
     def _row(
         self, times: list[float], places: list[list[tuple[float, float]]], wall: float
@@ -229,6 +240,7 @@ class Soak:
         assert border is not None
         visits = border_visits(border, [np.array(place) for place in places], np.array(times))
         idleness = idleness_figures(visits)["idleness_s"]
+        touched, self._touched = self._touched, []
         files = list(self._target.glob("*.mcap"))
         return SoakHour(
             hour=round(fleet.t / HOUR_S, 3),
@@ -244,13 +256,38 @@ class Soak:
             recordings_mb=round(sum(path.stat().st_size for path in files) / 1e6, 1),
             recordings=len(files),
             records_lost=sum(recording.lost for recording in self.recordings),
+            touched=tuple(touched),
         )
 
 
+class SoakLog:
+    """Keeps what a soak has shown so far in files, hour by hour: a kill loses the last hour only.
+
+    ``path`` gets a JSON line per hour, and beside it ``.summary.json`` the summary of them all.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Begin anew; what an earlier run has left there goes."""
+        self._path = path
+        self._rows: list[SoakHour] = []
+        path.write_text("")
+
+    def add(self, row: SoakHour) -> None:
+        """Write an hour's row, and the summary up to it."""
+        self._rows.append(row)
+        with self._path.open("a") as file:
+            file.write(json.dumps(dataclasses.asdict(row)) + "\n")
+        fresh = self._path.with_suffix(".new")
+        fresh.write_text(json.dumps(summary(self._rows), indent=2) + "\n")
+        fresh.replace(self._path.with_suffix(".summary.json"))
+
+
 def summary(rows: list[SoakHour]) -> dict[str, Any]:
-    """Return the whole run: its last row, and slopes over the hours after the first."""
+    """Return the whole run: its last row, all contacts, slopes over the hours after the first."""
     return {
         **dataclasses.asdict(rows[-1]),
+        "touched": [words for row in rows for words in row.touched],
+        "times_real_time": round(rows[-1].hour * HOUR_S / rows[-1].wall_s, 1),
         "memory_slope_mb_per_hour": slope([(row.hour, row.memory_mb) for row in rows[1:]]),
         "idleness_slope_s_per_hour": slope(
             [(row.hour, row.idleness_average_s) for row in rows if row.idleness_average_s]

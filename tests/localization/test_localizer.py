@@ -281,3 +281,22 @@ def test_slip_in_a_bare_corridor_is_found_at_once(corridor) -> None:
         estimate = localizer.update(float(index), odometry, corridor.scan(truth, rng))
         assert error(estimate.pose, truth)[0] < 0.3
     assert estimate.health is not Health.LOST
+
+
+def test_a_board_before_a_standing_robot_does_not_move_its_pose(room) -> None:
+    """Somebody sets down a board of 1.6 m that looks like a wall, and takes it away again."""
+    truth, rng = Pose(3.0, 2.0, 0.4), np.random.default_rng(3)
+    localizer = new_localizer(room)
+    localizer.start_at(truth, 0.1, 0.05)
+    for index in range(60):
+        points = room.scan(truth, rng)
+        if 20 <= index < 50:
+            bearing = np.arctan2(points[:, 1], points[:, 0])
+            on_board = np.abs(bearing) < math.atan2(0.8, 0.6)
+            points[on_board] = np.column_stack(
+                (np.full(on_board.sum(), 0.6), 0.6 * np.tan(bearing[on_board]))
+            )
+        estimate = localizer.update(0.1 * index, Pose(0, 0, 0), points)
+        assert error(estimate.pose, truth)[0] < 0.1
+        if index >= 20:
+            assert estimate.health is Health.LOCALIZED

@@ -72,3 +72,35 @@ def test_a_beam_that_ends_just_behind_its_wall_does_not_pass_it(room, check: Sca
     length = np.linalg.norm(points, axis=1, keepdims=True)
     assert check.through(TRUTH, points * (1.0 + 0.1 / length)) == 0.0
     assert check.through(TRUTH, points * (1.0 + 1.0 / length)) > 0.9
+
+
+def with_board(points, ahead: float = 0.6, half_width: float = 0.7):
+    """End points of a scan with a flat board across the robot's way."""
+    bearing = np.arctan2(points[:, 1], points[:, 0])
+    on_board = (np.abs(np.tan(bearing)) * ahead < half_width) & (np.abs(bearing) < 1.5)
+    changed = points.copy()
+    changed[on_board, 0] = ahead
+    changed[on_board, 1] = ahead * np.tan(bearing[on_board])
+    return changed, on_board
+
+
+def test_what_hides_much_of_the_map_is_found(room, check: ScanCheck) -> None:
+    points, on_board = with_board(room.scan(TRUTH))
+    hiding = check.hiding(TRUTH, points)
+    assert hiding is not None
+    assert hiding.tolist() == on_board.tolist()
+
+
+def test_little_or_far_or_no_thing_hides_nothing(room, check: ScanCheck) -> None:
+    scan = room.scan(TRUTH)
+    assert check.hiding(TRUTH, scan) is None
+    assert check.hiding(TRUTH, with_board(scan, half_width=0.2)[0]) is None
+    assert check.hiding(TRUTH, with_board(scan, ahead=1.6, half_width=1.5)[0]) is None
+
+
+def test_where_nothing_beside_it_fits_the_pose_is_not_trusted(room, check: ScanCheck) -> None:
+    points, _ = with_board(room.scan(TRUTH))
+    elsewhere = Pose(TRUTH.x + 0.5, TRUTH.y + 0.6, TRUTH.theta + 0.5)
+    assert check.hiding(elsewhere, points) is None
+    blocked, _ = with_board(room.scan(TRUTH), half_width=9.0)
+    assert check.hiding(TRUTH, blocked) is None  # nothing is seen beside it

@@ -11,12 +11,13 @@ from robot_agent.turning_room import RADIUS, turning_room
 
 
 def test_a_robot_stops_before_another_ones_circle_where_both_can_turn() -> None:
+    """Also before one that faces it, whose axle is nearer than its middle."""
     body, gate = SweptBody(GateSettings()), GateSettings()
     corner = math.hypot(gate.rear, gate.half_width)
-    for distance in np.arange(0.80, 1.6, 0.05):
+    axle_before_middle = (gate.rear - gate.front) / 2.0
+    for distance in np.arange(0.84, 1.6, 0.02):
         free = 1.0 * body.free_share(1.0, 0.0, turning_room(np.array([[distance, 0.0]])))
-        left = distance - free
-        assert left > 2 * corner
+        assert distance - free - axle_before_middle > 2 * corner
     assert body.free_share(1.0, 0.0, turning_room(np.array([[2.2, 0.0]]))) == 1.0
 
 

@@ -1,5 +1,6 @@
 """A short soak: random faults, persons who help, recordings that make room."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -8,7 +9,7 @@ from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools import soak
 from tools.bench.bench_fault import BenchFault, FaultKind
-from tools.soak import Soak, random_faults, slope
+from tools.soak import Soak, SoakHour, SoakLog, random_faults, slope
 
 
 def test_faults_are_of_every_kind_and_reproducible():
@@ -42,3 +43,23 @@ def test_a_robot_stuck_for_long_is_helped_and_recordings_rotate(
     assert rows[-1].records_lost == 0
     assert speeds[0] < 0.1 < max(speeds[2:]), "patrols again after the person came"
     assert "robot1-20000101T000000Z.mcap" not in {path.name for path in tmp_path.iterdir()}
+
+
+def test_what_a_killed_soak_has_shown_is_on_disk(tmp_path: Path) -> None:
+    path = tmp_path / "soak.jsonl"
+    path.write_text("of an earlier run\n")
+    log = SoakLog(path)
+    for hour in (1.0, 2.0, 3.0):
+        log.add(row(hour, memory_mb=100.0 + hour, touched=(f"{hour} s: robot1, a wall",)))
+        lines = [json.loads(line) for line in path.read_text().splitlines()]
+        assert [line["hour"] for line in lines] == [float(n) for n in range(1, len(lines) + 1)]
+        told = json.loads((tmp_path / "soak.summary.json").read_text())
+        assert told["hour"] == hour
+        assert len(told["touched"]) == len(lines)
+    assert told["memory_slope_mb_per_hour"] == pytest.approx(1.0)
+    assert told["times_real_time"] == 14.4
+
+
+def row(hour: float, **changed: object) -> SoakHour:
+    values: dict[str, object] = dict.fromkeys(SoakHour.__dataclass_fields__, 0)
+    return SoakHour(**values | {"hour": hour, "wall_s": 250.0 * hour, "touched": ()} | changed)  # type: ignore[arg-type]

@@ -11,7 +11,7 @@ from pathlib import Path
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.progress import Progress
-from tools.soak import HOUR_S, Soak, SoakHour, summary
+from tools.soak import HOUR_S, Soak, SoakHour, SoakLog, summary
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -32,7 +32,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="mean time between two faults of a robot",
     )
     parser.add_argument("--record", type=Path, metavar="DIR", help="keep the last recordings there")
-    parser.add_argument("--json", type=Path, metavar="OUT", help="write a JSON line per hour")
+    parser.add_argument(
+        "--json",
+        type=Path,
+        metavar="OUT.jsonl",
+        help="write a line there after each hour, and OUT.summary.json: a kill loses an hour",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -40,6 +45,7 @@ def run(options: argparse.Namespace) -> int:
     folder = load_map_folder(find_map(options.map, Path.cwd()))
     duration = options.hours * HOUR_S
     rows: list[SoakHour] = []
+    log = SoakLog(options.json) if options.json else None
     with (
         tempfile.TemporaryDirectory(prefix="patrol-soak-") as kept,
         Progress("soak", duration, "s") as progress,
@@ -54,10 +60,8 @@ def run(options: argparse.Namespace) -> int:
         )
         for row in soak.hours(progress):
             rows.append(row)
-            line = json.dumps(dataclasses.asdict(row))
-            print(line, flush=True)
-            if options.json:
-                with options.json.open("a") as file:
-                    file.write(line + "\n")
+            print(json.dumps(dataclasses.asdict(row)), flush=True)
+            if log is not None:
+                log.add(row)
     print(json.dumps(summary(rows), indent=2))
     return 1 if rows[-1].contacts or rows[-1].records_lost else 0
