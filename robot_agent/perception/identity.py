@@ -20,7 +20,7 @@ _WRONG_SIZE = -0.25  # seen whole and not as large as a robot
 _REFLECTOR = 1.0  # reflecting tape at the laser's height
 
 _TEAMMATE, _STRANGER = 1.5, -1.5  # nats at which somebody becomes one
-_MOST_BY_LASER = 2.0  # nats; three pictures without a band are enough against it
+_MOST_BY_LASER = 2.0  # nats either way; three pictures are enough against it
 _KEPT = 0.0  # nats down (or up) to which somebody stays one
 
 
@@ -70,11 +70,19 @@ class Identity:
 
     def note_robot_like(self) -> None:
         """A Pioneer's outline fits it, and it moves as one."""
-        self._add(min(_ROBOT_LIKE, max(_MOST_BY_LASER - self._log_odds, 0.0)))
+        if not self._told_by_color:
+            self._add(min(_ROBOT_LIKE, max(_MOST_BY_LASER - self._log_odds, 0.0)))
 
     def note_other_shape(self) -> None:
         """It is as large as a Pioneer, whose outline does not fit."""
-        self._add(_OTHER_SHAPE)
+        if not self._told_by_color:
+            self._add(max(_OTHER_SHAPE, min(-_MOST_BY_LASER - self._log_odds, 0.0)))
+
+    @property
+    def _told_by_color(self) -> bool:
+        """Whether pictures have settled it: another team's robot has a robot's outline too, and a
+        teammate may carry what changes its own."""
+        return self.by_color and self.kind is not Kind.UNKNOWN
 
     def note_too_fast(self) -> None:
         """It is faster than a robot."""

@@ -59,15 +59,28 @@ def test_what_looks_and_moves_like_a_robot_is_a_teammate_until_pictures_say_othe
     assert identity.kind is Kind.STRANGER
 
 
-def test_a_second_of_another_shape_makes_a_stranger_but_no_more_than_doubts_a_band() -> None:
-    unknown, banded = Identity(), Identity()
-    for _ in range(6):
-        banded.note_band(0.9)
+def test_a_second_of_another_shape_makes_a_stranger_until_pictures_show_a_band() -> None:
+    identity = Identity()
     for _ in range(5):
-        unknown.note_other_shape()
-        banded.note_other_shape()
-    assert unknown.kind is Kind.STRANGER
+        identity.note_other_shape()
+    assert identity.kind is Kind.STRANGER
+    for _ in range(50):
+        identity.note_other_shape()
+    for _ in range(4):
+        identity.note_band(0.9)
+    assert identity.kind is Kind.TEAMMATE
+
+
+def test_shape_does_not_undo_what_pictures_have_settled() -> None:
+    banded, bare = Identity(), Identity()
+    for _ in range(4):
+        banded.note_band(0.9)
+        bare.note_no_band()
+    for _ in range(50):
+        banded.note_other_shape()  # a teammate that carries something
+        bare.note_robot_like()  # a robot of another team
     assert banded.kind is Kind.TEAMMATE
+    assert bare.kind is Kind.STRANGER
 
 
 def test_probabilities_add_up_to_one() -> None:
