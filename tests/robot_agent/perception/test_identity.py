@@ -42,14 +42,32 @@ def test_a_teammate_whose_band_is_hidden_for_a_second_stays_one() -> None:
     assert identity.kind is Kind.STRANGER, "but not for ever"
 
 
-def test_without_pictures_a_robot_that_moves_is_a_teammate_until_pictures_say_otherwise() -> None:
+def test_what_looks_and_moves_like_a_robot_is_a_teammate_until_pictures_say_otherwise() -> None:
     identity = Identity()
-    identity.note_robot_like()
+    for _ in range(3):
+        identity.note_robot_like()
+        assert identity.kind is Kind.UNKNOWN
+    for _ in range(50):
+        identity.note_robot_like()
     assert identity.kind is Kind.TEAMMATE
     assert not identity.by_color
-    for _ in range(6):
+    for _ in range(3):
+        identity.note_no_band()
+    assert identity.kind is Kind.UNKNOWN, "laser evidence never outweighs three pictures"
+    for _ in range(2):
         identity.note_no_band()
     assert identity.kind is Kind.STRANGER
+
+
+def test_a_second_of_another_shape_makes_a_stranger_but_no_more_than_doubts_a_band() -> None:
+    unknown, banded = Identity(), Identity()
+    for _ in range(6):
+        banded.note_band(0.9)
+    for _ in range(5):
+        unknown.note_other_shape()
+        banded.note_other_shape()
+    assert unknown.kind is Kind.STRANGER
+    assert banded.kind is Kind.TEAMMATE
 
 
 def test_probabilities_add_up_to_one() -> None:
