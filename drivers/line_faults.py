@@ -7,116 +7,18 @@ same seed and the same traffic give the same faults.
 from __future__ import annotations
 
 import math
-import re
 from collections import deque
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from drivers.emulated_port import EmulatedDevice
+from drivers.fault_plan import FaultPlan
 from drivers.timed_bytes import TimedBytes
 
 SPLIT_GAP = 0.02  # s between the halves of bytes that are split
 _BITS_PER_BYTE = 10
-
-
-class FaultSpecError(ValueError):
-    """A fault specification that cannot be used; the message names the part and a remedy."""
-
-
-@dataclass(frozen=True, slots=True)
-class Span:
-    """A time from ``begin`` to ``end`` (s) since the line was first used."""
-
-    begin: float
-    end: float
-
-    def __contains__(self, t: float) -> bool:
-        return self.begin <= t < self.end
-
-
-@dataclass(frozen=True, slots=True)
-class FaultPlan:
-    """What shall go wrong, in both directions.
-
-    drop, corrupt: probability per byte of being lost, of one bit being wrong.
-    duplicate, split, delay: probability per piece of traffic (what is sent at once) of coming
-    twice, in two parts, and ``delay_time`` (s) late; order is kept.
-    silences: nothing passes. cuts: the same, and the port goes away. resets: the device restarts.
-    """
-
-    drop: float = 0.0
-    corrupt: float = 0.0
-    duplicate: float = 0.0
-    split: float = 0.0
-    delay: float = 0.0
-    delay_time: float = 0.0
-    silences: tuple[Span, ...] = ()
-    cuts: tuple[Span, ...] = ()
-    resets: tuple[float, ...] = ()
-
-
-_EXAMPLE = (
-    "use e.g. drop=0.01,corrupt=0.001,duplicate=0.01,split=0.1,delay=0.05:0.2,"
-    "silence=5:8,cut=12:15,reset=20"
-)
-
-
-def parse_faults(spec: str) -> FaultPlan:
-    """Read faults from ``name=value,name=value``.
-
-    Probabilities are 0 to 1, times s; ``delay=P:S``, ``silence=FROM:TO``, ``cut=FROM:TO`` and
-    ``reset=AT``, the last three as often as wanted. Raises FaultSpecError.
-    """
-    plan = FaultPlan()
-    for part in filter(None, (piece.strip() for piece in spec.split(","))):
-        name, given, text = part.partition("=")
-        if not given:
-            raise FaultSpecError(f"fault '{part}': has no value; {_EXAMPLE}")
-        plan = _with(plan, name.strip(), _numbers(part, text), part)
-    return plan
-
-
-def _with(plan: FaultPlan, name: str, numbers: Sequence[float], part: str) -> FaultPlan:
-    match name, len(numbers):
-        case "drop", 1:
-            return replace(plan, drop=_probability(numbers[0], part))
-        case "corrupt", 1:
-            return replace(plan, corrupt=_probability(numbers[0], part))
-        case "duplicate", 1:
-            return replace(plan, duplicate=_probability(numbers[0], part))
-        case "split", 1:
-            return replace(plan, split=_probability(numbers[0], part))
-        case "delay", 2:
-            return replace(plan, delay=_probability(numbers[0], part), delay_time=numbers[1])
-        case "silence", 2:
-            return replace(plan, silences=(*plan.silences, _span(numbers, part)))
-        case "cut", 2:
-            return replace(plan, cuts=(*plan.cuts, _span(numbers, part)))
-        case "reset", 1:
-            return replace(plan, resets=tuple(sorted((*plan.resets, *numbers))))
-    raise FaultSpecError(f"fault '{part}': no such fault, or not its values; {_EXAMPLE}")
-
-
-def _numbers(part: str, text: str) -> list[float]:
-    found = [value.strip() for value in text.split(":")]
-    if not all(re.fullmatch(r"\d+\.?\d*|\.\d+", value) for value in found):
-        raise FaultSpecError(f"fault '{part}': values are numbers, not negative; {_EXAMPLE}")
-    return [float(value) for value in found]
-
-
-def _probability(value: float, part: str) -> float:
-    if value > 1.0:
-        raise FaultSpecError(f"fault '{part}': a probability is 0 to 1; {_EXAMPLE}")
-    return value
-
-
-def _span(span: Sequence[float], part: str) -> Span:
-    begin, end = span
-    if begin >= end:
-        raise FaultSpecError(f"fault '{part}': ends before it begins; {_EXAMPLE}")
-    return Span(begin, end)
 
 
 @dataclass(slots=True)
@@ -154,7 +56,7 @@ class _Direction:
 
 
 class LineFaults:
-    """An emulated device behind a bad line.
+    """An emulated device behind a line that goes bad by a plan, and by switches while it runs.
 
     The owner may set ``on_cut(t)`` and ``on_restored(t)`` (take the port away, bring it back) and
     ``on_reset(t)`` (restart the device); they are called when their time has come, during ``feed``
@@ -163,6 +65,17 @@ class LineFaults:
 
     def __init__(self, device: EmulatedDevice, plan: FaultPlan, rng: np.random.Generator) -> None:
         self.plan = plan
+        self.deaf = False
+        """Nothing the client sends arrives."""
+        self.mute = False
+        """Nothing the device sends arrives."""
+        self.frozen = False
+        """The device's last packet or telegram comes again in place of each new one."""
+        self.spoilt = 0.0
+        """Share of the device's packets of which one byte arrives wrong."""
+        self.late = 0.0
+        """s that all from the device comes late."""
+        self._last = b""
         self.counters = FaultCounters()
         self.on_cut: Callable[[float], None] = _nothing
         self.on_restored: Callable[[float], None] = _nothing
@@ -181,7 +94,8 @@ class LineFaults:
     def feed(self, data: bytes, t: float) -> None:
         """Take bytes from the client; the device gets what the line leaves of them."""
         self._let_pass(t)
-        self._send(self._to_device, data, t)
+        if not self.deaf:
+            self._send(self._to_device, data, t)
         self._deliver(t)
 
     def take_output(self, t: float) -> list[TimedBytes]:
@@ -189,7 +103,12 @@ class LineFaults:
         self._let_pass(t)
         self._deliver(t)
         for item in self._device.take_output(t):
-            self._send(self._from_device, item.data, item.t)
+            if not self.frozen:
+                self._last = item.data
+            if not self.mute:
+                self._send(
+                    self._from_device, self._with_a_wrong_byte(self._last), item.t + self.late
+                )
         return self._from_device.arrived(t)
 
     def _let_pass(self, t: float) -> None:
@@ -236,6 +155,15 @@ class LineFaults:
             data, t = data[at:], t + SPLIT_GAP
         if data:
             direction.put(data, t)
+
+    def _with_a_wrong_byte(self, packet: bytes) -> bytes:
+        """Return a packet as it is, or with one byte wrong."""
+        rng = self._from_device.rng
+        if not self.spoilt or rng.random() >= self.spoilt:
+            return packet
+        place = int(rng.integers(len(packet)))
+        wrong = packet[place] ^ int(rng.integers(1, 256))
+        return packet[:place] + bytes((wrong,)) + packet[place + 1 :]
 
     def _spoil(self, data: bytes, rng: np.random.Generator) -> bytes:
         """Lose and flip single bytes."""

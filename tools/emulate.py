@@ -15,7 +15,8 @@ from typing import Self
 import numpy as np
 
 from drivers.emulated_port import EmulatedDevice, PtyPort, TcpPort
-from drivers.line_faults import LineFaults, parse_faults
+from drivers.fault_plan import parse_faults
+from drivers.line_faults import LineFaults
 from drivers.p2os.model import load_model
 from maps.map_folder import MapFolder
 from maps.pose import Pose

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from robot_agent.events import LinkName
 from tools.bench.agent_stage import AgentStage
+from tools.bench.cable import Cable
 from tools.fault import (
     IN_SESSION_LIMIT_S,
     RETURN_LIMIT_S,
@@ -15,9 +17,88 @@ from tools.fault import (
     setting,
 )
 
+_SENT: dict[LinkName, str] = {"base": "report", "laser": "scan"}
+_NOISE = 0.2
+_DELAY_S = 0.4
 
-def _mute_base(stage: AgentStage) -> None:
-    stage.base_line.mute = True
+
+def _cable(stage: AgentStage, link: LinkName) -> Cable:
+    return stage.base_cable if link == "base" else stage.laser_cable
+
+
+def _pulled(link: LinkName) -> Callable[[AgentStage], None]:
+    return lambda stage: _cable(stage, link).pull()
+
+
+def _put_back(link: LinkName) -> Callable[[AgentStage], None]:
+    return lambda stage: _cable(stage, link).put_back()
+
+
+def _left_out(link: LinkName) -> Callable[[AgentStage], None]:
+    """Start the agent without one of its devices."""
+
+    def begin(stage: AgentStage) -> None:
+        stage.end_agent()
+        _cable(stage, link).pull()
+        stage.start_agent()
+
+    return begin
+
+
+def _switch(link: LinkName, name: str, value: object) -> Callable[[AgentStage], None]:
+    return setting(f"{link}_line", name, value)
+
+
+def _faults_of(link: LinkName, unplugged: Expected, back: float) -> tuple[Fault, ...]:
+    """Return what can happen to either line; ``back``: limit, s, after the line is whole again."""
+    sent = _SENT[link]
+    return (
+        Fault(
+            f"{link}-unplugged",
+            f"{link}'s cable unplugged, replugged",
+            _pulled(link),
+            _put_back(link),
+            unplugged,
+            back_within=back,
+        ),
+        Fault(
+            f"{link}-absent",
+            f"agent started with no {link}; plugged in",
+            _left_out(link),
+            _put_back(link),
+            Expected.AGENT_STOPS,
+            back_within=RETURN_LIMIT_S if link == "base" else None,
+        ),
+        Fault(
+            f"{link}-silent",
+            f"{link}'s {sent}s are lost",
+            _switch(link, "mute", True),
+            _switch(link, "mute", False),
+            Expected.AGENT_STOPS,
+            back_within=back,
+        ),
+        Fault(
+            f"{link}-noise",
+            f"{100 * _NOISE:g} % of the {link}'s {sent}s corrupt",
+            _switch(link, "spoilt", _NOISE),
+            _switch(link, "spoilt", 0.0),
+            Expected.MAY_PATROL,
+        ),
+        Fault(
+            f"{link}-slow",
+            f"{link}'s {sent}s come {_DELAY_S:g} s late",
+            _switch(link, "late", _DELAY_S),
+            _switch(link, "late", 0.0),
+            Expected.MAY_PATROL,
+        ),
+        Fault(
+            f"{link}-stuck",
+            f"{link}'s last {sent} comes again and again",
+            _switch(link, "frozen", True),
+            _switch(link, "frozen", False),
+            Expected.AGENT_STOPS,
+        ),
+    )
 
 
 def _cut_base(stage: AgentStage) -> None:
@@ -26,11 +107,6 @@ def _cut_base(stage: AgentStage) -> None:
 
 def _mend_base(stage: AgentStage) -> None:
     stage.base_line.mute = stage.base_line.deaf = False
-    stage.base_line.corrupt = 0.0
-
-
-def _spoil_base(stage: AgentStage) -> None:
-    stage.base_line.corrupt = 0.2
 
 
 def _reset_base(stage: AgentStage) -> None:
@@ -47,39 +123,8 @@ def _switch_base_on(stage: AgentStage) -> None:
     _mend_base(stage)
 
 
-def _mute_laser(stage: AgentStage) -> None:
-    stage.laser_line.mute = True
-
-
-def _spoil_laser(stage: AgentStage) -> None:
-    stage.laser_line.corrupt = 0.2
-
-
-def _mend_laser(stage: AgentStage) -> None:
-    stage.laser_line.mute = False
-    stage.laser_line.corrupt = 0.0
-
-
-def _leave_out(link: str) -> Callable[[AgentStage], None]:
-    """Start the agent without one of its devices."""
-
-    def begin(stage: AgentStage) -> None:
-        stage.end_agent()
-        (stage.base_cable if link == "base" else stage.laser_cable).pull()
-        stage.start_agent()
-
-    return begin
-
-
 LINE_FAULTS: tuple[Fault, ...] = (
-    Fault(
-        "base-unplugged",
-        "base's cable unplugged, replugged",
-        lambda stage: stage.base_cable.pull(),
-        lambda stage: stage.base_cable.put_back(),
-        Expected.BASE_STOPS,
-        back_within=IN_SESSION_LIMIT_S,
-    ),
+    *_faults_of("base", Expected.BASE_STOPS, IN_SESSION_LIMIT_S),
     Fault(
         "base-cut",
         "base's line dead both ways, port stays",
@@ -87,21 +132,6 @@ LINE_FAULTS: tuple[Fault, ...] = (
         _mend_base,
         Expected.BASE_STOPS,
         back_within=IN_SESSION_LIMIT_S,
-    ),
-    Fault(
-        "base-silent",
-        "base hears, its reports are lost",
-        _mute_base,
-        _mend_base,
-        Expected.AGENT_STOPS,
-        back_within=IN_SESSION_LIMIT_S,
-    ),
-    Fault(
-        "base-noise",
-        "20 % of the base's packets corrupt",
-        _spoil_base,
-        _mend_base,
-        Expected.MAY_PATROL,
     ),
     Fault(
         "base-reset",
@@ -119,77 +149,12 @@ LINE_FAULTS: tuple[Fault, ...] = (
         Expected.BASE_STOPS,
         back_within=START_UP_S + RETURN_LIMIT_S,
     ),
-    Fault(
-        "laser-unplugged",
-        "laser's cable unplugged, replugged",
-        lambda stage: stage.laser_cable.pull(),
-        lambda stage: stage.laser_cable.put_back(),
-        Expected.AGENT_STOPS,
-        back_within=RETURN_LIMIT_S,
-    ),
-    Fault(
-        "laser-silent",
-        "laser's scans are lost",
-        _mute_laser,
-        _mend_laser,
-        Expected.AGENT_STOPS,
-        back_within=RETURN_LIMIT_S,
-    ),
-    Fault(
-        "laser-noise",
-        "20 % of the laser's telegrams corrupt",
-        _spoil_laser,
-        _mend_laser,
-        Expected.MAY_PATROL,
-    ),
+    *_faults_of("laser", Expected.AGENT_STOPS, RETURN_LIMIT_S),
     Fault(
         "laser-power",
         "laser switched off, then on: power-on telegram",
         lambda stage: stage.rig.laser.power_off(stage.step().t),
         lambda stage: stage.rig.laser.power_on(stage.step().t),
-        Expected.AGENT_STOPS,
-    ),
-    Fault(
-        "base-absent",
-        "agent started with no base; plugged in",
-        _leave_out("base"),
-        lambda stage: stage.base_cable.put_back(),
-        Expected.AGENT_STOPS,
-        back_within=RETURN_LIMIT_S,
-    ),
-    Fault(
-        "base-slow",
-        "base's reports come 0.4 s late",
-        setting("base_line", "delay", 0.4),
-        setting("base_line", "delay", 0.0),
-        Expected.MAY_PATROL,
-    ),
-    Fault(
-        "base-stuck",
-        "base's last report comes again and again",
-        setting("base_line", "frozen", True),
-        setting("base_line", "frozen", False),
-        Expected.AGENT_STOPS,
-    ),
-    Fault(
-        "laser-absent",
-        "agent started with no laser; plugged in",
-        _leave_out("laser"),
-        lambda stage: stage.laser_cable.put_back(),
-        Expected.AGENT_STOPS,
-    ),
-    Fault(
-        "laser-slow",
-        "laser's scans come 0.4 s late",
-        setting("laser_line", "delay", 0.4),
-        setting("laser_line", "delay", 0.0),
-        Expected.MAY_PATROL,
-    ),
-    Fault(
-        "laser-stuck",
-        "laser's last scan comes again and again",
-        setting("laser_line", "frozen", True),
-        setting("laser_line", "frozen", False),
         Expected.AGENT_STOPS,
     ),
     Fault(

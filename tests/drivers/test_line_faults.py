@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from drivers.line_faults import FaultPlan, FaultSpecError, LineFaults, Span, parse_faults
+from drivers.fault_plan import FaultPlan, FaultSpecError, Span, parse_faults
+from drivers.line_faults import LineFaults
 from drivers.timed_bytes import TimedBytes
 
 

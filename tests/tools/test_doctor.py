@@ -23,14 +23,16 @@ import pytest
 
 from drivers.camera import Picture
 from drivers.camera_source import CameraSettings
+from drivers.fault_plan import FaultPlan
+from drivers.line_faults import LineFaults
 from drivers.lms200.errors import Severity
 from drivers.lms200.health import LaserHealth
 from drivers.p2os.base_state import BaseState
 from maps.map_folder import load_map_folder
 from robot_agent.config import AgentConfig, load_config
 from tools.bench.agent_stage import START, make_room
+from tools.bench.cable import Cable
 from tools.bench.emulated_camera import CameraServer, EmulatedCamera
-from tools.bench.faulty_line import Cable, FaultyLine
 from tools.bench.real_time_rig import RealTimeRig
 from tools.bench.rig import RobotRig
 from tools.bench.world import World
@@ -63,8 +65,8 @@ class RobotOnTheBench:
         world = World(load_map_folder(folder / "room").map, rng)
         now = time.monotonic()
         self.rig = RobotRig("robot1", world, world.add_body(START), now, later_firmware=True)
-        self.base_line = FaultyLine(self.rig.base, rng)
-        self.laser_line = FaultyLine(self.rig.laser, rng)
+        self.base_line = LineFaults(self.rig.base, FaultPlan(), rng)
+        self.laser_line = LineFaults(self.rig.laser, FaultPlan(), rng)
         self.base_cable = Cable(self.base_line, folder / "base")
         self.laser_cable = Cable(self.laser_line, folder / "laser")
         self.camera = CameraServer(EmulatedCamera(world, self.rig.body).take)
@@ -170,12 +172,12 @@ class BrokenSetUp:
     mend: Callable[[RobotOnTheBench], object]
 
 
-def cut(line: FaultyLine, *, whole: bool) -> None:
+def cut(line: LineFaults, *, whole: bool) -> None:
     line.deaf = line.mute = not whole
 
 
-def spoil(line: FaultyLine, share: float) -> None:
-    line.corrupt = share
+def spoil(line: LineFaults, share: float) -> None:
+    line.spoilt = share
 
 
 BROKEN_SET_UPS = (

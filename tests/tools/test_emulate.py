@@ -22,7 +22,7 @@ import serial
 
 from drivers.camera import Camera, wait_for_picture
 from drivers.camera_source import CameraSettings
-from drivers.line_faults import FaultSpecError
+from drivers.fault_plan import FaultSpecError
 from drivers.p2os.model import UnknownModelError
 from maps.map_folder import MapFolder, load_map_folder
 from maps.pose import Pose

@@ -20,6 +20,8 @@ from typing import Self
 import msgspec
 import numpy as np
 
+from drivers.fault_plan import FaultPlan
+from drivers.line_faults import LineFaults
 from maps.map_folder import load_map_folder
 from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap, save_map
 from maps.pose import Pose
@@ -30,10 +32,11 @@ from robot_agent.config import (
     StartSettings,
     format_config,
 )
+from tools.bench.cable import Cable
 from tools.bench.cpu_limit import CpuLimit
 from tools.bench.emulated_camera import CameraServer, EmulatedCamera
-from tools.bench.faulty_line import Cable, FaultyLine, OrderTap
 from tools.bench.flood import Flood
+from tools.bench.order_tap import OrderTap
 from tools.bench.real_time_rig import RealTimeRig
 from tools.bench.rig import RobotRig
 from tools.bench.world import World
@@ -118,8 +121,8 @@ class AgentStage:
         self.world = World(self._content.map, rng)
         self.rig = RobotRig("robot1", self.world, self.world.add_body(START), time.monotonic())
         self.tap = OrderTap(self.rig.base)
-        self.base_line = FaultyLine(self.tap, rng)
-        self.laser_line = FaultyLine(self.rig.laser, rng)
+        self.base_line = LineFaults(self.tap, FaultPlan(), rng)
+        self.laser_line = LineFaults(self.rig.laser, FaultPlan(), rng)
         self.base_cable = Cable(self.base_line, folder / "base")
         self.laser_cable = Cable(self.laser_line, folder / "laser")
         self._camera: CameraServer | None = None

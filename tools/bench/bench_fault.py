@@ -12,9 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from drivers.fault_plan import FaultPlan
+from drivers.line_faults import LineFaults
 from maps.map_folder import MapFolder
 from maps.pose import Pose
-from tools.bench.faulty_line import FaultyLine
 from tools.bench.rig import RobotRig
 from tools.bench.start_poses import free_start_poses
 
@@ -175,8 +176,8 @@ class FaultInjector:
     ) -> None:
         """Put lines that can fail between a robot's devices and its agent."""
         self._rng = np.random.default_rng(seed)
-        self.base = FaultyLine(rig.base, self._rng)
-        self.laser = FaultyLine(rig.laser, self._rng)
+        self.base = LineFaults(rig.base, FaultPlan(), self._rng)
+        self.laser = LineFaults(rig.laser, FaultPlan(), self._rng)
         self._rig = rig
         self._folder = folder
         self._to_come = deque(sorted(faults, key=lambda fault: fault.start))
@@ -198,7 +199,7 @@ class FaultInjector:
         self.agent_dead = FaultKind.DEAD in on
         self.base.mute = self.agent_dead or FaultKind.DEAF in on
         self.laser.mute = self.agent_dead or FaultKind.BLIND in on
-        self.base.corrupt = self.laser.corrupt = NOISE if FaultKind.NOISY in on else 0.0
+        self.base.spoilt = self.laser.spoilt = NOISE if FaultKind.NOISY in on else 0.0
         self._rig.stuck = FaultKind.STUCK in on
 
     def _carry_aside(self) -> None:

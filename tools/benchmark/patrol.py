@@ -12,6 +12,7 @@ from maps.map_folder import load_map_folder
 from robot_agent.patrol.rules import RULES_FILE, load_rules
 from robot_agent.patrol.settings import PatrolSettings
 from tools.bench.fleet import Fleet, run_bench
+from tools.bench.ideal_fleet import IdealFleet, run_ideal_bench
 from tools.benchmark.figure import SEED, Figure
 from tools.skfuzzy_peer import simulation_of
 
@@ -55,20 +56,27 @@ def supervisor(_folder_path: Path) -> Iterator[Figure]:
 
 
 def patrol_bench(folder_path: Path) -> Iterator[Figure]:
-    """Run three robots in lockstep with noise and take the distances from the border."""
-    fleet = Fleet(load_map_folder(folder_path), 3, SEED)
+    """Run robots in lockstep, take the distances from the border, and time the benches."""
+    folder = load_map_folder(folder_path)
+    fleet = Fleet(folder, 3, SEED)
+    started = time.process_time()
     figures = run_bench(fleet, 300.0)
+    three = 300.0 / (time.process_time() - started)
     distance = figures["border_distance_m"]
     yield Figure("distance from border while patrolling, p99", distance["p99"], "m", 0.05)
     yield Figure("distance from border while patrolling, maximum", distance["max"], "m", 0.10)
     yield Figure("contacts in 300 s of three robots", figures["contacts"], "", 0)
-    yield Figure(
-        "lockstep bench of three robots",
-        300.0 / figures["wall_s"],
-        "x real time",
-        20.0,
-        at_least=True,
-    )
+    yield Figure("lockstep bench of three robots", three, "x real time", 20.0, at_least=True)
+    fleet = Fleet(folder, 20, SEED)
+    started = time.process_time()
+    run_bench(fleet, 30.0)
+    twenty = 30.0 / (time.process_time() - started)
+    yield Figure("lockstep bench of 20 robots", twenty, "x real time", 3.0, at_least=True)
+    ideal_fleet = IdealFleet(folder, 20, SEED)
+    started = time.process_time()
+    run_ideal_bench(ideal_fleet, 300.0)
+    ideal = 300.0 / (time.process_time() - started)
+    yield Figure("ideal bench of 20 robots", ideal, "x real time", 100.0, at_least=True)
 
 
 def _per_call(call: Callable[[int], object], count: int) -> float:

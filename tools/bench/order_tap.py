@@ -1,69 +1,16 @@
-"""What can go wrong between an emulated device and its client, and what went over the line."""
+"""A tap on a base's line that knows whether the base is told to stand or to move."""
 
 from __future__ import annotations
 
 import math
-from collections import deque
-from pathlib import Path
 
-import numpy as np
-
-from drivers.emulated_port import EmulatedDevice, PtyPort
+from drivers.emulated_port import EmulatedDevice
 from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import decode_command
 from drivers.p2os.framing import PacketFramer
 from drivers.timed_bytes import TimedBytes
 
 _STANDING_ORDERS = frozenset((CommandNumber.STOP, CommandNumber.E_STOP, CommandNumber.CLOSE))
-
-
-class FaultyLine:
-    """A device behind a line that can be switched silent or noisy, each way, while it runs."""
-
-    def __init__(self, device: EmulatedDevice, rng: np.random.Generator) -> None:
-        self._device = device
-        self._rng = rng
-        self.deaf = False
-        """Nothing the client sends arrives."""
-        self.mute = False
-        """Nothing the device sends arrives."""
-        self.corrupt = 0.0
-        """Share of the device's packets of which one byte arrives wrong."""
-        self.delay = 0.0
-        """s that all from the device comes late."""
-        self.frozen = False
-        """The device's last packet or telegram comes again in place of each new one."""
-        self._last = b""
-        self._under_way: deque[TimedBytes] = deque()
-
-    @property
-    def baud(self) -> int:
-        """The device's present rate."""
-        return self._device.baud
-
-    def feed(self, data: bytes, t: float) -> None:
-        """Pass on bytes from the client."""
-        if not self.deaf:
-            self._device.feed(data, t)
-
-    def take_output(self, t: float) -> list[TimedBytes]:
-        """Pass on what has left the device by ``t``."""
-        for item in self._device.take_output(t):
-            if not self.frozen:
-                self._last = item.data
-            if not self.mute:
-                self._under_way.append(TimedBytes(item.t + self.delay, self._spoilt(self._last)))
-        passed = []
-        while self._under_way and self._under_way[0].t <= t:
-            passed.append(self._under_way.popleft())
-        return passed
-
-    def _spoilt(self, data: bytes) -> bytes:
-        if self._rng.random() >= self.corrupt:
-            return data
-        place = int(self._rng.integers(len(data)))
-        wrong = data[place] ^ int(self._rng.integers(1, 256))
-        return data[:place] + bytes((wrong,)) + data[place + 1 :]
 
 
 class OrderTap:
@@ -150,32 +97,3 @@ class OrderTap:
     def _note(self, order: str, t: float) -> None:
         if not self.first_order:
             self.first_order, self.first_at = order, t
-
-
-class Cable:
-    """A pty to a device under a name that stays, as udev gives it; can be pulled and put back."""
-
-    def __init__(self, device: EmulatedDevice, path: Path) -> None:
-        self.path = path
-        self._device = device
-        self._port: PtyPort | None = None
-        self.put_back()
-
-    def put_back(self) -> None:
-        """Plug the cable in: the name appears, for whatever device node there is now."""
-        self._port = PtyPort(self._device)
-        self.path.symlink_to(self._port.url)
-
-    def pull(self) -> None:
-        """Unplug the cable: the name goes, and who has the port open is hung up on."""
-        if self._port is not None:
-            self.path.unlink()
-            self._port.close()
-            self._port = None
-
-    def pump(self, t: float) -> None:
-        """Carry bytes both ways; with the cable pulled, what the device sends is lost."""
-        if self._port is not None:
-            self._port.pump(t)
-        else:
-            self._device.take_output(t)

@@ -8,9 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drivers.fault_plan import FaultPlan
+from drivers.line_faults import LineFaults
 from drivers.p2os.emulator import P2osEmulator
 from drivers.p2os.model import load_model
-from tools.bench.faulty_line import Cable, FaultyLine, OrderTap
+from tools.bench.cable import Cable
+from tools.bench.order_tap import OrderTap
 
 SYNC0 = bytes.fromhex("FAFB03000000")
 SYNC1 = bytes.fromhex("FAFB03010001")
@@ -31,14 +34,14 @@ def base() -> P2osEmulator:
 
 
 def test_sound_line_passes_everything_on(base: P2osEmulator) -> None:
-    line = FaultyLine(base, np.random.default_rng(1))
+    line = LineFaults(base, FaultPlan(), np.random.default_rng(1))
     line.feed(SYNC0, 0.0)
     assert b"".join(item.data for item in line.take_output(1.0)) == SYNC0
     assert line.baud == 9600
 
 
 def test_deaf_line_takes_nothing_and_mute_line_gives_nothing(base: P2osEmulator) -> None:
-    line = FaultyLine(base, np.random.default_rng(1))
+    line = LineFaults(base, FaultPlan(), np.random.default_rng(1))
     line.deaf = True
     line.feed(SYNC0, 0.0)
     assert line.take_output(1.0) == []
@@ -50,8 +53,8 @@ def test_deaf_line_takes_nothing_and_mute_line_gives_nothing(base: P2osEmulator)
 
 
 def test_spoilt_packet_differs_in_one_byte(base: P2osEmulator) -> None:
-    line = FaultyLine(base, np.random.default_rng(1))
-    line.corrupt = 1.0
+    line = LineFaults(base, FaultPlan(), np.random.default_rng(1))
+    line.spoilt = 1.0
     line.feed(SYNC0, 0.0)
     received = b"".join(item.data for item in line.take_output(1.0))
     assert len(received) == len(SYNC0)
@@ -110,8 +113,8 @@ def test_cable_keeps_its_name_over_unplugging(base: P2osEmulator, tmp_path: Path
 
 
 def test_slow_line_gives_everything_late(base: P2osEmulator) -> None:
-    line = FaultyLine(base, np.random.default_rng(1))
-    line.delay = 0.5
+    line = LineFaults(base, FaultPlan(), np.random.default_rng(1))
+    line.late = 0.5
     line.feed(SYNC0, 0.0)
     assert line.take_output(0.4) == []
     late = line.take_output(1.0)
@@ -120,7 +123,7 @@ def test_slow_line_gives_everything_late(base: P2osEmulator) -> None:
 
 
 def test_frozen_line_repeats_what_was_last_sent(base: P2osEmulator) -> None:
-    line = FaultyLine(base, np.random.default_rng(1))
+    line = LineFaults(base, FaultPlan(), np.random.default_rng(1))
     line.feed(SYNC0, 0.0)
     line.take_output(1.0)
     line.frozen = True
