@@ -60,4 +60,4 @@ class CameraWatch:
         if state in ("off", "clear"):
             return ""
         why = f" ({self.reason})" if state == "down" else ""
-        return f"camera {state}{why}: robots are told by size and motion alone"
+        return f"camera {state}{why}: robots are told by outline and motion alone"

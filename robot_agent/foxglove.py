@@ -236,7 +236,11 @@ STRANGER_COLOR = Color(0.9, 0.3, 0.1, 0.8)
 UNKNOWN_COLOR = Color(0.6, 0.6, 0.6, 0.8)
 
 
-TRACK_COLORS = {"teammate": TEAMMATE_COLOR, "stranger": STRANGER_COLOR}
+TRACK_COLORS = {
+    "teammate": TEAMMATE_COLOR,
+    "stranger": STRANGER_COLOR,
+    "intruder": STRANGER_COLOR,
+}
 
 
 def track_entity(
@@ -250,7 +254,8 @@ def track_entity(
 ) -> SceneEntity:
     """Draw one track (map frame, m and m/s): a cylinder, and an arrow as long as it goes in 1 s.
 
-    kind: teammate, stranger or unknown; probability: that it is.
+    kind: teammate, stranger, unknown, or intruder for a stranger who was reported as one;
+    probability: of what it is taken for.
     """
     color = TRACK_COLORS.get(kind, UNKNOWN_COLOR)
     x, y = position[0], position[1]

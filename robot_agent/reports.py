@@ -293,6 +293,8 @@ class Reports:
         )
 
     def _tracks(self, stamp: Timestamp) -> Payload:
+        sight = self._agent.sight
+        intruders = {each.track for each in sight.intruders.known} if sight.intruders else set()
         return SceneUpdate(
             entities=[
                 track_entity(
@@ -300,14 +302,14 @@ class Reports:
                     track.id,
                     (track.x, track.y),
                     (track.vx, track.vy),
-                    kind=track.kind,
+                    kind="intruder" if track.id in intruders else track.kind,
                     probability=max(
                         track.probabilities.teammate,
                         track.probabilities.stranger,
                         track.probabilities.unknown,
                     ),
                 )
-                for track in self._agent.sight.tracker.tracks
+                for track in sight.tracker.tracks
             ]
         )
 

@@ -13,12 +13,14 @@ _MOST = 5.0  # nats either way: nobody is so sure that a second of new evidence 
 # a single independent one would be worth, as pictures in a row show the same light and background.
 _BAND = 1.2  # the team's band, where and as far as the laser sees something
 _NO_BAND = -0.8  # none, though it would be in the picture
-_ROBOT_LIKE = 3.0  # it moves as a robot does and is as large; counts only without colour
+_ROBOT_LIKE = 0.4  # a Pioneer's outline fits it, and it moves as fast as one
+_OTHER_SHAPE = -0.4  # as large as a robot, but no Pioneer's outline fits
 _TOO_FAST = -0.5  # faster than any robot of the team drives
 _WRONG_SIZE = -0.25  # seen whole and not as large as a robot
 _REFLECTOR = 1.0  # reflecting tape at the laser's height
 
 _TEAMMATE, _STRANGER = 1.5, -1.5  # nats at which somebody becomes one
+_MOST_BY_LASER = 2.0  # nats either way; three pictures are enough against it
 _KEPT = 0.0  # nats down (or up) to which somebody stays one
 
 
@@ -67,8 +69,20 @@ class Identity:
         self._add(_NO_BAND)
 
     def note_robot_like(self) -> None:
-        """It moves and is as large as a robot; call it once, and only where no camera tells."""
-        self._add(_ROBOT_LIKE)
+        """A Pioneer's outline fits it, and it moves as one."""
+        if not self._told_by_color:
+            self._add(min(_ROBOT_LIKE, max(_MOST_BY_LASER - self._log_odds, 0.0)))
+
+    def note_other_shape(self) -> None:
+        """It is as large as a Pioneer, whose outline does not fit."""
+        if not self._told_by_color:
+            self._add(max(_OTHER_SHAPE, min(-_MOST_BY_LASER - self._log_odds, 0.0)))
+
+    @property
+    def _told_by_color(self) -> bool:
+        """Whether pictures have settled it: another team's robot has a robot's outline too, and a
+        teammate may carry what changes its own."""
+        return self.by_color and self.kind is not Kind.UNKNOWN
 
     def note_too_fast(self) -> None:
         """It is faster than a robot."""

@@ -15,6 +15,7 @@ from enum import Enum, auto
 import numpy as np
 from numpy.typing import NDArray
 
+from robot_agent.perception.outline_fit import SightEdge, fit_outlines
 from robot_agent.perception.settings import PerceptionSettings
 
 _LEAST_POINTS = 3
@@ -26,6 +27,8 @@ _LEAST_FILL = 0.6  # share of the beams a solid object of this width would retur
 _MOST_SEGMENTS = 6  # nearest ones kept: a scan that fits no map must not flood the tracker
 _COARSEST_INCREMENT = math.radians(1.0)
 _FINEST_INCREMENT = math.radians(0.25)
+_EDGE_SIGMA = 0.01  # m; of an edge, beyond what the beams' spacing leaves open
+_GRAZED = 0.55  # m between neighbouring points on a robot's side seen along it, at most
 _OCCLUDER_STEP = 0.15  # m by which a neighbouring beam must be nearer to hide an edge
 
 # Depth from the nearest point to the centre, m, against the width seen, m: the means over the
@@ -47,21 +50,34 @@ class Segment:
     """A robot, a person or a thing in one scan.
 
     x, y: estimated centre in base_link, m. extent: width seen across the line of sight, m.
-    sigma_along, sigma_across: standard deviations of the centre along and across the line of
-    sight, m. points: how many beams met it. whole: enough of it is seen to tell its size; otherwise
-    it is a part that may belong to somebody already known. robot_sized: it may be a robot.
-    reflecting: it has a reflector, where the laser tells.
+    var_x, var_y, cov_xy: of the centre, m^2, base_link. points: how many beams met it. whole:
+    enough of it is seen to tell its size; otherwise it is a part that may belong to somebody
+    already known. robot_sized: it may be a robot. misfit: how badly a Pioneer's outline fits
+    (``OutlineFit``), infinite where none was tried. reflecting: it has a reflector, where the
+    laser tells.
     """
 
     x: float
     y: float
     extent: float
-    sigma_along: float
-    sigma_across: float
+    var_x: float
+    var_y: float
+    cov_xy: float
     points: int
     whole: bool
     robot_sized: bool = True
+    misfit: float = math.inf
     reflecting: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class _Run:
+    """Neighbouring points first..last, as a segment before any fit, with its edges in sight."""
+
+    first: int
+    last: int
+    edges: tuple[SightEdge, ...]
+    segment: Segment
 
 
 def find_segments(
@@ -82,17 +98,40 @@ def find_segments(
         return []
     increment = _angular_increment(points)
     firsts, lasts = _runs(points, ranges, indices, increment, settings.segment_gap)
-    segments = [
-        segment
+    runs = [
+        run
         for first, last in zip(firsts.tolist(), lasts.tolist(), strict=True)
         if last - first + 1 >= _LEAST_POINTS
-        and (segment := _segment(points, ranges, first, last, increment, settings)) is not None
+        and (run := _run(points, ranges, first, last, increment, settings)) is not None
     ]
+    segments = [each.segment for each in runs if not each.segment.robot_sized]
+    segments += _fitted(points, [each for each in runs if each.segment.robot_sized])
     if reflectors is not None and reflectors.any():
         segments = [_with_reflector(segment, points, reflectors) for segment in segments]
     segments = _people(segments, settings)
     segments.sort(key=_distance)
     return segments[:_MOST_SEGMENTS]
+
+
+def _fitted(points: NDArray[np.float64], runs: list[_Run]) -> list[Segment]:
+    """Return the segments of runs that may be robots, each where a robot's outline fits best."""
+    fits = fit_outlines(
+        [points[each.first : each.last + 1] for each in runs],
+        [(each.segment.x, each.segment.y) for each in runs],
+        [each.edges for each in runs],
+    )
+    return [
+        replace(
+            *(run.segment,),
+            x=fit.x,
+            y=fit.y,
+            var_x=fit.var_x,
+            var_y=fit.var_y,
+            cov_xy=fit.cov_xy,
+            misfit=fit.misfit,
+        )
+        for run, fit in zip(runs, fits, strict=True)
+    ]
 
 
 def _distance(segment: Segment) -> float:
@@ -143,8 +182,9 @@ def _person(a: Segment, b: Segment) -> Segment:
         x=(a.x + b.x) / 2,
         y=(a.y + b.y) / 2,
         extent=_apart(a, b) + (a.extent + b.extent) / 2,
-        sigma_along=_LEG_SIGMA,
-        sigma_across=_LEG_SIGMA,
+        var_x=_LEG_SIGMA**2,
+        var_y=_LEG_SIGMA**2,
+        cov_xy=0.0,
         points=a.points + b.points,
         whole=True,
         robot_sized=False,
@@ -178,15 +218,15 @@ def _runs(
     return firsts, lasts
 
 
-def _segment(
+def _run(
     points: NDArray[np.float64],
     ranges: NDArray[np.float64],
     first: int,
     last: int,
     increment: float,
     settings: PerceptionSettings,
-) -> Segment | None:
-    """Return the segment of points first..last if it can be a robot, else None."""
+) -> _Run | None:
+    """Return the run of points first..last if it can be somebody, else None."""
     right = _edge(points, ranges, first, -1, increment, settings.segment_gap)
     left = _edge(points, ranges, last, +1, increment, settings.segment_gap)
     if right is Edge.JOINED and left is Edge.JOINED:
@@ -224,15 +264,43 @@ def _segment(
     else:
         distance = near + min(0.4 * extent, _HALF_DEPTHS[-1])
     offset, sigma_across = _across(right, left, rightmost, leftmost, settings.half_width)
-    return Segment(
+    along_variance, across_variance = (0.08 if partial else 0.05) ** 2, sigma_across**2
+    segment = Segment(
         x=distance * ux - offset * uy,
         y=distance * uy + offset * ux,
         extent=extent,
-        sigma_along=0.08 if partial else 0.05,
-        sigma_across=sigma_across,
+        var_x=ux * ux * along_variance + uy * uy * across_variance,
+        var_y=uy * uy * along_variance + ux * ux * across_variance,
+        cov_xy=ux * uy * (along_variance - across_variance),
         points=count,
         whole=extent >= settings.least_extent or not partial,
         robot_sized=robot_sized or partial,
+    )
+    edges = tuple(
+        _sight_edge(points[index], ranges[index], side, increment)
+        for edge, index, side in ((right, first, -1), (left, last, 1))
+        if edge is Edge.CLEAR and _passes(points, index, side)
+    )
+    return _Run(first, last, edges, segment)
+
+
+def _passes(points: NDArray[np.float64], index: int, side: int) -> bool:
+    """Tell whether the beam beside the last of a run passes a robot by, rather than graze it."""
+    dx, dy = (points[index + side] - points[index]).tolist()
+    return math.hypot(dx, dy) > _GRAZED
+
+
+def _sight_edge(
+    point: NDArray[np.float64], distance: float, side: int, increment: float
+) -> SightEdge:
+    """Return the edge beyond the last point of a run; side: 1 to its left, -1 to its right."""
+    half_spacing = 0.5 * increment * float(distance)
+    x, y = point.tolist()
+    return SightEdge(
+        normal_x=-side * y / distance,
+        normal_y=side * x / distance,
+        offset=half_spacing,
+        sigma=math.hypot(half_spacing / math.sqrt(3.0), _EDGE_SIGMA),
     )
 
 

@@ -56,7 +56,7 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     motion_window: Positive = 2.5  # s over which displacement is judged
     motion_distance: Positive = 0.20  # m, beyond twice the position's sigma
 
-    most_robot_speed: Positive = 0.75  # m/s; whoever is faster is none of the team
+    most_robot_speed: Positive = 0.65  # m/s; whoever is faster is none of the team
     reflecting_bands: bool = False  # teammates wear reflecting tape at the laser's height
 
     # What sonars tell of a track that no laser sees.

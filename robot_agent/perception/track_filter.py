@@ -17,6 +17,10 @@ from robot_agent.perception.track import Track
 _SAMPLE_PERIOD = 0.2  # s between the past positions kept to judge motion
 _BROKEN_SIGHT = 3  # misses in a row after which the thing seen next may be another one
 _SIZE_KNOWN = 5  # times seen whole after which its size says something
+_START = 0.1  # m; how far off whoever starts or stops between two scans may be
+_MANOEUVRE_GATE = 9.2  # squared Mahalanobis distance (99 %) beyond which its speed has changed
+_FITS, _FITS_NOT = 0.6, 1.0  # misfit of most robots, and of few
+_LEAST_SPEED, _MOST_SPEED = 0.2, 0.55  # m/s of a robot that patrols; people walk faster
 _POSITION_OF_STATE = np.eye(2, 4)
 
 
@@ -25,7 +29,8 @@ class Detection:
     """A measured centre: x, y in m, map frame; variances and covariance in m^2.
 
     whole: enough of it was seen to start a track. robot_sized: it may be a robot by its size.
-    reflecting: it has a reflector, where the laser tells.
+    misfit: how badly a Pioneer's outline fits. reflecting: it has a reflector, where the laser
+    tells.
     """
 
     x: float
@@ -35,6 +40,7 @@ class Detection:
     cov_xy: float
     whole: bool
     robot_sized: bool = True
+    misfit: float = math.inf
     reflecting: bool = False
 
 
@@ -62,7 +68,7 @@ class TrackFilter:
         self.hits = 1
         self.misses = 0
         self._t = t
-        self._moved = self._has_moved = False
+        self._has_moved = False
         self._next_evidence = t
         self._whole, self._robot_sized = 1, int(detection.robot_sized)
         self._past: deque[_PastPosition] = deque()
@@ -100,21 +106,36 @@ class TrackFilter:
 
     def gate_distance(self, detection: Detection) -> float:
         """Return the squared Mahalanobis distance of a detection, infinite outside the gate."""
-        x, P = self._kalman.x, self._kalman.P
-        dx, dy = detection.x - float(x[0]), detection.y - float(x[1])
-        if math.hypot(dx, dy) > self._settings.gate_distance:
+        x = self._kalman.x
+        if math.hypot(detection.x - float(x[0]), detection.y - float(x[1])) > (
+            self._settings.gate_distance
+        ):
             return math.inf
-        sxx = float(P[0, 0]) + detection.var_x
-        syy = float(P[1, 1]) + detection.var_y
-        sxy = float(P[0, 1]) + detection.cov_xy
-        squared = (syy * dx * dx - 2.0 * sxy * dx * dy + sxx * dy * dy) / (sxx * syy - sxy * sxy)
+        squared = self._squared_distance(detection, _START**2)
         return squared if squared <= self._settings.gate else math.inf
 
-    def hit(self, t: float, detection: Detection, *, motion_tells: bool) -> None:
-        """Take in a detection made at t; call ``predict(t)`` before.
+    def _squared_distance(self, detection: Detection, more: float) -> float:
+        """Return a detection's squared Mahalanobis distance, with more variance, m^2, per axis."""
+        x, P = self._kalman.x, self._kalman.P
+        dx, dy = detection.x - float(x[0]), detection.y - float(x[1])
+        sxx = float(P[0, 0]) + detection.var_x + more
+        syy = float(P[1, 1]) + detection.var_y + more
+        sxy = float(P[0, 1]) + detection.cov_xy
+        return (syy * dx * dx - 2.0 * sxy * dx * dy + sxx * dy * dy) / (sxx * syy - sxy * sxy)
 
-        motion_tells: there are no pictures, so who moves as a robot does is taken for one.
-        """
+    def _open_up(self, dt: float) -> None:
+        """Know the velocity no better than a new track's: it has changed within the last dt, s."""
+        variance = self._settings.first_speed_sigma**2
+        for place, speed in ((0, 2), (1, 3)):
+            self._kalman.P[place, place] += variance * dt * dt
+            self._kalman.P[place, speed] += variance * dt
+            self._kalman.P[speed, place] += variance * dt
+            self._kalman.P[speed, speed] += variance
+
+    def hit(self, t: float, detection: Detection) -> None:
+        """Take in a detection made at t; call ``predict(t)`` before."""
+        if self._squared_distance(detection, 0.0) > _MANOEUVRE_GATE:
+            self._open_up(t - self.last_seen)
         self._kalman.update(np.array((detection.x, detection.y)), R=_covariance(detection))
         self.hits += 1
         self.misses = 0
@@ -124,7 +145,17 @@ class TrackFilter:
             self._robot_sized += detection.robot_sized
         if self.confirmed:
             self._judge_motion(t)
-            self._judge(t, detection, motion_tells=motion_tells)
+            self._judge(t, detection)
+
+    def distance_to(self, other: TrackFilter) -> float:
+        """Return the distance of another track, m, as far as both were predicted."""
+        a, b = self._kalman.x, other._kalman.x
+        return math.hypot(float(a[0] - b[0]), float(a[1] - b[1]))
+
+    def go_on_as(self, newer: TrackFilter) -> None:
+        """Take a newer track of the same body for the present state; who it is stays."""
+        self._kalman, self._t, self.misses = newer._kalman, newer._t, newer.misses
+        self.last_seen, self.supported = newer.last_seen, newer.supported
 
     def hear(self, t: float, x: float, y: float, sigma: float) -> None:
         """Take in a sonar's echo of it from (x, y), m, map frame; call ``predict(t)`` before."""
@@ -171,17 +202,21 @@ class TrackFilter:
         Q[2, 2] = Q[3, 3] = density * dt
         return Q
 
-    def _judge(self, t: float, detection: Detection, *, motion_tells: bool) -> None:
+    def _judge(self, t: float, detection: Detection) -> None:
         """Note what the laser alone tells of who it is."""
-        if motion_tells and self._moved and self.robot_sized and not self.identity.by_color:
-            self._moved = False  # told once
-            self.identity.note_robot_like()
         if t < self._next_evidence:
             return
         self._next_evidence = t + _SAMPLE_PERIOD
-        vx, vy = self._kalman.x[2:].tolist()
-        if math.hypot(vx, vy) > self._settings.most_robot_speed:
+        speed = math.hypot(*self._kalman.x[2:].tolist())
+        if speed > self._settings.most_robot_speed:
             self.identity.note_too_fast()
+        if detection.whole and detection.robot_sized:
+            if detection.misfit > _FITS_NOT:
+                self.identity.note_other_shape()
+            elif (
+                detection.misfit < _FITS and self._has_moved and _LEAST_SPEED < speed < _MOST_SPEED
+            ):
+                self.identity.note_robot_like()
         if self._whole >= _SIZE_KNOWN and not self.robot_sized:
             self.identity.note_wrong_size()
         if detection.reflecting and self._settings.reflecting_bands:
@@ -206,7 +241,7 @@ class TrackFilter:
         if past:
             moved = math.hypot(x - past[0].x, y - past[0].y)
             noise = 2.0 * math.sqrt(variance + past[0].variance)
-            self._moved = self._has_moved = moved > settings.motion_distance + noise
+            self._has_moved = moved > settings.motion_distance + noise
         if not past or t - past[-1].t >= _SAMPLE_PERIOD:
             past.append(_PastPosition(t, x, y, variance))
 

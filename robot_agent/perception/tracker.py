@@ -23,16 +23,16 @@ from robot_agent.perception.unexplained import UnexplainedPoints
 
 _TENTATIVE_MISSES = 2  # scans in a row that end an unconfirmed track
 _SEEN_LATELY = 0.35  # s before a picture: who was seen then is where the picture shows it
-_SILENT_CAMERA = 1.5  # s without a clear picture after which motion tells robots again
+_ONE_BODY = 0.35  # m; middles of two bodies are not nearer to each other
 _FAR = 1e6
 
 
 class TeammateTracker:
     """Follows whatever is not in the map and knows who of it is a teammate, who a stranger.
 
-    A track is confirmed after a few detections. Pictures tell who wears the team's band; where none
-    come, who is as large as a robot and has moved is taken for a teammate. A track is remembered
-    for a while unseen: a robot that turned away does not forget.
+    A track is confirmed after a few detections. Pictures tell who wears the team's band; beside the
+    camera's view, whom a Pioneer's outline fits while it moves as fast as one is taken for a
+    teammate too. A track is remembered for a while unseen: a robot that turns away does not forget.
     """
 
     def __init__(
@@ -48,7 +48,6 @@ class TeammateTracker:
         self._next_id = 1
         self._t = 0.0
         self._visible: set[int] = set()
-        self._clear_picture_at = -math.inf
 
     @property
     def tracks(self) -> list[Track]:
@@ -79,6 +78,7 @@ class TeammateTracker:
             each.predict(t)
         unmatched = self._associate(t, detections)
         self._filters = [each for each in self._filters if self._alive(each, t)]
+        self._unite()
         for detection in unmatched:
             if not detection.whole:
                 continue
@@ -87,7 +87,6 @@ class TeammateTracker:
 
     def see_bands(self, t: float, pose: Pose, blobs: Sequence[Blob]) -> None:
         """Take in what a clear picture taken at t, s, shows; pose: map_from_base then."""
-        self._clear_picture_at = max(self._clear_picture_at, t)
         seen = [
             each for each in self._filters if each.confirmed and t - each.last_seen < _SEEN_LATELY
         ]
@@ -199,16 +198,38 @@ class TeammateTracker:
                  for each in self._filters]
             )  # fmt: skip
             cost[np.isinf(cost)] = _FAR
-            motion_tells = t - self._clear_picture_at > _SILENT_CAMERA
             for i, j in zip(*(each.tolist() for each in linear_sum_assignment(cost)), strict=True):
                 if cost[i, j] < _FAR:
                     matched.add(i)
                     taken.add(j)
-                    self._filters[i].hit(t, detections[j], motion_tells=motion_tells)
+                    self._filters[i].hit(t, detections[j])
         for i, each in enumerate(self._filters):
             if i not in matched:
                 each.miss()
         return [detection for j, detection in enumerate(detections) if j not in taken]
+
+    def _unite(self) -> None:
+        """Make one track of two that stand where only one body can.
+
+        Whoever sets off at once, or shows another side, may be lost and found under a new number.
+        """
+        for newer in reversed(self._filters):
+            if not newer.confirmed or newer.misses:
+                continue
+            older = next(
+                (
+                    each
+                    for each in self._filters
+                    if each.id < newer.id
+                    and each.confirmed
+                    and each.misses
+                    and each.distance_to(newer) < _ONE_BODY
+                ),
+                None,
+            )
+            if older is not None:
+                older.go_on_as(newer)
+                self._filters.remove(newer)
 
     def _alive(self, each: TrackFilter, t: float) -> bool:
         if not each.confirmed:
@@ -218,18 +239,20 @@ class TeammateTracker:
 
 def _in_map(pose: Pose, segment: Segment, sigma: PoseSigma) -> Detection:
     """Carry a segment's centre into the map, adding what the pose's error does to it."""
-    distance = math.hypot(segment.x, segment.y)
-    direction = pose.theta + math.atan2(segment.y, segment.x)
-    c, s = math.cos(direction), math.sin(direction)
-    along = segment.sigma_along**2 + sigma.xy**2
-    across = segment.sigma_across**2 + sigma.xy**2 + (distance * sigma.theta) ** 2
+    c, s = math.cos(pose.theta), math.sin(pose.theta)
+    dx, dy = c * segment.x - s * segment.y, s * segment.x + c * segment.y
+    turning, place = sigma.theta**2, sigma.xy**2
+    twice = 2.0 * c * s * segment.cov_xy
     return Detection(
-        x=pose.x + distance * c,
-        y=pose.y + distance * s,
-        var_x=c * c * along + s * s * across,
-        var_y=s * s * along + c * c * across,
-        cov_xy=c * s * (along - across),
+        x=pose.x + dx,
+        y=pose.y + dy,
+        var_x=c * c * segment.var_x - twice + s * s * segment.var_y + place + dy * dy * turning,
+        var_y=s * s * segment.var_x + twice + c * c * segment.var_y + place + dx * dx * turning,
+        cov_xy=c * s * (segment.var_x - segment.var_y)
+        + (c * c - s * s) * segment.cov_xy
+        - dx * dy * turning,
         whole=segment.whole,
         robot_sized=segment.robot_sized,
+        misfit=segment.misfit,
         reflecting=segment.reflecting,
     )

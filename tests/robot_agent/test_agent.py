@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -19,11 +20,14 @@ from robot_agent.events import BytesReceived, Event, LinkDown, Shutdown, Tick
 from robot_agent.foxglove import Log
 from robot_agent.motion.gate import SafetyGate
 from robot_agent.motion.gate_reason import GateReason
+from robot_agent.motion.trust import LASER
 from robot_agent.patrol.patrol import PATROLLING
 from robot_agent.streams import DecisionPayload, StatusPayload, decode
+from tools.bench.bench_fault import parse_fault
 from tools.bench.fleet import Fleet
 
 START = Pose(5.0, 13.4, 0.3)
+MOTION = (CommandNumber.VEL, CommandNumber.RVEL, CommandNumber.VEL2)
 
 
 class Tape:
@@ -134,6 +138,42 @@ def test_a_blind_laser_stops_the_robot(folder: MapFolder) -> None:
     robot.rig.laser.power_on(fleet.t)
     run_until(fleet, 27.0)
     assert robot.rig.base.velocity[0] > 0.1, "goes on by itself once the laser is back"
+
+
+def test_a_blinded_laser_is_told_to_the_operator_and_moves_nothing(folder: MapFolder) -> None:
+    tape = Tape()
+    fault = parse_fault("robot1:blind@15-22")
+    starts = [START]
+    fleet = Fleet(folder, 1, 5, starts=starts, observer=lambda *_: tape, faults=[fault])
+    standing_by = 15.0 + LASER.max_age + 0.1  # s: the gate's limit, and a report's period
+    run_until(fleet, 15.0)
+    assert fleet.robots[0].rig.base.velocity[0] > 0.1
+    run_until(fleet, standing_by)
+    blinded = len(tape.steps)
+    run_until(fleet, 22.0)
+    in_the_dark = Tape()
+    in_the_dark.steps = tape.steps[blinded:]
+    ordered = [v for n, v in in_the_dark.sent_to_base() if n in MOTION]
+    assert ordered
+    assert not any(ordered), "nothing is ordered but to stand"
+    told = [payload for payload in _published(in_the_dark, "status") if payload.degraded]
+    assert told, "status says what is missing"
+    assert "laser blind" in told[-1].degraded[0]
+    said = [payload.message for payload in _published(in_the_dark, "event")]
+    assert sum("laser blind" in words for words in said) == 1, "and an event says it once"
+    run_until(fleet, 32.0)
+    assert fleet.world.contacts == 0
+    last = _published(tape, "status")[-1]
+    assert not last.degraded
+    assert fleet.robots[0].rig.base.velocity[0] > 0.1, "goes on once it sees again"
+
+
+def _published(tape: Tape, stream: str) -> list[Any]:
+    return [
+        decode(stream, effect.payload)
+        for effect in tape.effects()
+        if isinstance(effect, Publish) and effect.stream == stream
+    ]
 
 
 def test_a_lost_base_link_is_a_state_and_comes_back(folder: MapFolder) -> None:

@@ -49,9 +49,12 @@ def border_visits(
 ) -> BorderVisits:
     """Find all visits of robots at true positions, each (n, 2) m in the map, at times t (n,).
 
-    The border beside wrecks, at (x, y) m, is left out.
+    The border beside wrecks, at (x, y) m, is left out, and so are the very ends of an open one:
+    a robot's front gets there, but its middle turns half a robot before.
     """
     points = border.polyline(BORDER_STEP)
+    if not border.closed:
+        points = points[1:-1]
     for wreck in wrecks:
         points = points[np.hypot(*(points - wreck).T) > BESIDE_WRECK]
     visited = np.zeros((t.size, len(points)), dtype=bool)

@@ -133,8 +133,15 @@ class PerceptionLog:
             visits[-1].events |= {
                 each.number
                 for each in known
-                if math.dist((each.x, each.y), stranger.pose[:2]) < SAME_M
+                if t - each.last_seen < 1.0 and self._is_at(each, stranger)
             }
+
+    def _is_at(self, intruder: Intruder, stranger: RobotBody) -> bool:
+        """Tell whether an intruder is where a stranger is, nearer than to any other stranger."""
+        place = (intruder.x, intruder.y)
+        others = [body for body in self._world.bodies if body.kind is not BodyKind.ROBOT]
+        nearest = min(others, key=lambda other: math.dist(place, other.pose[:2]))
+        return nearest is stranger and math.dist(place, stranger.pose[:2]) < SAME_M
 
     def _in_view(self, body: RobotBody, other: RobotBody) -> bool:
         """Tell whether the laser sees the middle of a body: near, ahead, nothing between."""

@@ -8,11 +8,11 @@ import pytest
 
 from maps.map_folder import load_map_folder
 from maps.pose import Pose
-from robot_agent.effects import Publish
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.blockage import Blockage
 from robot_agent.patrol.patrol import Patrol
 from robot_agent.patrol.settings import PatrolSettings
+from tests.robot_agent.patrol.event_log import EventLog
 from tools.bench.fleet import Fleet
 from tools.bench.robot_body import Outline
 
@@ -68,20 +68,6 @@ def test_keep_going_turns_back(heading):
     assert after == -before
     assert found[100].velocity[0] == pytest.approx(-found[99].velocity[0])
     assert found[101].direction == after
-
-
-class EventLog:
-    """Keeps the events an agent publishes."""
-
-    def __init__(self):
-        self.lines = []
-
-    def record_event(self, event):
-        pass
-
-    def record_effect(self, t, effect):
-        if isinstance(effect, Publish) and effect.stream == "event":
-            self.lines.append((t, effect.payload.decode()))
 
 
 def test_box_on_the_border():

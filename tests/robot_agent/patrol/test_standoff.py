@@ -8,10 +8,10 @@ import pytest
 from maps.map_folder import load_map_folder
 from maps.pose import Pose
 from robot_agent.config import find_map, parse_config
-from robot_agent.effects import Publish
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.settings import PatrolSettings
 from robot_agent.patrol.standoff import Standoff
+from tests.robot_agent.patrol.event_log import EventLog
 from tools.bench.fleet import Fleet
 from tools.bench.robot_body import Outline
 
@@ -67,25 +67,11 @@ def test_other_actions_between_begin_the_count_of_avoiding_anew():
     assert not any(insists[:350])
 
 
-class Journal:
-    """Keeps what an agent says."""
-
-    def __init__(self):
-        self.lines = []
-
-    def record_event(self, event):
-        pass
-
-    def record_effect(self, t, effect):
-        if isinstance(effect, Publish) and effect.stream == "event":
-            self.lines.append(effect.payload.decode())
-
-
 def test_a_robot_that_a_box_keeps_beside_the_border_goes_straight_there_and_says_so():
     """It keeps going along the border, 0.65 m beside it, and stands before the box on its way."""
-    journal, lab = Journal(), load_map_folder(find_map("paper_lab", Path.cwd()))
+    log, lab = EventLog(), load_map_folder(find_map("paper_lab", Path.cwd()))
     config = parse_config(b"[patrol]\nstandoff_time = 3.0\n", "test")
-    fleet = Fleet(lab, 1, 1, config, [Pose(5.5, 13.0, 0.0)], lambda *_: journal)
+    fleet = Fleet(lab, 1, 1, config, [Pose(5.5, 13.0, 0.0)], lambda *_: log)
     fleet.world.add_body(Pose(6.3, 13.2, 0.0), Outline(0.1, 0.1, 0.15))
     agent = fleet.robots[0].agent
     decisions = []
@@ -97,6 +83,6 @@ def test_a_robot_that_a_box_keeps_beside_the_border_goes_straight_there_and_says
     assert nearest < 0.35
     assert {decision.action for decision in insisting} == {REACH}
     assert {decision.raw_winner for decision in insisting} != {REACH}
-    said = [line for line in journal.lines if "kept from the border near s" in line]
+    said = [line for _, line in log.lines if "kept from the border near s" in line]
     assert said
     assert fleet.world.contacts == 0

@@ -42,14 +42,45 @@ def test_a_teammate_whose_band_is_hidden_for_a_second_stays_one() -> None:
     assert identity.kind is Kind.STRANGER, "but not for ever"
 
 
-def test_without_pictures_a_robot_that_moves_is_a_teammate_until_pictures_say_otherwise() -> None:
+def test_what_looks_and_moves_like_a_robot_is_a_teammate_until_pictures_say_otherwise() -> None:
     identity = Identity()
-    identity.note_robot_like()
+    for _ in range(3):
+        identity.note_robot_like()
+        assert identity.kind is Kind.UNKNOWN
+    for _ in range(50):
+        identity.note_robot_like()
     assert identity.kind is Kind.TEAMMATE
     assert not identity.by_color
-    for _ in range(6):
+    for _ in range(3):
+        identity.note_no_band()
+    assert identity.kind is Kind.UNKNOWN, "laser evidence never outweighs three pictures"
+    for _ in range(2):
         identity.note_no_band()
     assert identity.kind is Kind.STRANGER
+
+
+def test_a_second_of_another_shape_makes_a_stranger_until_pictures_show_a_band() -> None:
+    identity = Identity()
+    for _ in range(5):
+        identity.note_other_shape()
+    assert identity.kind is Kind.STRANGER
+    for _ in range(50):
+        identity.note_other_shape()
+    for _ in range(4):
+        identity.note_band(0.9)
+    assert identity.kind is Kind.TEAMMATE
+
+
+def test_shape_does_not_undo_what_pictures_have_settled() -> None:
+    banded, bare = Identity(), Identity()
+    for _ in range(4):
+        banded.note_band(0.9)
+        bare.note_no_band()
+    for _ in range(50):
+        banded.note_other_shape()  # a teammate that carries something
+        bare.note_robot_like()  # a robot of another team
+    assert banded.kind is Kind.TEAMMATE
+    assert bare.kind is Kind.STRANGER
 
 
 def test_probabilities_add_up_to_one() -> None:

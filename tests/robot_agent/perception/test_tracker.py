@@ -282,3 +282,37 @@ def test_a_scan_without_returns_is_taken(room: Room) -> None:
     tracker.update(0.0, Pose(3.0, 4.0, 0.0), np.empty((0, 2)))
     assert tracker.tracks == []
     assert tracker.closest(0.0, Pose(3.0, 4.0, 0.0)) is None
+
+
+def test_whoever_sets_off_at_once_keeps_the_number(room: Room) -> None:
+    """A person who stood walks off at 1.2 m/s between two scans."""
+    rng = np.random.default_rng(21)
+    tracker = TeammateTracker(PerceptionSettings(), room.map)
+    here, period, numbers = Pose(4.0, 4.0, 0.0), 0.2, set()
+    for step in range(30):
+        t = step * period
+        walked = max(t - 3.0, 0.0) * 1.2
+        person = Box(5.5, 3.2 + walked, math.pi / 2, 0.28, 0.44)
+        tracker.update(t, here, room.scan(here, [person], rng))
+        numbers |= {track.id for track in tracker.tracks}
+    assert len(numbers) == 1
+    [track] = tracker.tracks
+    assert math.hypot(track.x - person.x, track.y - person.y) < 0.2
+    assert math.hypot(track.vx, track.vy) == pytest.approx(1.2, abs=0.3)
+
+
+def test_a_leap_within_one_body_goes_on_under_the_older_number(room: Room) -> None:
+    """Found again a little aside, farther than any gate allows: two bodies cannot stand so."""
+    rng = np.random.default_rng(22)
+    settings = PerceptionSettings(gate_distance=0.2)
+    tracker = TeammateTracker(settings, room.map)
+    here = Pose(4.0, 4.0, 0.0)
+    for step in range(10):
+        tracker.update(0.2 * step, here, room.scan(here, [Box(6.0, 4.0, 0.0)], rng))
+    [before] = tracker.tracks
+    for step in range(10, 16):
+        tracker.update(0.2 * step, here, room.scan(here, [Box(6.0, 4.3, 0.0)], rng))
+    [after] = tracker.tracks
+    assert after.id == before.id
+    assert after.first_seen == before.first_seen
+    assert math.hypot(after.x - 6.0, after.y - 4.3) < 0.1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import pytest
 
 from drivers.camera_source import CameraSettings
 from maps.pose import Pose
@@ -53,20 +54,28 @@ def test_a_stranger_as_large_as_a_robot_is_never_the_closest_teammate(room: Room
     assert tracker.closest(1.9, HERE) is None
 
 
-def test_with_pictures_motion_alone_makes_no_teammate_and_without_it_does(room: Room) -> None:
-    kinds = []
-    for pictures in (True, False):
-        rng = np.random.default_rng(2)
-        tracker = TeammateTracker(PerceptionSettings(), room.map, CAMERA)
-        for step in range(40):
-            t = step * PERIOD
-            robot = Box(4.2, 5.6 - 0.3 * t, -math.pi / 2)  # outside the picture
-            tracker.update(t, HERE, room.scan(HERE, [robot], rng))
-            if pictures:
-                tracker.see_bands(t, HERE, [])
-            if step == 20:
-                kinds.append([track.kind for track in tracker.tracks])
-    assert kinds == [[Kind.UNKNOWN], [Kind.TEAMMATE]]
+@pytest.mark.parametrize("pictures", [True, False])
+@pytest.mark.parametrize(
+    ("length", "width", "speed", "kind"),
+    [
+        (0.511, 0.425, 0.3, Kind.TEAMMATE),
+        (0.511, 0.425, 0.0, Kind.UNKNOWN),  # standing, it may be a box of a robot's size
+        (0.7, 0.6, 0.3, Kind.STRANGER),  # a cart
+        (0.511, 0.425, 0.9, Kind.STRANGER),  # faster than any robot
+    ],
+)
+def test_beside_the_picture_outline_and_motion_tell(
+    room: Room, length: float, width: float, speed: float, kind: Kind, *, pictures: bool
+) -> None:
+    rng = np.random.default_rng(2)
+    tracker = TeammateTracker(PerceptionSettings(), room.map, CAMERA)
+    for step in range(21):
+        t = step * PERIOD
+        body = Box(4.2, 5.6 - speed * t, -math.pi / 2, length, width)
+        tracker.update(t, HERE, room.scan(HERE, [body], rng))
+        if pictures:
+            tracker.see_bands(t, HERE, [])
+    assert [track.kind for track in tracker.tracks] == [kind]
 
 
 def test_a_sonar_keeps_up_a_teammate_behind_for_a_while(room: Room) -> None:

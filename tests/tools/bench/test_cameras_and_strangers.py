@@ -12,6 +12,7 @@ from maps.pose import Pose
 from robot_agent.config import AgentConfig, find_map
 from robot_agent.effects import Publish
 from robot_agent.events import BlobsSeen, LinkDown, PictureTaken
+from robot_agent.foxglove import SceneUpdate
 from robot_agent.perception.identity import Kind
 from robot_agent.streams import IntruderPayload, StatusPayload, decode
 from tools.bench.fleet import Fleet
@@ -87,6 +88,20 @@ def test_the_person_is_a_stranger_reported_once_with_evidence(met: tuple[Fleet, 
     assert len(strangers) <= 1
 
 
+def test_the_operator_is_shown_the_reported_stranger_as_an_intruder(
+    met: tuple[Fleet, Path],
+) -> None:
+    recording = read_recording(met[1] / "robot1.mcap")
+    kinds = set()
+    for payload in effects(recording, "tracks"):
+        told = decode("tracks", payload)
+        assert isinstance(told, SceneUpdate)
+        for entity in told.entities:
+            kinds |= {pair.value for pair in entity.metadata if pair.key == "kind"}
+    assert "intruder" in kinds, "the word that the operator's alarm and page go by"
+    assert kinds <= {"intruder", *Kind}
+
+
 def test_the_recording_holds_bands_and_picture_and_replays_to_the_byte(
     met: tuple[Fleet, Path],
 ) -> None:
@@ -108,7 +123,7 @@ def test_status_tells_of_a_camera_that_is_unplugged_and_robots_go_on(folder: Map
     robot.agent.handle(LinkDown(round(fleet.t, 6), "camera", "unplugged"))
     [words] = robot.agent.condition.degraded(fleet.t)
     assert "camera down (unplugged)" in words
-    assert "size and motion" in words
+    assert "outline and motion" in words
 
 
 def test_a_dark_camera_is_blind_and_said_to_be(folder: MapFolder) -> None:

@@ -1,0 +1,80 @@
+"""Reflecting tape, from the bytes of an LMS 200 to who somebody is."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from drivers.lms200.framing import TelegramFramer, encode_telegram
+from drivers.lms200.measurement import (
+    MEASURING_MODES,
+    UNIT_MM,
+    decode_measurement,
+    encode_measurement,
+)
+from drivers.lms200.scan import Scan, scan_of
+from maps.pose import Pose
+from robot_agent.perception.identity import Kind
+from robot_agent.perception.settings import PerceptionSettings
+from robot_agent.perception.tracker import TeammateTracker
+from robot_agent.scan_points import ScanProjector, hits
+from tests.robot_agent.perception.simulated_room import Box, Room
+
+HERE = Pose(4.0, 4.0, 0.0)
+PERIOD = 0.2
+LASER = 0x80  # a telegram's address from the laser to its host
+FIELD_A = 0x2000  # bit 13: what a mode without reflectors says of a field
+# The bits above the distance by which a mode tells of a reflector, as sick_lms200.md lists them.
+REFLECTOR = {0x01: 0xE000, 0x03: 0xC000, 0x05: 0x8000}
+
+
+def as_sent(ranges: NDArray[np.float64], flagged: NDArray[np.bool_], mode: int, bits: int) -> bytes:
+    """Return a B0 telegram's bytes, with bits set in the values of some beams."""
+    payload = bytearray(encode_measurement(ranges, MEASURING_MODES[mode], UNIT_MM))
+    for beam in np.flatnonzero(flagged).tolist():
+        payload[4 + 2 * beam] |= bits >> 8  # after B0 and the count: little-endian values
+    return encode_telegram(bytes(payload), LASER)
+
+
+def as_decoded(sent: bytes, mode: int, t: float) -> Scan:
+    [telegram] = TelegramFramer().feed(sent)
+    measurement = decode_measurement(telegram, MEASURING_MODES[mode])
+    assert measurement is not None
+    return scan_of(measurement, t, 0.0)
+
+
+def kinds_seen(room: Room, mode: int, bits: int, settings: PerceptionSettings) -> set[Kind]:
+    """Return who a standing robot is taken for, whose middle beams come back with bits set."""
+    rng = np.random.default_rng(5)
+    tracker = TeammateTracker(settings, room.map)
+    projector = ScanProjector(Pose(0.0, 0.0, 0.0))
+    robot = Box(6.0, 4.4, 0.4)
+    bearing = math.atan2(0.4, 2.0)
+    for step in range(15):
+        points = room.scan(HERE, [robot], rng)
+        bearings = np.linspace(-math.pi / 2, math.pi / 2, len(points))
+        on_tape = np.abs(bearings - bearing) < math.radians(2.5)
+        sent = as_sent(np.hypot(points[:, 0], points[:, 1]), on_tape, mode, bits)
+        scan = as_decoded(sent, mode, step * PERIOD)
+        reflectors = None if scan.reflectors is None else scan.reflectors[hits(scan)]
+        tracker.update(step * PERIOD, HERE, projector.points(scan), reflectors)
+    assert len(tracker.tracks) == 1
+    return {track.kind for track in tracker.tracks}
+
+
+@pytest.mark.parametrize("mode", sorted(REFLECTOR))
+def test_tape_makes_a_teammate_in_every_mode_that_tells_of_it(room: Room, mode: int) -> None:
+    wearing = PerceptionSettings(reflecting_bands=True)
+    bits = REFLECTOR[mode]
+    assert kinds_seen(room, mode, bits, wearing) == {Kind.TEAMMATE}
+    assert kinds_seen(room, mode, 0, wearing) == {Kind.UNKNOWN}
+    assert kinds_seen(room, mode, bits, PerceptionSettings()) == {Kind.UNKNOWN}
+
+
+@pytest.mark.parametrize("mode", [0x00, 0x02])
+def test_a_field_flag_is_no_reflector(room: Room, mode: int) -> None:
+    wearing = PerceptionSettings(reflecting_bands=True)
+    assert kinds_seen(room, mode, FIELD_A, wearing) == {Kind.UNKNOWN}
