@@ -39,6 +39,7 @@ class StreamTrust:
         self._watch = TrustWatch()
         self._frozen_base = FrozenWatch(FROZEN_BASE)
         self._frozen_laser = FrozenWatch(FROZEN_LASER)
+        self._blind = False  # as far as the latest scan tells
         self._last_tick = math.inf
         self._old_until = -math.inf  # s: bytes that arrive before had waited for us
 
@@ -59,8 +60,8 @@ class StreamTrust:
         return None if latest is None or self._frozen_base.frozen else latest.t
 
     def scan_time(self, latest: float | None) -> float | None:
-        """Return ``latest``, s, of a scan; None while the laser shows the same for ever."""
-        return None if self._frozen_laser.frozen else latest
+        """Return ``latest``, s, of a scan; None while the laser is blind, or stuck."""
+        return None if self._blind or self._frozen_laser.frozen else latest
 
     def hear_base(self, t: float, state: BaseState) -> None:
         """Take a base report that arrived at t, s."""
@@ -75,7 +76,8 @@ class StreamTrust:
         moving = base is not None and _is_moving(base)
         self._frozen_laser.take(scan.ranges.tobytes(), moving=moving)
         returns = np.count_nonzero(np.isfinite(scan.ranges)) / max(scan.ranges.size, 1)
-        if returns < LEAST_RETURNS or self._frozen_laser.frozen:
+        self._blind = bool(returns < LEAST_RETURNS)
+        if self._blind or self._frozen_laser.frozen:
             return False
         self._watch.well(LASER, t)
         return True

@@ -107,7 +107,7 @@ COMPUTER_FAULTS: tuple[Fault, ...] = (
         do_nothing,
         Expected.AGENT_STOPS,
         lasts=4.5,
-        order_within=2.0,
+        order_within=0.6,  # it is held for the first 0.4 s
     ),
     Fault(
         "clock-jump",

@@ -6,8 +6,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from drivers.lms200.framing import REPLY_BIT, encode_telegram
+from drivers.lms200.measurement import MEASURING_MODES, MODE_32_M, UNIT_MM, encode_measurement
+from drivers.lms200.settings import LaserSettings
 from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import decode_command
 from drivers.p2os.framing import PacketFramer
@@ -73,6 +77,18 @@ def stuck(events: list[Event], link: LinkName, since: float) -> Iterator[Event]:
             yield replace(event, data=last)
 
 
+def blind(events: list[Event], link: LinkName, since: float) -> Iterator[Event]:
+    """No beam returns: of what is measured from then on, so a scan's time on the line later."""
+    nothing = encode_measurement(np.full(181, np.inf), MEASURING_MODES[MODE_32_M], UNIT_MM)
+    telegram = encode_telegram(nothing, REPLY_BIT)
+    for event in events:
+        measured = event.t - LaserSettings().scan_period
+        if isinstance(event, BytesReceived) and event.link == link and measured >= since:
+            yield replace(event, data=telegram)
+        else:
+            yield event
+
+
 def unplugged(events: list[Event], link: LinkName, since: float) -> Iterator[Event]:
     told = False
     for event in silent(events, link, since):
@@ -100,8 +116,11 @@ def standing_order(agent: Agent, events: Iterator[Event], since: float) -> float
 @pytest.mark.parametrize("phase", PHASES, ids=lambda phase: f"{1e3 * phase:.0f}ms")
 @pytest.mark.parametrize(
     ("fault", "link"),
-    [(silent, "base"), (stuck, "base"), (silent, "laser"), (stuck, "laser"), (unplugged, "laser")],
-    ids=["base-silent", "base-stuck", "laser-silent", "laser-stuck", "laser-unplugged"],
+    [
+        *((silent, "base"), (stuck, "base")),
+        *((silent, "laser"), (stuck, "laser"), (blind, "laser"), (unplugged, "laser")),
+    ],
+    ids=lambda value: value if isinstance(value, str) else value.__name__,
 )
 def test_stop_is_ordered_in_time(folder, drive, fault, link, phase):
     fleet, events = drive
