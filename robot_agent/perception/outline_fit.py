@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,62 +74,141 @@ def fit_outlines(
     """
     if not parts:
         return []
-    parts = [part[:: math.ceil(len(part) / _MOST_POINTS)] for part in parts]
-    counts = np.array([len(part) for part in parts])
-    starts = np.concatenate(([0], np.cumsum(counts)[:-1]))
-    owner = np.repeat(np.arange(len(parts)), counts)
-    points = np.concatenate(parts).T
-    u, v = _TO_U @ points, _TO_V @ points  # (headings, points)
-    first = np.array(centres).T
-    first_u, first_v = _TO_U @ first, _TO_V @ first  # (headings, segments)
+    points = _Points.of(parts)
     sights = _Edges.of(edges, len(parts))
-
-    centre_u, centre_v = first_u, first_v
+    # 1. At each heading, the centre that fits best.
+    first = np.array(centres).T
+    start = _Centres(_TO_U @ first, _TO_V @ first)
+    centre = start
     for _ in range(_STEPS):
-        off_u, off_v = u - centre_u[:, owner], v - centre_v[:, owner]
-        on_end = np.abs(off_u) - HALF_LENGTH > np.abs(off_v) - HALF_WIDTH
-        # Where the centre would be by each point: on an end that tells of u, on a side of v.
-        by_u = np.where(on_end, u - np.copysign(HALF_LENGTH, off_u), 0.0)
-        by_v = np.where(on_end, 0.0, v - np.copysign(HALF_WIDTH, off_v))
-        ends = np.add.reduceat(on_end.astype(np.float64), starts, axis=1)
-        a, b, c = 1.0 / _FIRST_SIGMA**2, 1.0 / _POINT_SIGMA**2, counts - ends
-        uu = a + b * ends + sights.uu
-        vv = a + b * c + sights.vv
-        uv = sights.uv
-        right_u = a * first_u + b * np.add.reduceat(by_u, starts, axis=1) + sights.right_u
-        right_v = a * first_v + b * np.add.reduceat(by_v, starts, axis=1) + sights.right_v
-        determinant = uu * vv - uv * uv
-        centre_u = (vv * right_u - uv * right_v) / determinant
-        centre_v = (uu * right_v - uv * right_u) / determinant
-
-    off_u, off_v = u - centre_u[:, owner], v - centre_v[:, owner]
-    residuals = np.maximum(np.abs(off_u) - HALF_LENGTH, np.abs(off_v) - HALF_WIDTH)
-    chi2 = np.add.reduceat(residuals * residuals, starts, axis=1) / _POINT_SIGMA**2
-    chi2 += sights.chi2(centre_u, centre_v)
+        system = _system(points, sights, start, centre)
+        centre = system.solution()
+    # 2. How well it fits there, and so how likely each heading is.
+    chi2 = points.chi2(centre) + sights.chi2(centre.u, centre.v)
     best = chi2.min(axis=0)
     weights = np.exp(-0.5 * (chi2 - best))
     weights /= weights.sum(axis=0)
-    # Back into base_link; covariances of each heading, and of the headings among themselves.
+    # 3. The mean over the headings, in base_link.
+    misfit = best / (points.counts + sights.count)
+    rows = np.vstack((_mean_over_headings(system, centre, weights), misfit))
+    return [OutlineFit(*row) for row in rows.T.tolist()]
+
+
+class _Centres(NamedTuple):
+    """Centres (headings, segments), m: along the outline's length and its width."""
+
+    u: NDArray[np.float64]
+    v: NDArray[np.float64]
+
+
+class _System(NamedTuple):
+    """Normal equations of the centres, (headings, segments): a symmetric 2x2 matrix each."""
+
+    uu: NDArray[np.float64]
+    uv: NDArray[np.float64]
+    vv: NDArray[np.float64]
+    right_u: NDArray[np.float64]
+    right_v: NDArray[np.float64]
+
+    @property
+    def determinant(self) -> NDArray[np.float64]:
+        return self.uu * self.vv - self.uv * self.uv
+
+    def solution(self) -> _Centres:
+        determinant = self.determinant
+        return _Centres(
+            (self.vv * self.right_u - self.uv * self.right_v) / determinant,
+            (self.uu * self.right_v - self.uv * self.right_u) / determinant,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _Points:
+    """The points of all segments, seen at each heading."""
+
+    u: NDArray[np.float64]
+    """(headings, points) m along the length."""
+    v: NDArray[np.float64]
+    """(headings, points) m along the width."""
+    owner: NDArray[np.intp]
+    """(points,) segment of each."""
+    starts: NDArray[np.intp]
+    """(segments,) first point of each."""
+    counts: NDArray[np.intp]
+    """(segments,) points of each."""
+
+    @classmethod
+    def of(cls, parts: Sequence[NDArray[np.float64]]) -> _Points:
+        """Take points of each segment, evenly spread where there are many."""
+        parts = [part[:: math.ceil(len(part) / _MOST_POINTS)] for part in parts]
+        counts = np.array([len(part) for part in parts])
+        starts = np.concatenate(([0], np.cumsum(counts)[:-1]))
+        points = np.concatenate(parts).T
+        owner = np.repeat(np.arange(len(parts)), counts)
+        return cls(_TO_U @ points, _TO_V @ points, owner, starts, counts)
+
+    def off(self, centre: _Centres) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return (headings, points) how far they are from their segment's centre, u and v."""
+        return self.u - centre.u[:, self.owner], self.v - centre.v[:, self.owner]
+
+    def summed(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return (headings, segments) sums of values (headings, points)."""
+        return np.add.reduceat(values, self.starts, axis=1)
+
+    def chi2(self, centre: _Centres) -> NDArray[np.float64]:
+        """Return (headings, segments) squared distances from the outline over their variance."""
+        off_u, off_v = self.off(centre)
+        residuals = np.maximum(np.abs(off_u) - HALF_LENGTH, np.abs(off_v) - HALF_WIDTH)
+        return self.summed(residuals * residuals) / _POINT_SIGMA**2
+
+
+def _system(points: _Points, sights: _Edges, start: _Centres, centre: _Centres) -> _System:
+    """Return the equations with every point on the side of the outline at ``centre`` it is near.
+
+    A point on an end tells where the centre is along the length, one on a side along the width.
+    """
+    off_u, off_v = points.off(centre)
+    on_end = np.abs(off_u) - HALF_LENGTH > np.abs(off_v) - HALF_WIDTH
+    by_u = np.where(on_end, points.u - np.copysign(HALF_LENGTH, off_u), 0.0)
+    by_v = np.where(on_end, 0.0, points.v - np.copysign(HALF_WIDTH, off_v))
+    ends = points.summed(on_end.astype(np.float64))
+    a, b = 1.0 / _FIRST_SIGMA**2, 1.0 / _POINT_SIGMA**2
+    return _System(
+        uu=a + b * ends + sights.uu,
+        uv=sights.uv,
+        vv=a + b * (points.counts - ends) + sights.vv,
+        right_u=a * start.u + b * points.summed(by_u) + sights.right_u,
+        right_v=a * start.v + b * points.summed(by_v) + sights.right_v,
+    )
+
+
+def _mean_over_headings(
+    system: _System, centre: _Centres, weights: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return (5, segments) x, y, var_x, var_y, cov_xy in base_link; weights (headings, segments).
+
+    The covariance is that of each heading, and that of the headings among themselves.
+    """
     cos, sin = _COS[:, None], _SIN[:, None]
-    x, y = cos * centre_u - sin * centre_v, sin * centre_u + cos * centre_v
+    x, y = cos * centre.u - sin * centre.v, sin * centre.u + cos * centre.v
     mean_x, mean_y = (weights * x).sum(axis=0), (weights * y).sum(axis=0)
-    var_u, var_v, cov_uv = vv / determinant, uu / determinant, -uv / determinant
+    determinant = system.determinant
+    var_u, var_v = system.vv / determinant, system.uu / determinant
+    cov_uv = -system.uv / determinant
     dx, dy = x - mean_x, y - mean_y
     twice = 2.0 * cos * sin * cov_uv
     var_x = cos * cos * var_u + sin * sin * var_v - twice + dx * dx
     var_y = sin * sin * var_u + cos * cos * var_v + twice + dy * dy
     cov_xy = cos * sin * (var_u - var_v) + (cos * cos - sin * sin) * cov_uv + dx * dy
-    rows = np.array(
+    return np.array(
         (
             mean_x,
             mean_y,
             (weights * var_x).sum(axis=0) + _LEAST_VARIANCE,
             (weights * var_y).sum(axis=0) + _LEAST_VARIANCE,
             (weights * cov_xy).sum(axis=0),
-            best / (counts + sights.count),
         )
     )
-    return [OutlineFit(*row) for row in rows.T.tolist()]
 
 
 @dataclass(frozen=True, slots=True)
