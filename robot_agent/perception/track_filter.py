@@ -20,6 +20,7 @@ _SIZE_KNOWN = 5  # times seen whole after which its size says something
 _START = 0.1  # m; how far off whoever starts or stops between two scans may be
 _MANOEUVRE_GATE = 9.2  # squared Mahalanobis distance (99 %) beyond which its speed has changed
 _FITS, _FITS_NOT = 0.6, 1.0  # misfit of most robots, and of few
+_OFTEN = 3  # scans in a row whose outline fits, for somebody who may be a robot
 _LEAST_SPEED, _MOST_SPEED = 0.2, 0.55  # m/s of a robot that patrols; people walk faster
 _POSITION_OF_STATE = np.eye(2, 4)
 
@@ -71,6 +72,7 @@ class TrackFilter:
         self._has_moved = False
         self._next_evidence = t
         self._whole, self._robot_sized = 1, int(detection.robot_sized)
+        self._fits = 0  # in a row
         self._past: deque[_PastPosition] = deque()
         self._kalman = KalmanFilter(dim_x=4, dim_z=2)
         self._kalman.H = _POSITION_OF_STATE
@@ -93,6 +95,11 @@ class TrackFilter:
     def teammate(self) -> bool:
         """Whether it is a teammate."""
         return self.identity.kind is Kind.TEAMMATE
+
+    @property
+    def may_be_teammate(self) -> bool:
+        """Whether it is not known who it is, and by its outline alone it is a robot."""
+        return self.identity.kind is Kind.UNKNOWN and self._fits >= _OFTEN
 
     def predict(self, t: float) -> None:
         """Carry the state forward to t, s; an unseen robot is expected to come to rest."""
@@ -204,6 +211,9 @@ class TrackFilter:
 
     def _judge(self, t: float, detection: Detection) -> None:
         """Note what the laser alone tells of who it is."""
+        if detection.whole:
+            fits = detection.robot_sized and detection.misfit < _FITS
+            self._fits = self._fits + 1 if fits else 0
         if t < self._next_evidence:
             return
         self._next_evidence = t + _SAMPLE_PERIOD

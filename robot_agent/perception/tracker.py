@@ -23,6 +23,7 @@ from robot_agent.perception.unexplained import UnexplainedPoints
 
 _TENTATIVE_MISSES = 2  # scans in a row that end an unconfirmed track
 _SEEN_LATELY = 0.35  # s before a picture: who was seen then is where the picture shows it
+_PICTURES_PAUSE = 1.0  # s without a clear picture, after which the laser alone tells
 _ONE_BODY = 0.35  # m; middles of two bodies are not nearer to each other
 _FAR = 1e6
 
@@ -47,6 +48,7 @@ class TeammateTracker:
         self._filters: list[TrackFilter] = []
         self._next_id = 1
         self._t = 0.0
+        self._pictured_at = -math.inf
         self._visible: set[int] = set()
 
     @property
@@ -87,6 +89,7 @@ class TeammateTracker:
 
     def see_bands(self, t: float, pose: Pose, blobs: Sequence[Blob]) -> None:
         """Take in what a clear picture taken at t, s, shows; pose: map_from_base then."""
+        self._pictured_at = t
         seen = [
             each for each in self._filters if each.confirmed and t - each.last_seen < _SEEN_LATELY
         ]
@@ -156,11 +159,15 @@ class TeammateTracker:
 
         pose: map_from_base at t. A teammate unseen counts for as long as it is remembered; one
         that was in range is kept to a slightly larger distance, so that it does not flicker.
+        Where no camera tells, whoever has a robot's outline counts before it has moved: one that
+        turns on the spot behind a corner would be met too late.
         """
+        blind = t - self._pictured_at > _PICTURES_PAUSE
         nearest, nearest_distance = None, math.inf
         visible = set()
         for each in self._filters:
-            if not each.teammate or t - each.supported > self._settings.memory:
+            counts = each.teammate or (blind and each.confirmed and each.may_be_teammate)
+            if not counts or t - each.supported > self._settings.memory:
                 continue
             track = each.track_at(t)
             distance = math.hypot(track.x - pose.x, track.y - pose.y)

@@ -316,3 +316,31 @@ def test_a_leap_within_one_body_goes_on_under_the_older_number(room: Room) -> No
     assert after.id == before.id
     assert after.first_seen == before.first_seen
     assert math.hypot(after.x - 6.0, after.y - 4.3) < 0.1
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_robot_that_turns_on_the_spot_counts_where_no_camera_tells(room: Room, seed: int) -> None:
+    """Round a corner it comes in sight at 1.8 m and does not move: there is no time to wait."""
+    tracker, rng = new_tracker(room), np.random.default_rng(seed)
+
+    def turning(t: float) -> list[Box]:
+        return [Box(4.8, 4.1, 0.6 * t)]
+
+    run(tracker, room, standing, turning, duration=1.0, rng=rng)
+    (track,) = tracker.tracks
+    assert track.kind is Kind.UNKNOWN
+    assert tracker.closest(0.9, standing(0.9)) is not None
+    # Pictures that say nothing of it: it is waited for what they will show.
+    tracker.see_bands(0.95, standing(0.95), [])
+    assert tracker.closest(1.0, standing(1.0)) is None
+
+
+def test_what_has_no_robots_outline_does_not_count_before_it_is_known(room: Room) -> None:
+    tracker, rng = new_tracker(room), np.random.default_rng(1)
+
+    def standing_bench(t: float) -> list[Box]:
+        return [Box(4.8, 4.1, 0.3, 0.8, 0.3)]
+
+    run(tracker, room, standing, standing_bench, duration=3.0, rng=rng)
+    assert len(tracker.tracks) == 1
+    assert tracker.closest(2.9, standing(2.9)) is None
