@@ -22,7 +22,7 @@ class LikelihoodField:
     """Log-likelihoods of end points, looked up in the nearest cell."""
 
     def __init__(self, settings: SensorSettings, occupancy: OccupancyMap) -> None:
-        self._beams = min(settings.beams, _CHUNK)
+        self._beams = settings.beams
         self._origin = occupancy.origin
         self._resolution = occupancy.resolution
         fit = np.exp(-0.5 * (occupancy.distance_field() / np.float32(settings.sigma)) ** 2)
@@ -46,7 +46,7 @@ class LikelihoodField:
         together, so that a plain product would be overconfident. beams: how many are looked at, if
         not as many as the settings say.
         """
-        points = spread_evenly(points, beams or self._beams)
+        points = spread_evenly(points, min(beams or self._beams, _CHUNK))
         if len(points) == 0:
             return np.zeros(len(particles))
         exponent = min(1.0, independent_beams / len(points))

@@ -37,7 +37,7 @@ class SlipSearch:
         travel = math.hypot(increment.x, increment.y)
         if travel * self._settings.most < self._settings.least_xy:
             return None
-        behind = self._behind(pose, increment)
+        behind = self._behind(pose, increment, travel)
         fits = self._fits(np.vstack((np.array(pose), behind)), points)
         best = int(fits[1:].argmax())
         if fits[1 + best] < fits[0]:
@@ -53,10 +53,10 @@ class SlipSearch:
             return None
         return refined
 
-    def _behind(self, pose: Pose, increment: Pose) -> NDArray[np.float64]:
-        """Return (n, 3) the poses that shares of the step lead back to, the heading kept."""
+    def _behind(self, pose: Pose, increment: Pose, travel: float) -> NDArray[np.float64]:
+        """Return (n, 3) the poses that shares of a step of travel, m, lead back to, turn kept."""
         heading = pose.theta - increment.theta + math.atan2(increment.y, increment.x)
-        back = self._lost * math.hypot(increment.x, increment.y)
+        back = self._lost * travel
         places = np.empty((len(back), 3))
         places[:, 0] = pose.x - back * math.cos(heading)
         places[:, 1] = pose.y - back * math.sin(heading)

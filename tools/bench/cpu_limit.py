@@ -6,8 +6,6 @@ import os
 import time
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 PERIOD_S = 0.01
 """The share is given anew each period. The kernel's usual 0.1 s would make a frozen computer of a
@@ -22,7 +20,7 @@ class CpuLimitError(RuntimeError):
 
 
 class CpuLimit:
-    """A control group of its own, as a context; ``hold`` puts processes into it, from their start.
+    """A control group of its own; ``hold`` puts processes into it, ``close`` ends it.
 
     Works with the second version of cgroups (cpu.max) and the first (cpu.cfs_quota_us).
     """
@@ -49,17 +47,6 @@ class CpuLimit:
                 f"no control group can be made in {self._folder.parent} ({error.strerror}): run "
                 "this as root, or beneath systemd-run --user --scope -p Delegate=yes"
             ) from None
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def hold(self, pid: int) -> None:
         """Hold a process, with all threads it has and will have."""

@@ -6,7 +6,7 @@ import math
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 from robot_agent.effects import Publish
@@ -31,7 +31,7 @@ def field(_folder_path: Path) -> Iterator[Figure]:
     """
     yield from _run("", None)
     try:
-        with CpuLimit(SLOW) as limit:
+        with closing(CpuLimit(SLOW)) as limit:
             yield from _run(f"{100 * SLOW:g} % of a core: ", limit)
     except CpuLimitError as error:
         yield Figure(f"{100 * SLOW:g} % of a core: {error}", math.nan, "", 0.0)
