@@ -1,4 +1,4 @@
-"""What stands about the robot, for the gate: seen, heard, or known to be there."""
+"""What stands about the robot, for the gate: seen now or before, heard, or known to be there."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.known_walls import KnownWalls
+from robot_agent.left_behind import LeftBehind
 from robot_agent.obstacles import Obstacles
 from robot_agent.odometry_history import OdometryHistory
 from robot_agent.perception.track import Track
@@ -27,12 +28,14 @@ _NEAR = 2.5  # m; teammates farther off are no obstacle yet
 
 
 class Surroundings:
-    """Points in base_link from laser, sonars, the map behind, and teammates near by."""
+    """Points in base_link from laser and sonars, of what it saw before it turned away, from the map
+    behind, and of teammates near by."""
 
     def __init__(self, config: AgentConfig, model: RobotModel, occupancy: OccupancyMap) -> None:
         """Nothing has been seen yet."""
         self._projector = ScanProjector(Pose(*(config.laser.mount or model.laser_mount)))
         self._obstacles = Obstacles()
+        self._left_behind = LeftBehind(config.gate)
         self._sonar_obstacles = SonarObstacles(model)
         self._known_walls = KnownWalls(occupancy, config.gate)
 
@@ -44,6 +47,9 @@ class Surroundings:
     def see(self, scan: Scan, odometry: Pose, history: OdometryHistory) -> NDArray[np.float64]:
         """Take a scan where odometry was odom_from_base; return its points (n, 2), m, base_link."""
         points = self._projector.points(scan, *history.twist_at(scan.t))
+        self._left_behind.see(
+            scan.t, odometry, self._obstacles.around(odometry), self._projector.in_view
+        )
         self._obstacles.see(scan.t, odometry, points)
         return points
 
@@ -66,7 +72,11 @@ class Surroundings:
 
         ``localized``: map_from_base while it is known; without it no sensor, no obstacle.
         """
-        parts = [self._obstacles.around(odometry), self._sonar_obstacles.around(t, odometry)]
+        parts = [
+            self._obstacles.around(odometry),
+            self._left_behind.around(odometry),
+            self._sonar_obstacles.around(t, odometry),
+        ]
         if localized is not None:
             parts.append(self._known_walls.behind(localized))
             near = [

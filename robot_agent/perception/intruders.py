@@ -39,7 +39,10 @@ class Intruder:
 
 @dataclass(frozen=True, slots=True)
 class _Candidate:
-    """Somebody near the border since a time, s, not yet long enough."""
+    """Somebody near the border since a time, s, who may yet turn out to be a stranger.
+
+    Who it is may be known only after a while, and all of the stay counts then.
+    """
 
     track: int
     since: float
@@ -65,16 +68,19 @@ class Intruders:
         self._forget(t)
         new: list[Intruder] = []
         for track in tracks:
-            if t - track.last_seen > _SEEN_LATELY or not _is_stranger(track, t, settings):
+            if t - track.last_seen > _SEEN_LATELY:
                 continue
             foot = self._border.project(track.x, track.y)
             zone = settings.intruder_distance
-            if foot.distance > zone + (_EDGE if track.id in self._candidates else 0.0):
+            if track.teammate or foot.distance > zone + (
+                _EDGE if track.id in self._candidates else 0.0
+            ):
                 self._candidates.pop(track.id, None)
                 continue
             candidate = self._candidate(track)
             self._candidates[track.id] = candidate
-            if track.last_seen - candidate.since < settings.intruder_time:
+            stayed = track.last_seen - candidate.since
+            if stayed < settings.intruder_time or not _is_stranger(track, t, settings):
                 continue
             known = self._known(t, track, tracks)
             intruder = Intruder(
@@ -109,7 +115,8 @@ class Intruders:
                 ),
                 None,
             )
-        since = own.since if own else track.last_seen
+        just_found = track.last_seen - track.first_seen < _SEEN_LATELY
+        since = own.since if own else track.first_seen if just_found else track.last_seen
         return _Candidate(track.id, since, track.last_seen, track.x, track.y)
 
     def _known(self, t: float, track: Track, tracks: Sequence[Track]) -> Intruder | None:

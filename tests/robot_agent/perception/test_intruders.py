@@ -75,6 +75,22 @@ def test_a_track_lost_for_a_moment_does_not_restart_the_three_seconds(
     assert stay(intruders, again, 2.5, 3.2) == [1]
 
 
+@pytest.mark.parametrize("robot_sized", [False, True])
+def test_all_of_a_stay_counts_once_it_is_known_who_it_is(
+    intruders: Intruders, robot_sized: bool
+) -> None:
+    unknown = replace(STRANGER, kind=Kind.UNKNOWN, robot_sized=robot_sized)
+    assert stay(intruders, unknown, 0.0, 2.7) == []
+    assert stay(intruders, STRANGER, 2.8, 3.1) == [1]
+    assert intruders.known[0].first_seen == pytest.approx(0.0)
+
+
+def test_the_time_as_a_teammate_does_not_count(intruders: Intruders) -> None:
+    assert stay(intruders, replace(STRANGER, kind=Kind.TEAMMATE), 0.0, 9.9) == []
+    assert stay(intruders, STRANGER, 10.0, 12.9) == []
+    assert stay(intruders, STRANGER, 13.0, 13.1) == [1]
+
+
 @pytest.mark.parametrize(
     "nobody",
     [
