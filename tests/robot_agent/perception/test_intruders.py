@@ -57,6 +57,20 @@ def test_a_new_track_of_the_same_stranger_is_no_news(intruders: Intruders) -> No
     assert intruders.known[0].track == 9
 
 
+@pytest.mark.parametrize(("x", "back", "updated"), [(5.2, 9.0, True), (5.9, 9.0, False),
+                                                    (5.2, 18.0, False)])  # fmt: skip
+def test_whoever_stands_where_an_intruder_was_is_the_same_before_it_is_known_who_it_is(
+    intruders: Intruders, x: float, back: float, updated: bool
+) -> None:
+    """A robot turns round beside him, and sees him face on, as wide as a robot."""
+    assert stay(intruders, STRANGER, 0.0, 5.0) == [1]
+    unknown = replace(STRANGER, id=9, x=x, kind=Kind.UNKNOWN, robot_sized=True)
+    assert stay(intruders, unknown, back, back + 5.0) == []
+    [known] = intruders.known
+    assert (known.last_seen == pytest.approx(back + 5.0)) == updated
+    assert (known.track == 9) == updated
+
+
 def test_two_strangers_are_two(intruders: Intruders) -> None:
     other = replace(STRANGER, id=8, x=12.0)
     numbers = []
