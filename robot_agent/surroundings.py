@@ -19,6 +19,7 @@ from robot_agent.left_behind import LeftBehind
 from robot_agent.obstacles import Obstacles
 from robot_agent.odometry_history import OdometryHistory
 from robot_agent.perception.track import Track
+from robot_agent.perception.unexplained import UnexplainedPoints
 from robot_agent.scan_points import ScanProjector, move_points
 from robot_agent.sonar_obstacles import SonarObstacles
 from robot_agent.turning_room import turning_room
@@ -38,6 +39,7 @@ class Surroundings:
         self._left_behind = LeftBehind(config.gate)
         self._sonar_obstacles = SonarObstacles(model)
         self._known_walls = KnownWalls(occupancy, config.gate)
+        self._unexplained = UnexplainedPoints(config.perception, occupancy)
 
     @property
     def seen_at(self) -> float | None:
@@ -74,7 +76,7 @@ class Surroundings:
         """
         parts = [
             self._obstacles.around(odometry),
-            self._left_behind.around(odometry),
+            self._left(odometry, localized),
             self._sonar_obstacles.around(t, odometry),
         ]
         if localized is not None:
@@ -89,3 +91,15 @@ class Surroundings:
             if near:
                 parts.append(turning_room(move_points(np.array(near), localized.inverse())))
         return np.concatenate(parts)
+
+    def _left(self, odometry: Pose, localized: Pose | None) -> NDArray[np.float64]:
+        """Return what was seen before it got out of sight, but for walls that the map tells of.
+
+        Of many points on a wall the nearest are too near by the laser's noise, and would pin a
+        robot in a narrow place.
+        """
+        points = self._left_behind.around(odometry)
+        if localized is None or not len(points):
+            return points
+        ranges = np.hypot(points[:, 0], points[:, 1])
+        return points[self._unexplained.mask(localized, points, ranges)]
