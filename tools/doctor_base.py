@@ -12,6 +12,7 @@ from drivers.p2os.settings import BaseSettings
 from tools.device_trial import DeviceTrial
 from tools.doctor_port import describe_line, examine_line, examine_opening, examine_port
 from tools.finding import Finding, failed, ok, skipped, warning
+from tools.watchdog_test import ADVISED_WATCHDOG_S
 
 BATTERY_LOW = 11.75  # V
 BATTERY_EMPTY = 11.0  # V; near it the controller shuts down
@@ -125,13 +126,17 @@ class BaseExamination:
         if config is None or not config.is_whole:
             return skipped("base watchdog", "unknown: no CONFIG answer; 2 s from the factory")
         milliseconds = config.watchdog_ms
+        remedy = f"set the controller's watchdog to {ADVISED_WATCHDOG_S:g} s with its FLASH tool"
         if 0 < milliseconds <= WATCHDOG_LIMIT_MS:
-            return ok("base watchdog", f"stops the robot {0.001 * milliseconds:g} s after silence")
+            text = f"stops the robot {0.001 * milliseconds:g} s after silence"
+            if milliseconds <= 1000.0 * ADVISED_WATCHDOG_S:
+                return ok("base watchdog", text)
+            return warning("base watchdog", f"{text}, then its ramp", remedy)
         text = f"{0.001 * milliseconds:g} s" if milliseconds else "off"
         return failed(
             "base watchdog",
             f"{text}: a robot that is cut off would drive on",
-            "set the controller's watchdog to 2000 ms or less with its FLASH tool",
+            remedy,
         )
 
 

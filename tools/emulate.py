@@ -17,6 +17,7 @@ import numpy as np
 from drivers.emulated_port import EmulatedDevice, PtyPort, TcpPort
 from drivers.fault_plan import parse_faults
 from drivers.line_faults import LineFaults
+from drivers.p2os.emulated_base import FACTORY_WATCHDOG
 from drivers.p2os.model import load_model
 from maps.map_folder import MapFolder
 from maps.pose import Pose
@@ -47,6 +48,8 @@ class EmulateOptions:
     """TCP port of an MJPEG stream; 0 takes any free one, None serves none."""
     pose: Pose | None = None
     """True starting pose, map_from_base; None chooses a free place near the border."""
+    watchdog: float = FACTORY_WATCHDOG
+    """s, what is set in the base's FLASH."""
     seed: int = 1
 
 
@@ -68,7 +71,9 @@ class Emulation:
             body = world.add_body(pose, outline)
         except ValueError as error:
             raise EmulateError(f"--pose: {error}") from error
-        self.rig = RobotRig("Emulated", world, body, time.monotonic(), options.model)
+        self.rig = RobotRig(
+            "Emulated", world, body, time.monotonic(), options.model, watchdog=options.watchdog
+        )
         self.urls: dict[str, str] = {}
         with ExitStack() as stack:
             names = Path(stack.enter_context(TemporaryDirectory(prefix="patrol-emulate-")))

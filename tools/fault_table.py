@@ -30,6 +30,7 @@ from tools.reaction import (
     patrols,
     steady_since,
 )
+from tools.watchdog_test import ADVISED_WATCHDOG_S
 
 START_LIMIT_S = 25.0
 """How long an agent may take from its start until the robot patrols."""
@@ -37,13 +38,15 @@ WATCHED_S = 15.0
 """How long a robot is given to recover."""
 
 
-def run_fault(fault: Fault, folder: Path) -> Reaction:
+def run_fault(fault: Fault, folder: Path, watchdog: float = ADVISED_WATCHDOG_S) -> Reaction:
     """Run one fault on a robot of its own in an empty folder; takes about 15 s.
+
+    watchdog: s, what is set in its base's FLASH.
 
     Raises FaultError if the robot does not come to patrol in the first place.
     """
     reaction = new_reaction(fault)
-    with AgentStage(folder) as stage:
+    with AgentStage(folder, watchdog=watchdog) as stage:
         stage.traitor = fault.traitor
         if fault.name.startswith("operator"):
             stage.seat_operator()
@@ -106,6 +109,7 @@ def run_faults(
     faults: Sequence[Fault],
     tell: Callable[[Reaction], None] = lambda _: None,
     keep: Path | None = None,
+    watchdog: float = ADVISED_WATCHDOG_S,
 ) -> list[Reaction]:
     """Run faults one after the other; ``tell`` hears of each as it is done.
 
@@ -114,7 +118,7 @@ def run_faults(
     reactions = []
     for fault in faults:
         with tempfile.TemporaryDirectory(prefix="patrol-fault-") as folder:
-            reactions.append(run_fault(fault, Path(folder)))
+            reactions.append(run_fault(fault, Path(folder), watchdog))
             if keep is not None:
                 _keep_recordings(Path(folder), keep / fault.name)
         tell(reactions[-1])
@@ -177,8 +181,8 @@ NOTE = (
     "understood again), patrolling again: since it ended, which is the cable's return or the "
     "agent's new start. First order: of those that move or stop. Limits: ordered to stand within "
     f"{AGENT_LIMIT_S:g} s where the agent sees the fault and can still command, else within the "
-    f"base's watchdog of {WATCHDOG_LIMIT_S:g} s; at rest within {STOP_LIMIT_S:g} s, after the "
-    "watchdog plus its ramp; back within 1 s where the robot is still in session, 2 s after any "
+    f"base's watchdog of {WATCHDOG_LIMIT_S:g} s; at rest within {STOP_LIMIT_S:g} s; back "
+    "within 1 s where the robot is still in session, 2 s after any "
     f"other return of a cable; patrolling again within {RECOVERY_LIMIT_S:g} s; first order to "
     "stand; no contact."
 )

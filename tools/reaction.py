@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from drivers.p2os.settings import BaseSettings
 from robot_agent.effects import Publish
 from robot_agent.events import Shutdown
 from robot_agent.foxglove import Log
@@ -25,7 +24,7 @@ AGENT_LIMIT_S = 0.3
 WATCHDOG_LIMIT_S = 2.0
 """Within this the base must have begun to stop by itself where the agent cannot."""
 STOP_LIMIT_S = 2.0
-"""Within this the wheels must be at rest; the ramp comes on top where the watchdog stops them."""
+"""Within this the wheels must be at rest, whoever stops them."""
 RECOVERY_LIMIT_S = 10.0
 BORDER_LIMIT_S = 60.0
 """Within this a robot that was put elsewhere must be back on its border."""
@@ -195,8 +194,7 @@ def complaints(reaction: Reaction) -> list[str]:
     order_limit = reaction.order_within or (AGENT_LIMIT_S if by_agent else WATCHDOG_LIMIT_S)
     if not _within(reaction.ordered, order_limit):
         found.append(f"no standing order within {order_limit:g} s")
-    stop_limit = STOP_LIMIT_S + (0.0 if by_agent else _ramp(reaction.speed))
-    stop_limit += max(0.0, order_limit - AGENT_LIMIT_S) if by_agent else 0.0
+    stop_limit = STOP_LIMIT_S + (max(0.0, order_limit - AGENT_LIMIT_S) if by_agent else 0.0)
     if not _within(reaction.stopped, stop_limit):
         found.append(f"not at rest within {stop_limit:.2f} s")
     if reaction.back_within is not None and not _within(reaction.back, reaction.back_within):
@@ -208,8 +206,3 @@ def complaints(reaction: Reaction) -> list[str]:
 
 def _within(time: float | None, limit: float) -> bool:
     return time is not None and time <= limit + SAMPLING_S
-
-
-def _ramp(speed: float) -> float:
-    """Return how long, s, the base takes from a speed, m/s, to rest."""
-    return abs(speed) / BaseSettings().deceleration

@@ -13,7 +13,7 @@ from drivers.p2os.model import RobotModel
 from drivers.p2os.motion_controller import MotionController
 
 MOTION_CYCLE = 0.010  # s
-WATCHDOG = 2.0  # s without a packet after which motion halts
+FACTORY_WATCHDOG = 2.0  # s without a packet after which motion halts; in the FLASH
 STALL_PAUSE = 0.1  # s without motor power after a stall
 TICKS_PER_METRE = 128_000  # of a wheel's encoder
 
@@ -21,8 +21,9 @@ TICKS_PER_METRE = 128_000  # of a wheel's encoder
 class EmulatedBase:
     """Turns setpoints into wheel motion, and wheel motion into what a controller reports."""
 
-    def __init__(self, model: RobotModel) -> None:
+    def __init__(self, model: RobotModel, watchdog: float = FACTORY_WATCHDOG) -> None:
         self.model = model
+        self.watchdog = watchdog
         self.battery = EmulatedBattery()
         self.controller = MotionController(model)
         self.motors_enabled = False
@@ -47,7 +48,7 @@ class EmulatedBase:
     @property
     def watchdog_expired(self) -> bool:
         """Whether motion is halted because the client fell silent."""
-        return self._t is not None and self._t - self.heard_at >= WATCHDOG - 1e-9
+        return self._t is not None and self._t - self.heard_at >= self.watchdog - 1e-9
 
     @property
     def motion_permitted(self) -> bool:

@@ -6,7 +6,7 @@ import math
 
 from drivers.p2os.commands import HOST_BAUDS
 from drivers.p2os.config_packet import LATER_FIELD_COUNT, ConfigPacket
-from drivers.p2os.emulated_base import STALL_PAUSE, TICKS_PER_METRE, WATCHDOG
+from drivers.p2os.emulated_base import STALL_PAUSE, TICKS_PER_METRE
 from drivers.p2os.model import RobotModel
 from drivers.p2os.motion_controller import MotionLimits
 from drivers.p2os.robot_identity import RobotIdentity
@@ -16,10 +16,16 @@ SWITCHES_BAUD_AT_ONCE = 2
 
 
 def emulated_config(
-    identity: RobotIdentity, model: RobotModel, limits: MotionLimits, *, baud: int
+    identity: RobotIdentity,
+    model: RobotModel,
+    limits: MotionLimits,
+    *,
+    baud: int,
+    watchdog: float,
 ) -> ConfigPacket:
     """Describe a controller that starts at ``baud`` and obeys HOSTBAUD; ``limits`` are those in
-    force. It has the fields of later firmware, by which clients learn that the rate can change.
+    force, ``watchdog`` s. It has the fields of later firmware, by which clients learn that the
+    rate can change.
     """
     return ConfigPacket(
         robot_class=identity.robot_class,
@@ -35,7 +41,7 @@ def emulated_config(
         host_baud_code=HOST_BAUDS.index(baud),
         front_sonar=1,
         rear_sonar=1,
-        watchdog_ms=round(1000.0 * WATCHDOG),
+        watchdog_ms=round(1000.0 * watchdog),
         stall_pause_ms=round(1000.0 * STALL_PAUSE),
         turn_rate_max=round(math.degrees(limits.turn_rate)),
         speed_max=round(1000.0 * limits.speed),

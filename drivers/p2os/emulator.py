@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from drivers.p2os.command_numbers import LIMITS, MOTION, CommandNumber
 from drivers.p2os.commands import HOST_BAUDS, Command, decode_command
-from drivers.p2os.emulated_base import EmulatedBase
+from drivers.p2os.emulated_base import FACTORY_WATCHDOG, EmulatedBase
 from drivers.p2os.emulated_battery import EmulatedBattery
 from drivers.p2os.emulated_config import emulated_config
 from drivers.p2os.emulated_reports import EmulatedPins, encoder_report, io_report, sip_report
@@ -58,13 +58,14 @@ class P2osEmulator:
         name: str = "Emulated",
         sip_period: float | None = 0.1,
         later_firmware: bool = False,
+        watchdog: float = FACTORY_WATCHDOG,
     ) -> None:
         self.model = model
         self.baud = baud
         self.identity = RobotIdentity(name, "Pioneer", model.subclass)
         self.counters = EmulatorCounters()
         self.framer = PacketFramer(CONTROLLER_MAX_COUNT)
-        self.base = EmulatedBase(model)
+        self.base = EmulatedBase(model, watchdog)
         self._start_baud = baud
         self._later_firmware = later_firmware
         self._sip_period = sip_period
@@ -330,5 +331,11 @@ class P2osEmulator:
 
     def _send_config(self, _command: Command, t: float) -> None:
         limits = self.base.controller.limits
-        config = emulated_config(self.identity, self.model, limits, baud=self._start_baud)
+        config = emulated_config(
+            self.identity,
+            self.model,
+            limits,
+            baud=self._start_baud,
+            watchdog=self.base.watchdog,
+        )
         self._send(config.encode(), t)

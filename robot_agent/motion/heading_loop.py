@@ -2,8 +2,9 @@
 
 Not in the paper; the usual heading loop under a null-space velocity. With the heading error
 e = angle(velocity) - theta: far off, the robot brakes, then turns on the spot, since it never
-backs up; one side throughout, but the other when an obstacle there pins it. Otherwise
-v = |velocity| cos e and w = k e plus the turning rate of the path itself.
+backs up; one side throughout, but the other when an obstacle there pins it; pinned on both, it
+edges ahead to where there is more room. Otherwise v = |velocity| cos e and w = k e plus the
+turning rate of the path itself.
 """
 
 from __future__ import annotations
@@ -20,6 +21,9 @@ NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]
 Angle = Annotated[float, msgspec.Meta(gt=0.0, lt=math.pi)]
 
 
+_PINS_BEFORE_EDGING = 3  # one side, the other, and the first again
+
+
 class HeadingSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Gains and limits of the heading loop."""
 
@@ -33,6 +37,8 @@ class HeadingSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
     max_deceleration: Positive = 0.3  # m/s2
     max_turn_acceleration: Positive = 2.0  # rad/s2
     pinned_patience: NotNegative = 1.0  # s that an obstacle pins it until it turns the other way
+    edging_speed: NotNegative = 0.1  # m/s ahead, out of a place where it cannot turn either way
+    edging_time: NotNegative = 1.5  # s of that
     turn_braking: Positive = 1.0  # rad/s2 the approach to a heading counts on; less than the limit
 
     def __post_init__(self) -> None:
@@ -54,6 +60,8 @@ class HeadingLoop:
         self._w = 0.0
         self._turn_side = 0  # +1 left, -1 right while turning on the spot, else 0
         self._pinned_since: float | None = None
+        self._pins = 0  # of the present turn
+        self._edges_until = -math.inf
 
     def command(
         self,
@@ -72,20 +80,30 @@ class HeadingLoop:
         """
         self._turn_from_obstacle(t, pinned=pinned)
         v, w = self._target(velocity, theta, curvature)
+        if t < self._edges_until:
+            v, w = self._settings.edging_speed, 0.0
         dt = 0.0 if self._t is None else max(t - self._t, 0.0)
         self._t = t
         self._ramp(v, w, dt)
         return self._v, self._w
 
     def _turn_from_obstacle(self, t: float, *, pinned: bool) -> None:
-        """Turn the other way once pinned for too long while turning."""
+        """Turn the other way once pinned for too long while turning; back at the first, edge out.
+
+        The first side was the shorter way round, so edging ahead there leads less astray.
+        """
         if not pinned or self._w == 0.0:
             self._pinned_since = None
         elif self._pinned_since is None:
             self._pinned_since = t
         elif t - self._pinned_since >= self._settings.pinned_patience:
             self._pinned_since = None
-            self._turn_side = -1 if self._w > 0.0 else 1
+            self._pins += 1
+            if self._pins < _PINS_BEFORE_EDGING:
+                self._turn_side = -1 if self._w > 0.0 else 1
+            else:
+                self._pins = 0
+                self._edges_until = t + self._settings.edging_time
 
     def _target(
         self, velocity: tuple[float, float], theta: float, curvature: float
@@ -108,7 +126,7 @@ class HeadingLoop:
     def _choose_turn_side(self, error: float) -> None:
         """Begin to turn on the spot beyond one angle, end below another, one side throughout."""
         if abs(error) < self._settings.resume_angle:
-            self._turn_side = 0
+            self._turn_side = self._pins = 0
         elif self._turn_side == 0 and abs(error) > self._settings.turn_angle:
             self._turn_side = 1 if error > 0.0 else -1
 

@@ -9,6 +9,8 @@ from robot_agent.motion.gate_settings import GateSettings
 
 _POSES = 12  # per stopping way: at most 0.05 m apart at top speed, less than the margin
 _SHARES = np.arange(1, _POSES + 1) / _POSES
+_EDGING_WAY = 0.05  # m to stop, from little more than 0.1 m/s
+_SEEN_INSIDE = 0.02  # m that noise shifts what touches the side into the outline
 _FREE_SHARES = np.arange(_POSES) / _POSES  # free up to the pose before the first that hits
 
 
@@ -30,6 +32,9 @@ class SweptBody:
         if way > 0.0:
             front = settings.front + settings.front_margin
             side = settings.half_width + self._side_margin(near)
+            if turn == 0.0 and way <= _EDGING_WAY:
+                # Slowly out of where it cannot turn: straight ahead nothing comes nearer to these.
+                near = near[~self._beside(near)]
         else:
             front = settings.front + settings.turn_margin
             side = settings.half_width + settings.turn_margin
@@ -37,6 +42,11 @@ class SweptBody:
         rear = settings.rear + settings.turn_margin
         hit = ((x < front) & (x > -rear) & (np.abs(y) < side)).any(axis=1)
         return float(_FREE_SHARES[hit.argmax()]) if hit.any() else 1.0
+
+    def _beside(self, near: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Tell which points (n, 2) are alongside or behind, about outside the outline, each."""
+        outside = np.abs(near[:, 1]) >= self._settings.half_width - _SEEN_INSIDE
+        return (near[:, 0] < self._settings.front) & outside
 
     def _side_margin(self, near: NDArray[np.float64]) -> float:
         """Margin beside the body: less where an obstacle already is, or no wall could be left."""

@@ -59,7 +59,7 @@ class PatrolDecision(NamedTuple):
     reversed_at_random: bool
     blocked: bool  # gave up waiting for an object on its way, just now
     holding: bool  # caught between an end and a teammate: stands still
-    insists: bool  # reaches for the border whatever the rules say: kept from it for too long
+    insists: bool  # goes on whatever the rules say: kept from the border, or in Avoid, for too long
 
 
 class Patrol:
@@ -119,15 +119,15 @@ class Patrol:
         # Beside the border but behind a wall a robot is as far from patrolling as its way is long.
         way = foot.distance if approach is None else approach.distance
         choice = self._supervisor.choose(t, _inputs(way, neighbor, ends))
-        insists = self._standoff.insists(t, position, way, choice.winner)
-        action = Action.REACH_FRONTIER if insists else choice.winner
+        insisted = self._standoff.insists_on(t, position, way, choice.winner)
+        action = choice.winner if insisted is None else insisted
         reversed_at_random = self._turned_back(t, action, ends)
         self._even_out(t, action, foot.abscissa)
         blocked = self._blockage.ends_waiting(t, position, neighbor.distance, held=held)
         if blocked:
             self._turn_back(action)
         direction = self._update_direction(action, foot, pose.theta)
-        holding = not insists and self._caught(choice)
+        holding = insisted is None and self._caught(choice)
         situation = Situation(
             position, foot, teammate, direction, ends[0] <= 0.0, ends[1] <= 0.0, approach
         )
@@ -152,7 +152,7 @@ class Patrol:
             reversed_at_random=reversed_at_random,
             blocked=blocked,
             holding=holding,
-            insists=insists,
+            insists=insisted is not None,
         )
 
     def _approach(self, position: tuple[float, float], foot: BorderProjection) -> Approach | None:

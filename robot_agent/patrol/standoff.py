@@ -1,9 +1,10 @@
-"""Robots that keep each other from the border: after a while one insists on its way there.
+"""Robots that keep each other from patrolling: after a while one insists on its way.
 
 Not in the paper, whose rules remember nothing: a robot beside the border that avoids a teammate on
 it, who turns back and comes again, would wait for ever, and so would one whom a door post keeps
 from patrolling along. It takes Reach Frontier for a while instead: round walls, and with the safety
-gate's distance from everybody. The teammates see it come, and give way by the paper's rules.
+gate's distance from everybody. On the border itself, among robots on either side, it is Keep Going
+that ends long avoiding. The teammates see it come, and give way by the paper's rules.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ _ON_BORDER = 0.3  # m; nearer, it has arrived
 
 
 class Standoff:
-    """Watches how long the robot has got nowhere beside the border."""
+    """Watches how long the robot has got nowhere beside the border, or avoided on it."""
 
     def __init__(self, settings: PatrolSettings) -> None:
         self._settings = settings
@@ -26,27 +27,28 @@ class Standoff:
         self._since = -math.inf  # s, at that place
         self._avoids_since: float | None = None
         self._insists_until = -math.inf
+        self._on_border = False
 
-    def insists(
+    def insists_on(
         self, t: float, position: tuple[float, float], way_to_border: float, action: Action
-    ) -> bool:
-        """Tell whether Reach Frontier takes the place of an action at t, s.
+    ) -> Action | None:
+        """Return what takes the place of an action at t, s; None: nothing, the action stands.
 
         position: (x, y) in the map, m. way_to_border: round walls, m.
         """
-        if way_to_border < _ON_BORDER:
-            self._begin(t, position)
-            self._avoids_since = None
+        on_border = way_to_border < _ON_BORDER
+        if on_border and not self._on_border:
             self._insists_until = -math.inf
-            return False
+        self._on_border = on_border
+        insisted = Action.KEEP_GOING if on_border else Action.REACH_FRONTIER
         if t < self._insists_until:
-            return True
+            return insisted
         if action is not Action.AVOID_TEAMMATE:
             self._avoids_since = None
         elif self._avoids_since is None:
             self._avoids_since = t
         reaches = action is Action.REACH_FRONTIER
-        if reaches or math.dist(position, self._place) > _STANDS:
+        if on_border or reaches or math.dist(position, self._place) > _STANDS:
             self._begin(t, position)
         settings = self._settings
         stands = t - self._since >= settings.standoff_time
@@ -54,11 +56,11 @@ class Standoff:
             t - self._avoids_since >= settings.longest_avoiding
         )
         if not (stands or avoids):
-            return False
+            return None
         self._begin(t + settings.insisting_time, position)
         self._avoids_since = None
         self._insists_until = t + settings.insisting_time
-        return True
+        return insisted
 
     def _begin(self, t: float, position: tuple[float, float]) -> None:
         self._since, self._place = t, position

@@ -64,7 +64,9 @@ class RobotOnTheBench:
         rng = np.random.default_rng(1)
         world = World(load_map_folder(folder / "room").map, rng)
         now = time.monotonic()
-        self.rig = RobotRig("robot1", world, world.add_body(START), now, later_firmware=True)
+        self.rig = RobotRig(
+            *("robot1", world, world.add_body(START), now), later_firmware=True, watchdog=1.2
+        )
         self.base_line = LineFaults(self.rig.base, FaultPlan(), rng)
         self.laser_line = LineFaults(self.rig.laser, FaultPlan(), rng)
         self.base_cable = Cable(self.base_line, folder / "base")
@@ -143,7 +145,7 @@ def test_sound_robot_is_all_green(
     assert not any(row["remedy"] for row in report["checks"])
     assert found["base"] == "robot1, Pioneer p2dx, at 9600 baud"
     assert "2.2 m/s" in found["base limits"]
-    assert found["base watchdog"] == "stops the robot 2 s after silence"
+    assert found["base watchdog"] == "stops the robot 1.2 s after silence"
     assert found["battery"] == "13.0 V"
     assert "tried 9600 baud" in found["base line"]
     assert "last " in found["base line"]
@@ -491,6 +493,20 @@ def test_plain_lines() -> None:
     assert lines[1].strip() == "-> charge it"
 
 
+def test_a_watchdog_as_the_factory_set_it_is_warned_of(
+    robot: RobotOnTheBench, capsys: pytest.CaptureFixture[str]
+) -> None:
+    robot.rig.base.base.watchdog = 2.0
+    assert main(["doctor", str(robot.config_path), "--json"]) == 0
+    report = json.loads(capsys.readouterr().out)
+    (row,) = [row for row in report["checks"] if row["check"] == "base watchdog"]
+    assert (row["verdict"], row["found"]) == (
+        "warning",
+        "stops the robot 2 s after silence, then its ramp",
+    )
+    assert "to 1.2 s with its FLASH tool" in row["remedy"]
+
+
 def test_watchdog_is_seen_to_stop_the_wheels(
     robot: RobotOnTheBench, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -500,6 +516,6 @@ def test_watchdog_is_seen_to_stop_the_wheels(
     assert main([*test, "--wheels-off-ground"]) == 0
     out = capsys.readouterr().out
     after = float(re.search(r"at rest ([0-9.]+) s after the last command", out)[1])  # type: ignore[index]
-    assert 1.9 < after < 2.7
+    assert 1.1 < after < 1.9
     assert not robot.rig.base.motors_enabled
     assert robot.rig.base.velocity == (0.0, 0.0)

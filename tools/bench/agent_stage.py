@@ -22,6 +22,7 @@ import numpy as np
 
 from drivers.fault_plan import FaultPlan
 from drivers.line_faults import LineFaults
+from drivers.p2os.emulated_base import FACTORY_WATCHDOG
 from maps.map_folder import load_map_folder
 from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap, save_map
 from maps.pose import Pose
@@ -97,10 +98,16 @@ class Moment:
 class AgentStage:
     """The world steps in ``step``; the agent is a process, started by ``start_agent``."""
 
-    def __init__(self, folder: Path, seed: int = 1, operator: str | None = None) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        seed: int = 1,
+        operator: str | None = None,
+        watchdog: float = FACTORY_WATCHDOG,
+    ) -> None:
         """Build world and lines in a folder of their own, to which configuration and recordings
         go too. The agent dials an operator who is absent until ``seat_operator``, or the endpoint
-        of another; empty: nobody."""
+        of another; empty: nobody. watchdog: s, what is set in the base's FLASH."""
         self.folder = folder
         self.recordings: list[Path] = []
         self._endpoint = free_endpoint() if operator is None else operator
@@ -119,7 +126,13 @@ class AgentStage:
         self._content = load_map_folder(folder / "room")
         rng = np.random.default_rng(seed)
         self.world = World(self._content.map, rng)
-        self.rig = RobotRig("robot1", self.world, self.world.add_body(START), time.monotonic())
+        self.rig = RobotRig(
+            "robot1",
+            self.world,
+            self.world.add_body(START),
+            time.monotonic(),
+            watchdog=watchdog,
+        )
         self.tap = OrderTap(self.rig.base)
         self.base_line = LineFaults(self.tap, FaultPlan(), rng)
         self.laser_line = LineFaults(self.rig.laser, FaultPlan(), rng)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from drivers.lms200.emulator import Lms200Emulator
 from drivers.lms200.scan import beam_time_offsets
+from drivers.p2os.emulated_base import FACTORY_WATCHDOG
 from drivers.p2os.emulator import P2osEmulator
 from drivers.p2os.model import load_model
 from maps.pose import Pose, wrap_angle
@@ -31,14 +32,18 @@ class RobotRig:
         model: str = "p2dx",
         *,
         later_firmware: bool = False,
+        watchdog: float = FACTORY_WATCHDOG,
     ) -> None:
         """Put the robot into the world at time t, both devices just powered; with
-        ``later_firmware`` its base reports what AROS does, the stop button among it."""
+        ``later_firmware`` its base reports what AROS does, the stop button among it.
+        ``watchdog``: s, what is set in its FLASH."""
         self.name = name
         self.world = world
         self.body = body
         self.model = load_model(model)
-        self.base = P2osEmulator(self.model, name=name, later_firmware=later_firmware)
+        self.base = P2osEmulator(
+            self.model, name=name, later_firmware=later_firmware, watchdog=watchdog
+        )
         self.laser = Lms200Emulator(scan_source=self._scan)
         self.stuck = False
         """Whether something holds the wheels."""

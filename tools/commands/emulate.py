@@ -8,6 +8,7 @@ import sys
 import threading
 from pathlib import Path
 
+from drivers.p2os.emulated_base import FACTORY_WATCHDOG
 from drivers.p2os.model import model_names
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
@@ -35,6 +36,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--camera", type=int, metavar="PORT", help="serve its view as MJPEG there")
     parser.add_argument("--map", default="paper_lab", metavar="DIR", help="map folder or name")
     parser.add_argument("--pose", metavar="X,Y,DEG", help="start; default a free place")
+    parser.add_argument(
+        "--watchdog",
+        type=float,
+        default=FACTORY_WATCHDOG,
+        metavar="S",
+        help="what is set in the base's FLASH",
+    )
     parser.add_argument("--seed", type=int, default=1, metavar="N")
 
 
@@ -49,6 +57,7 @@ def run(options: argparse.Namespace) -> int:
         lms200_faults=options.lms200_faults,
         camera=options.camera,
         pose=None if options.pose is None else parse_pose(options.pose),
+        watchdog=options.watchdog,
         seed=options.seed,
     )
     ended = threading.Event()

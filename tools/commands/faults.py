@@ -8,10 +8,12 @@ import json
 import sys
 from pathlib import Path
 
+from drivers.p2os.emulated_base import FACTORY_WATCHDOG
 from tools.fault_list import FAULTS, chosen_faults
 from tools.fault_table import markdown, run_faults
 from tools.progress import Progress
 from tools.reaction import Reaction
+from tools.watchdog_test import ADVISED_WATCHDOG_S
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -24,6 +26,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", type=Path, metavar="OUT.md", help="write the table there")
     parser.add_argument(
         "--record", type=Path, metavar="DIR", help="keep recordings, in a folder per fault"
+    )
+    parser.add_argument(
+        "--watchdog",
+        type=float,
+        default=ADVISED_WATCHDOG_S,
+        metavar="S",
+        help=f"what is set in the base's FLASH; default {ADVISED_WATCHDOG_S:g}, the factory's is "
+        f"{FACTORY_WATCHDOG:g}",
     )
     parser.add_argument("--json", action="store_true", help="print JSON instead of Markdown")
 
@@ -41,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
                 verdict = "; ".join(reaction.complaints) or "ok"
                 print(f"patrol faults: {reaction.fault}: {verdict}", file=sys.stderr, flush=True)
 
-        reactions = run_faults(faults, tell, options.record)
+        reactions = run_faults(faults, tell, options.record, options.watchdog)
     if options.output:
         options.output.write_text(markdown(reactions))
     if options.json:

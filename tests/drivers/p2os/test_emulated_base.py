@@ -6,7 +6,7 @@ import pytest
 
 from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import Command
-from drivers.p2os.emulated_base import STALL_PAUSE, TICKS_PER_METRE, WATCHDOG, EmulatedBase
+from drivers.p2os.emulated_base import FACTORY_WATCHDOG, STALL_PAUSE, TICKS_PER_METRE, EmulatedBase
 from drivers.p2os.model import load_model
 
 N = CommandNumber
@@ -58,15 +58,25 @@ def test_stop_button_stands_the_robot_still_at_once() -> None:
 
 def test_watchdog_halts_and_the_next_packet_resumes() -> None:
     robot = base(Command(N.VEL, 300))
-    robot.run_to(WATCHDOG - 0.01)
+    robot.run_to(FACTORY_WATCHDOG - 0.01)
     assert robot.velocity[0] == pytest.approx(0.3)
-    robot.run_to(WATCHDOG + 1.5)
+    robot.run_to(FACTORY_WATCHDOG + 1.5)
     assert robot.watchdog_expired
     assert not robot.motion_permitted
     assert robot.velocity == (0.0, 0.0)
-    robot.heard_at = WATCHDOG + 1.5
-    robot.run_to(WATCHDOG + 3.0)
+    robot.heard_at = FACTORY_WATCHDOG + 1.5
+    robot.run_to(FACTORY_WATCHDOG + 3.0)
     assert robot.velocity[0] == pytest.approx(0.3)
+
+
+def test_the_watchdog_is_what_the_flash_says() -> None:
+    robot = EmulatedBase(load_model("p2dx"), watchdog=1.2)
+    robot.run_to(0.0)
+    robot.heard_at = 0.0
+    robot.run_to(1.19)
+    assert not robot.watchdog_expired
+    robot.run_to(1.2)
+    assert robot.watchdog_expired
 
 
 def test_motion_is_what_the_profile_says_and_is_fetched_once() -> None:

@@ -106,6 +106,7 @@ def post_after(v: float) -> tuple[float, float]:
     return FRONT + 1.5 * stopping(v), 0.0
 
 
+EDGE = (0.1, 0.0)
 POST = (-0.13, -0.36)  # what the rear corner meets in a left turn
 DRIVE = (0.35, 0.0)
 ZERO = (0.0, 0.0)
@@ -258,6 +259,13 @@ CASES = [
     Case(DRIVE, ZERO, "obstacle", {"obstacles": [(-0.31, -0.25), (0.3, 0.251)]}),
     Case(DRIVE, ZERO, "obstacle", {"obstacles": [(0.211, 0.25), (0.3, 0.251)]}),
     Case(DRIVE, ZERO, "obstacle", {"obstacles": [(0.0, 0.22)]}),  # nearer than the turn margin
+    # unless it edges out straight and slowly: nothing alongside comes nearer, also a little inside
+    Case(EDGE, EDGE, "none", {"obstacles": [(0.0, 0.22), (-0.2, 0.1926), (-0.2, -0.1926)]}),
+    Case(EDGE, ZERO, "obstacle", {"obstacles": [(-0.2, 0.1924)]}),
+    Case(EDGE, ZERO, "obstacle", {"obstacles": [(0.211, 0.22)]}),
+    Case((0.1, 0.05), ZERO, "obstacle", {"obstacles": [(0.0, 0.22)]}),
+    Case((0.108, 0.0), (0.108, 0.0), "none", {"obstacles": [(0.0, 0.22)], "v": 0.108}),
+    Case((0.12, 0.0), ZERO, "obstacle", {"obstacles": [(0.0, 0.22)]}),
     # behind
     Case(DRIVE, DRIVE, "none", {"obstacles": [(-0.33, 0.0), (-2.0, 0.0)]}),
     Case(DRIVE, ZERO, "obstacle", {"obstacles": [(-0.29, 0.0)]}),

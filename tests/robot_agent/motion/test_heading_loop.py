@@ -142,6 +142,28 @@ def test_pinned_on_both_sides_it_tries_them_in_turn():
     assert min(rates) < 0.0 < max(rates[30:])
 
 
+def test_pinned_on_one_side_the_other_and_the_first_again_it_edges_straight_ahead():
+    loop = HeadingLoop(HeadingSettings())
+    steps = [loop.command(DT * k, toward(1.3), 0.0, pinned=k >= 5) for k in range(80)]
+    edging = [k for k, (v, _) in enumerate(steps) if v > 0.05]
+    assert edging[0] * DT > 3.0  # three times its patience
+    assert max(v for v, _ in steps) == pytest.approx(0.1)
+    assert (edging[-1] - edging[0]) * DT == pytest.approx(1.5, abs=0.3)
+    assert steps[edging[5]] == (pytest.approx(0.1), pytest.approx(0.0))
+    assert max(abs(w) for _, w in steps[edging[-1] :]) > 0.5  # and tries to turn again
+
+
+def test_a_turn_that_came_round_forgets_where_it_was_pinned():
+    """Each period of 6 s: pinned for 2 s, so once; then it gets there, and is sent off again."""
+    loop, speeds = HeadingLoop(HeadingSettings()), []
+    for k in range(300):
+        pinned, theta = 10 < k % 60 < 30, 1.3 if k % 60 > 50 else 0.0
+        v, _ = loop.command(DT * k, toward(1.3), theta, pinned=pinned)
+        if 25 < k % 60 < 50:
+            speeds.append(v)
+    assert max(speeds) == pytest.approx(0.0, abs=1e-9)
+
+
 def test_pinned_without_a_wish_to_turn_it_keeps_its_side():
     assert pinned_turn([(0.5, 6.0)], error=0.0) == pytest.approx([0.0] * 60)
 

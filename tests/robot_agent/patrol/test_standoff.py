@@ -22,9 +22,9 @@ SETTINGS = PatrolSettings(standoff_time=12.0, longest_avoiding=20.0, insisting_t
 def insisting(places, action=AVOID, way=1.2):
     """The times, s, of ten steps a second at these places at which the robot insists."""
     standoff = Standoff(SETTINGS)
-    return [
-        k / 10.0 for k, place in enumerate(places) if standoff.insists(k / 10.0, place, way, action)
-    ]
+    times = [k / 10.0 for k in range(len(places))]
+    found = zip(times, places, strict=True)
+    return [t for t, place in found if standoff.insists_on(t, place, way, action)]
 
 
 @pytest.mark.parametrize("action", [AVOID, PATROL, Action.KEEP_GOING])
@@ -47,23 +47,45 @@ def test_avoiding_all_the_time_ends_wherever_it_leads():
 
 
 def test_on_the_border_and_on_the_way_to_it_there_is_nothing_to_insist_on():
-    assert insisting([(0.0, 0.0)] * 500, AVOID, way=0.25) == []
+    assert insisting([(0.0, 0.0)] * 500, PATROL, way=0.25) == []
     assert insisting([(0.0, 0.0)] * 500, REACH) == []
+
+
+def test_what_it_insists_on_is_the_border_beside_it_and_the_patrol_on_it():
+    at, beside, on = (0.0, 0.0), Standoff(SETTINGS), Standoff(SETTINGS)
+    found = [
+        {standoff.insists_on(k / 10.0, at, way, AVOID) for k in range(250)}
+        for standoff, way in ((beside, 1.2), (on, 0.25))
+    ]
+    assert found == [{None, REACH}, {None, Action.KEEP_GOING}]
+
+
+def test_on_the_border_only_long_avoiding_ends():
+    times = insisting([(0.0, 0.0)] * 600, AVOID, way=0.25)
+    assert [t for t in times if t < 48.0] == pytest.approx([20.0 + k / 10.0 for k in range(80)])
+    assert next(t for t in times if t > 28.0) == pytest.approx(48.0, abs=0.11)
+
+
+def test_crossing_to_the_border_and_back_does_not_begin_the_count_of_avoiding_anew():
+    standoff = Standoff(SETTINGS)
+    ways = [0.25 + 0.1 * (k % 40 < 20) for k in range(210)]
+    insists = [standoff.insists_on(k / 10.0, (0.0, 0.0), way, AVOID) for k, way in enumerate(ways)]
+    assert insists.index(next(filter(None, insists))) == 200
 
 
 def test_arriving_ends_it():
     standoff = Standoff(SETTINGS)
     at = (0.0, 0.0)
-    assert [k for k in range(130) if standoff.insists(k / 10.0, at, 1.0, AVOID)]
-    assert not standoff.insists(13.1, at, 0.2, AVOID)
-    assert not standoff.insists(13.2, at, 1.0, AVOID)  # counts from the border on
+    assert [k for k in range(130) if standoff.insists_on(k / 10.0, at, 1.0, AVOID)]
+    assert not standoff.insists_on(13.1, at, 0.2, AVOID)
+    assert not standoff.insists_on(13.2, at, 1.0, AVOID)  # counts from the border on
 
 
 def test_other_actions_between_begin_the_count_of_avoiding_anew():
     standoff, insists = Standoff(SETTINGS), []
     for k in range(350):
         action = PATROL if k == 150 else AVOID
-        insists.append(standoff.insists(k / 10.0, (k / 50.0, 0.0), 1.2, action))
+        insists.append(standoff.insists_on(k / 10.0, (k / 50.0, 0.0), 1.2, action))
     assert not any(insists[:350])
 
 
