@@ -266,7 +266,7 @@ def test_what_only_the_sonars_hear_behind_slows_a_turn_towards_it(folder: MapFol
         gate = SafetyGate(agent.config.gate)
         for step in range(10):
             t = state.t + 0.1 * step
-            at = seen._replace(base_time=t, scan_time=t)
+            at = msgspec.structs.replace(seen, base_time=t, scan_time=t)
             decision = gate.permit(t, (0.0, 1.5), at)
         turns.append(decision)
     assert turns[0].w < turns[1].w
