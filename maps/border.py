@@ -101,9 +101,29 @@ class Border:
         near: the previous abscissa. Its branch is kept unless another one is nearer by more than
         0.02 m, so that a position half-way between two stretches does not jump between them.
         """
+        distance, s = self.nearest(x, y, near)
+        foot_x, foot_y, tx, ty, curvature = self.at(s)
+        side = 1 if tx * (y - foot_y) - ty * (x - foot_x) >= 0.0 else -1
+        return BorderProjection(s, foot_x, foot_y, distance, (tx, ty), curvature, side)
+
+    def nearest(self, x: float, y: float, near: float | None = None) -> tuple[float, float]:
+        """Return (distance, abscissa), m, of a projection; for one who needs no more of it."""
+        feet = self._feet_near(x, y)
+        if len(feet) == 1:
+            distance, s = feet[0].nearest(x, y)
+        else:
+            distance, s = self._nearest_of(feet, x, y, near)
+        if s >= self.length:
+            s = 0.0 if self.closed else self.length
+        return distance, s
+
+    def _nearest_of(
+        self, feet: Sequence[SegmentFoot | ArcFoot], x: float, y: float, near: float | None
+    ) -> tuple[float, float]:
+        """Return (distance, abscissa) of the nearest point of some pieces; keep to a branch."""
         best_distance, best_s = math.inf, 0.0
         kept_distance, kept_s = math.inf, 0.0
-        for foot in self._feet_near(x, y):
+        for foot in feet:
             distance, s = foot.nearest(x, y)
             if distance < best_distance:
                 best_distance, best_s = distance, s
@@ -114,12 +134,8 @@ class Border:
             ):
                 kept_distance, kept_s = distance, s
         if kept_distance <= best_distance + _BRANCH_MARGIN:
-            best_distance, best_s = kept_distance, kept_s
-        if best_s >= self.length:
-            best_s = 0.0 if self.closed else self.length
-        foot_x, foot_y, tx, ty, curvature = self.at(best_s)
-        side = 1 if tx * (y - foot_y) - ty * (x - foot_x) >= 0.0 else -1
-        return BorderProjection(best_s, foot_x, foot_y, best_distance, (tx, ty), curvature, side)
+            return kept_distance, kept_s
+        return best_distance, best_s
 
     def _feet_near(self, x: float, y: float) -> tuple[SegmentFoot | ArcFoot, ...]:
         """Return the pieces that can matter to a projection from anywhere in the cell of (x, y).

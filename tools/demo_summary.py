@@ -18,6 +18,7 @@ from robot_agent.streams import DecisionPayload, decode
 from tools.bench.metrics import (
     RobotRun,
     action_share,
+    distance_from_border,
     meetings,
     patrolling_distances,
     reach_time,
@@ -82,9 +83,10 @@ def _robot_table(border: Border, runs: Sequence[RobotRun]) -> Table:
         table.add_column(column, justify="left" if column == "robot" else "right")
     met = meetings(runs)
     for run in runs:
-        reached = reach_time(border, run)
-        distance = spread(patrolling_distances(border, run))
-        figures = [distance[key] for key in ("median", "p95", "max")]
+        distance = distance_from_border(border, run)
+        reached = reach_time(run, distance)
+        patrolling = spread(patrolling_distances(run, distance))
+        figures = [patrolling[key] for key in ("median", "p95", "max")]
         table.add_row(
             run.name,
             "never" if reached is None else f"{reached:.1f}",

@@ -143,33 +143,50 @@ class SafetyGate:
 
     def _denial(self, t: float, wish: tuple[float, float], inputs: GateInputs) -> GateReason | None:
         """Return the first reason to deny all motion, if any."""
+        return self._unknown(t, wish, inputs) or self._unwell(wish, inputs)
+
+    def _unknown(
+        self, t: float, wish: tuple[float, float], inputs: GateInputs
+    ) -> GateReason | None:
+        """Return the first reason why it is not known how the robot fares, if any."""
         settings = self._settings
-        too_fast = (
+        numbers = (t, *wish, inputs.v, inputs.w, inputs.battery)
+        if not all(map(math.isfinite, numbers)):
+            return GateReason.INVALID
+        if not _is_fresh(t, inputs.base_time, settings.max_base_age):
+            return GateReason.STALE_BASE
+        if not _is_fresh(t, inputs.scan_time, settings.scan_age):
+            return GateReason.STALE_LASER
+        if not _all_finite(inputs.obstacles):
+            return GateReason.INVALID
+        if inputs.overloaded:
+            return GateReason.OVERLOADED
+        located = inputs.limited or inputs.health in ("localized", "unsure")
+        return None if located else GateReason.NOT_LOCALIZED
+
+    def _unwell(self, wish: tuple[float, float], inputs: GateInputs) -> GateReason | None:
+        """Return the first known reason to deny all motion, if any."""
+        settings = self._settings
+        if self._bumps.latched:
+            return GateReason.BUMPED_AGAIN
+        if self._stalls.latched:
+            return GateReason.STALLED_AGAIN
+        if inputs.stop_button:
+            return GateReason.STOP_BUTTON
+        if self._battery.low:
+            return GateReason.BATTERY_LOW
+        if not inputs.motors_enabled:
+            return GateReason.MOTORS_OFF
+        if inputs.stalled:
+            return GateReason.STALLED
+        if inputs.bumpers:
+            return GateReason.BUMPER
+        if (
             abs(inputs.v) > settings.max_speed + settings.overspeed
             or abs(inputs.w) > settings.max_turn_rate + settings.overspeed
-        )
-        located = inputs.limited or inputs.health in ("localized", "unsure")
-        numbers = (t, *wish, inputs.v, inputs.w, inputs.battery)
-        for reason, well in (
-            (GateReason.INVALID, all(map(math.isfinite, numbers))),
-            (GateReason.STALE_BASE, _is_fresh(t, inputs.base_time, settings.max_base_age)),
-            (GateReason.STALE_LASER, _is_fresh(t, inputs.scan_time, settings.scan_age)),
-            (GateReason.INVALID, _all_finite(inputs.obstacles)),
-            (GateReason.OVERLOADED, not inputs.overloaded),
-            (GateReason.NOT_LOCALIZED, located),
-            (GateReason.BUMPED_AGAIN, not self._bumps.latched),
-            (GateReason.STALLED_AGAIN, not self._stalls.latched),
-            (GateReason.STOP_BUTTON, not inputs.stop_button),
-            (GateReason.BATTERY_LOW, not self._battery.low),
-            (GateReason.MOTORS_OFF, inputs.motors_enabled),
-            (GateReason.STALLED, not inputs.stalled),
-            (GateReason.BUMPER, not inputs.bumpers),
-            (GateReason.OVERSPEED, not too_fast),
-            (GateReason.BACKING, wish[0] >= 0.0),
         ):
-            if not well:
-                return reason
-        return None
+            return GateReason.OVERSPEED
+        return None if wish[0] >= 0.0 else GateReason.BACKING
 
     # ---- limits -------------------------------------------------------------------------------
 

@@ -60,6 +60,10 @@ class Rule:
     then: tuple[tuple[str, str], ...]
 
 
+_NumberedRule = tuple[tuple[int, ...], tuple[int, ...]]
+"""A rule by the numbers of its input and output sets."""
+
+
 class MamdaniSystem:
     """A fuzzy rule base over named inputs and outputs.
 
@@ -76,10 +80,11 @@ class MamdaniSystem:
             first = sum(len(sets) for *_, sets in self._input_sets)
             self._input_sets.append((variable.name, first, tuple(variable.sets.values())))
         inside, outside = _indices(self.inputs), _indices(self.outputs)
-        self._rules = [
+        self._rules: list[_NumberedRule] = [
             (tuple(inside[key] for key in rule.when), tuple(outside[key] for key in rule.then))
             for rule in rules
         ]
+        self._live_rules: list[_NumberedRule] | None = None  # that hold to a degree; not known yet
         self._output_sets = len(outside)
         self._centroids: list[tuple[str, int, int, _Centroid]] = []  # first and last strength
         first = 0
@@ -106,28 +111,31 @@ class MamdaniSystem:
                 continue
             self._values[name] = value
             for index, fuzzy_set in enumerate(sets, first):
-                degree = fuzzy_set(value)
-                if degree != self._degrees[index]:
+                degree, before = fuzzy_set(value), self._degrees[index]
+                if degree != before:
                     self._degrees[index], changed = degree, True
+                    if not (degree and before):
+                        self._live_rules = None
         if changed:
             self._last = MappingProxyType(self._levels(self._set_strengths(self._degrees)))
         return self._last
 
     def _set_strengths(self, degrees: Sequence[float]) -> list[float]:
         """Greatest degree (output sets,) to which a rule that names the output set holds."""
+        if self._live_rules is None:
+            self._live_rules = [
+                (when, then) for when, then in self._rules if all(degrees[index] for index in when)
+            ]
         strengths = [0.0] * self._output_sets
-        for when, then in self._rules:
+        for when, then in self._live_rules:
             strength = 1.0
             for index in when:
                 degree = degrees[index]
                 if degree < strength:
                     strength = degree
-                    if not degree:
-                        break
-            if strength:
-                for index in then:
-                    if strengths[index] < strength:
-                        strengths[index] = strength
+            for index in then:
+                if strengths[index] < strength:
+                    strengths[index] = strength
         return strengths
 
     def _levels(self, strengths: Sequence[float]) -> dict[str, float]:
@@ -184,8 +192,11 @@ class _Centroid:
     def of(self, strengths: Sequence[float]) -> float:
         """Return the centroid of strengths (sets,); 0 where all are 0."""
         area = moment = 0.0
-        for first, others, bottom, height, area1, area2, moment1, moment2, moment3 in self._layers:
-            cut = strengths[first]
+        for layer in self._layers:
+            cut = strengths[layer.first]
+            if not cut:
+                continue
+            _, others, bottom, height, area1, area2, moment1, moment2, moment3 = layer
             for other in others:
                 strength = strengths[other]
                 if strength < cut:

@@ -45,22 +45,23 @@ class NeighborState:
             self._side = None
             return NOBODY
         distance = math.dist(position, teammate)
-        other = self._border.project(*teammate)
-        delta = self._border.difference(other.abscissa, foot.abscissa)
-        self._side = self._side_of(delta, foot, other)
+        from_border, abscissa = self._border.nearest(*teammate)
+        delta = self._border.difference(abscissa, foot.abscissa)
+        self._side = self._side_of(delta, foot, teammate)
         if abs(delta) > self._settings.detour_ratio * distance + self._settings.detour_allowance:
             return NeighborView(distance, 0.0)
-        return NeighborView(distance, self._closeness(other.distance) * self._side)
+        return NeighborView(distance, self._closeness(from_border) * self._side)
 
     def _closeness(self, distance_from_border: float) -> float:
         """Magnitude of eq. 13: 1 on the border, falling to 0 between the two thresholds."""
         near, far = self._settings.patrolling_distance, self._settings.passing_distance
         return min(max((far - distance_from_border) / (far - near), 0.0), 1.0)
 
-    def _side_of(self, delta: float, own: BorderProjection, other: BorderProjection) -> int:
+    def _side_of(self, delta: float, own: BorderProjection, teammate: tuple[float, float]) -> int:
         if abs(delta) >= self._settings.same_place:
             return LEFT if delta < 0.0 else RIGHT
         if self._side is not None:
             return self._side
+        other = self._border.project(*teammate)
         # Of two robots at one place the outer one (left of a clockwise tangent) goes clockwise.
         return LEFT if own.side * own.distance > other.side * other.distance else RIGHT

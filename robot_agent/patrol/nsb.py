@@ -1,6 +1,7 @@
 """Null-space-based composition of any number of tasks, first the most important (eq. 4, 5).
 
-Plain numbers: for the two or three dimensions of a robot this is several times faster than arrays.
+Plain numbers: for the two or three dimensions of a robot this is several times faster than arrays,
+and two, the usual case, are written out, the same to the last bit.
 """
 
 from __future__ import annotations
@@ -30,23 +31,35 @@ def compose(tasks: Sequence[Task], speed_limit: float = math.inf) -> tuple[float
         part = _projected(task.velocity, claimed) if claimed else task.velocity
         if any(part):
             share = _share_within(velocity, part, speed_limit)
-            velocity = [v + share * p for v, p in zip(velocity, part, strict=True)]
+            velocity = _sum(velocity, share, part)
         if task is not last:
             _claim(task.jacobian, claimed)
     return tuple(velocity)
 
 
 def _dot(a: Numbers, b: Numbers) -> float:
-    if len(a) == 2:  # the usual case, and the same to the last bit
+    if len(a) == 2:
         return a[0] * b[0] + a[1] * b[1]
     return math.fsum(map(mul, a, b))
+
+
+def _sum(a: Numbers, factor: float, b: Numbers) -> Numbers:
+    """Return a + factor b."""
+    if len(a) == 2:
+        return a[0] + factor * b[0], a[1] + factor * b[1]
+    return [x + factor * y for x, y in zip(a, b, strict=True)]
+
+
+def _divided(a: Numbers, divisor: float) -> Numbers:
+    if len(a) == 2:
+        return a[0] / divisor, a[1] / divisor
+    return [x / divisor for x in a]
 
 
 def _projected(vector: Numbers, claimed: Sequence[Numbers]) -> Numbers:
     """Return what of a vector lies along none of the claimed directions."""
     for direction in claimed:
-        along = _dot(vector, direction)
-        vector = [x - along * d for x, d in zip(vector, direction, strict=True)]
+        vector = _sum(vector, -_dot(vector, direction), direction)
     return vector
 
 
@@ -68,6 +81,5 @@ def _claim(jacobian: Sequence[Numbers], claimed: list[Numbers]) -> None:
         length = math.sqrt(_dot(free, free))
         if length > _DEPENDENT:
             # Once more: what cancellation left of the claimed directions would be scaled up.
-            free = _projected([x / length for x in free], claimed)
-            length = math.sqrt(_dot(free, free))
-            claimed.append([x / length for x in free])
+            free = _projected(_divided(free, length), claimed)
+            claimed.append(_divided(free, math.sqrt(_dot(free, free))))

@@ -26,6 +26,10 @@ class Choice(NamedTuple):
     winner: Action
 
 
+_Ranking = tuple[dict[Action, float], Action, Action]
+"""Degrees of all actions, the best one, and the one after it."""
+
+
 class ActionChooser(Protocol):
     """A supervisor: chooses the action from the crisp inputs of the rule base."""
 
@@ -40,38 +44,35 @@ class Supervisor:
         self._system = system
         self._present = PresentAction(minimum_dwell)
         self._rank_inputs: tuple[Mapping[str, float], bool, Action | None] | None = None
-        self._rank: tuple[dict[Action, float], list[Action]] = {}, []
+        self._rank: _Ranking = {}, Action.KEEP_GOING, Action.KEEP_GOING
 
     def choose(self, t: float, inputs: Mapping[str, float]) -> Choice:
         """Choose the action at t, s, from the crisp inputs of the rule base by name."""
         levels = self._system.evaluate(inputs)
-        degrees, ranked = self._ranking(levels, inputs["neighbor_state"] <= 0.0)
-        raw_winner, runner_up = ranked[0], ranked[1]
+        degrees, raw_winner, runner_up = self._ranking(levels, inputs["neighbor_state"] <= 0.0)
         winner = self._present.take(t, raw_winner, inputs["distance_from_neighbor"])
         return Choice(degrees, raw_winner, runner_up, winner)
 
-    def _ranking(
-        self, levels: Mapping[str, float], left: bool
-    ) -> tuple[dict[Action, float], list[Action]]:
-        """Return the degrees and the actions by rank: those of the last step if nothing changed."""
+    def _ranking(self, levels: Mapping[str, float], left: bool) -> _Ranking:
+        """Return the degrees and the two best actions: as in the last step if nothing changed."""
         last, present = self._rank_inputs, self._present.action
         if last is None or last[0] is not levels or last[1:] != (left, present):
             self._rank_inputs = levels, left, present
             degrees = {action: levels[action] for action in _ACTIONS}
-            self._rank = degrees, self._ranked(degrees, left)
+            self._rank = degrees, *self._two_best(degrees, left)
         return self._rank
 
-    def _ranked(self, degrees: Mapping[Action, float], left: bool) -> list[Action]:
-        """Order actions by degree; of those tied with the best the present, else the safest."""
+    def _two_best(self, degrees: Mapping[Action, float], left: bool) -> tuple[Action, Action]:
+        """The two of highest degree; of those tied with the best the present, else the safest."""
         best = max(degrees.values())
         safest = _SAFEST_LEFT if left else _SAFEST_RIGHT
-
         tied = [action for action in safest if degrees[action] >= best - _EQUAL]
+        if len(tied) == 1:
+            rest = [action for action in safest if action is not tied[0]]
+            return tied[0], max(rest, key=degrees.__getitem__)
         if self._present.action in tied:
             tied.sort(key=lambda action: action is not self._present.action)
-        rest = [action for action in safest if action not in tied]
-        rest.sort(key=degrees.__getitem__, reverse=True)
-        return tied + rest
+        return tied[0], tied[1]
 
 
 # Safest first: avoid, reach the border, patrol away from the teammate, keep going.

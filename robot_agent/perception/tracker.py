@@ -116,15 +116,17 @@ class TeammateTracker:
         """Take in sonar echoes (n, 2), m, base_link at t, s; pose: map_from_base.
 
         They keep up a track that no laser sees, for a while, but never start one: a sonar hears
-        walls as well, and does not tell who is there.
+        walls as well, and does not tell who is there. What it hears is the near side of a body.
         """
         unseen = self._unseen(t)
         if not unseen or not len(echoes):
             return
         ranges = np.hypot(echoes[:, 0], echoes[:, 1])
-        free = echoes[self._unexplained.mask(pose, echoes, ranges)]
+        free = self._unexplained.mask(pose, echoes, ranges) & (ranges > 0.0)
+        to_middle = 1.0 + self._settings.half_width / ranges[free]
+        middles = echoes[free] * to_middle[:, None]
         c, s = math.cos(pose.theta), math.sin(pose.theta)
-        in_map = free @ np.array(((c, s), (-s, c))) + (pose.x, pose.y)
+        in_map = middles @ np.array(((c, s), (-s, c))) + (pose.x, pose.y)
         for each in unseen:
             track = each.track_at(t)
             away = np.hypot(in_map[:, 0] - track.x, in_map[:, 1] - track.y)

@@ -76,9 +76,8 @@ def arrival_index(distance: NDArray[np.float64]) -> int | None:
     return int(arrived[0]) if arrived.size else None
 
 
-def patrolling_distances(border: Border, run: RobotRun) -> NDArray[np.float64]:
-    """Distances from the border after first arrival while a patrol action is in force."""
-    distance = distance_from_border(border, run)
+def patrolling_distances(run: RobotRun, distance: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Those of a run's distances from the border, m, after first arrival while patrolling."""
     start = arrival_index(distance)
     if start is None:
         return np.empty(0)
@@ -87,9 +86,12 @@ def patrolling_distances(border: Border, run: RobotRun) -> NDArray[np.float64]:
     return distance[patrolling]
 
 
-def reach_time(border: Border, run: RobotRun) -> float | None:
-    """Seconds from the run's start to the first arrival at the border; None if never."""
-    index = arrival_index(distance_from_border(border, run))
+def reach_time(run: RobotRun, distance: NDArray[np.float64]) -> float | None:
+    """Seconds from the run's start to the first arrival at the border; None if never.
+
+    distance: (n,) from the border, m.
+    """
+    index = arrival_index(distance)
     return None if index is None else float(run.t[index] - run.t[0])
 
 
@@ -187,10 +189,13 @@ def _reaction(run: RobotRun, start: int, end: int) -> str:
 
 
 def _patrol_figures(
-    border: Border, runs: Sequence[RobotRun], wrecks: Sequence[Wreck]
+    border: Border,
+    runs: Sequence[RobotRun],
+    distances: Sequence[NDArray[np.float64]],
+    wrecks: Sequence[Wreck],
 ) -> dict[str, Any]:
     """Idleness and what goes with it, counted from the time the last robot has arrived."""
-    arrivals = [arrival_index(distance_from_border(border, run)) for run in runs]
+    arrivals = [arrival_index(distance) for distance in distances]
     reached = [index for index in arrivals if index is not None]
     if not reached:
         return {
@@ -220,13 +225,13 @@ def bench_figures(
 
     wrecks: robots that stand for good; the border beside them is left out of the idleness.
     """
+    distances = [distance_from_border(border, run) for run in runs]
+    each = list(zip(runs, distances, strict=True))
     return {
         "contacts": contacts,
         "closest_m": closest_approach(runs),
-        "border_distance_m": spread(
-            np.concatenate([patrolling_distances(border, run) for run in runs])
-        ),
-        "reach_s": [reach_time(border, run) for run in runs],
+        "border_distance_m": spread(np.concatenate([patrolling_distances(*one) for one in each])),
+        "reach_s": [reach_time(*one) for one in each],
         "meetings": [
             {
                 "t": meeting.t,
@@ -238,7 +243,7 @@ def bench_figures(
             for meeting in meetings(runs)
         ],
         "interferences": interferences(runs),
-        **_patrol_figures(border, runs, wrecks),
+        **_patrol_figures(border, runs, distances, wrecks),
         "settled": settled_figures(
             border, [run.position for run in runs], runs[0].t, [wreck[:2] for wreck in wrecks]
         ),

@@ -94,6 +94,22 @@ def test_a_sonar_keeps_up_a_teammate_behind_for_a_while(room: Room) -> None:
     assert 6.0 < remembered <= 9.1, "as long as a sonar counts, then the usual memory"
 
 
+def test_a_teammate_that_only_sonars_hear_is_not_taken_to_be_nearer(room: Room) -> None:
+    tracker = watched(room, 2.0, worn=(True,))
+    [mate] = tracker.tracks
+    turned = Pose(HERE.x, HERE.y, math.pi)
+    seen = turned.between(Pose(mate.x, mate.y, 0.0))
+    distance = math.hypot(seen.x, seen.y)
+    near_side = np.array([[seen.x, seen.y]]) * (1.0 - PerceptionSettings().half_width / distance)
+    for step in range(30):
+        t = mate.last_seen + PERIOD * (step + 1)
+        tracker.update(t, turned, room.scan(turned, [], np.random.default_rng(step)))
+        tracker.hear(t, turned, near_side)
+    heard = tracker.closest(t, turned)
+    assert heard is not None
+    assert math.dist((heard.x, heard.y), HERE[:2]) == pytest.approx(distance, abs=0.05)
+
+
 def test_an_echo_of_a_wall_keeps_up_nobody(room: Room) -> None:
     tracker = watched(room, 2.0, worn=(True,))
     last = tracker.tracks[0].last_seen

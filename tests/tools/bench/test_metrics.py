@@ -12,6 +12,7 @@ from tools.bench.metrics import (
     action_share,
     bench_figures,
     closest_approach,
+    distance_from_border,
     interferences,
     longest_avoid,
     meetings,
@@ -59,19 +60,21 @@ def test_distances_count_from_the_first_arrival(border: Border) -> None:
         action=[*far.action, *near.action],
         direction=np.ones(20, dtype=np.int8),
     )
-    assert reach_time(border, run) == pytest.approx(1.0)
-    assert patrolling_distances(border, run) == pytest.approx(np.full(10, 0.04), abs=1e-3)
+    distance = distance_from_border(border, run)
+    assert reach_time(run, distance) == pytest.approx(1.0)
+    assert patrolling_distances(run, distance) == pytest.approx(np.full(10, 0.04), abs=1e-3)
 
 
 def test_a_robot_that_never_arrives_has_no_distances(border: Border) -> None:
     run = run_along(border, np.full(10, 3.0), aside=0.5)
-    assert reach_time(border, run) is None
-    assert patrolling_distances(border, run).size == 0
+    distance = distance_from_border(border, run)
+    assert reach_time(run, distance) is None
+    assert patrolling_distances(run, distance).size == 0
 
 
 def test_other_actions_are_no_patrol(border: Border) -> None:
     run = run_along(border, np.full(10, 3.0), action=Action.AVOID_TEAMMATE)
-    assert patrolling_distances(border, run).size == 0
+    assert patrolling_distances(run, distance_from_border(border, run)).size == 0
     assert longest_avoid([run]) == pytest.approx(0.9)
     assert action_share([run])["avoid_teammate"] == 1.0
 
