@@ -17,6 +17,7 @@ from robot_agent.config import AgentConfig
 from robot_agent.known_walls import KnownWalls
 from robot_agent.obstacles import Obstacles
 from robot_agent.odometry_history import OdometryHistory
+from robot_agent.passed_walls import PassedWalls
 from robot_agent.perception.track import Track
 from robot_agent.scan_points import ScanProjector, move_points
 from robot_agent.sonar_obstacles import SonarObstacles
@@ -35,6 +36,7 @@ class Surroundings:
         self._obstacles = Obstacles()
         self._sonar_obstacles = SonarObstacles(model)
         self._known_walls = KnownWalls(occupancy, config.gate)
+        self._passed_walls = PassedWalls(occupancy, config.gate)
 
     @property
     def seen_at(self) -> float | None:
@@ -46,6 +48,13 @@ class Surroundings:
         points = self._projector.points(scan, *history.twist_at(scan.t))
         self._obstacles.see(scan.t, odometry, points)
         return points
+
+    def pass_by(self, odometry: Pose, localized: Pose | None, points: NDArray[np.float64]) -> None:
+        """Keep what a scan's points (n, 2), m, base_link show of walls, for when they are behind.
+
+        odometry: odom_from_base; localized: map_from_base while it is known, both at the scan.
+        """
+        self._passed_walls.see(odometry, localized, points)
 
     def hear(self, state: BaseState, odometry: Pose, model: RobotModel) -> None:
         """Take the sonar echoes of a base report where odometry was odom_from_base."""
@@ -69,6 +78,7 @@ class Surroundings:
         parts = [self._obstacles.around(odometry), self._sonar_obstacles.around(t, odometry)]
         if localized is not None:
             parts.append(self._known_walls.behind(localized))
+            parts.append(self._passed_walls.behind(odometry))
             near = [
                 (track.x, track.y)
                 for track in tracks
