@@ -11,8 +11,8 @@ import math
 from bisect import bisect_right
 from collections.abc import Sequence
 from itertools import combinations, pairwise
-from typing import NamedTuple
 
+import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from shapely.geometry import LineString
@@ -33,7 +33,7 @@ class BorderError(ValueError):
     """A border that cannot be patrolled; the message names the primitive and the remedy."""
 
 
-class BorderProjection(NamedTuple):
+class BorderProjection(msgspec.Struct, frozen=True):
     """The border's point nearest to a position.
 
     abscissa, x, y, distance in m; tangent: unit vector along +s; curvature in 1/m, positive where

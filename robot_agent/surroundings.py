@@ -1,4 +1,4 @@
-"""What stands about the robot, for the gate: seen, heard, or known to be there."""
+"""What stands about the robot, for the gate: seen now or before, heard, or known to be there."""
 
 from __future__ import annotations
 
@@ -15,10 +15,12 @@ from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.known_walls import KnownWalls
+from robot_agent.left_behind import LeftBehind
 from robot_agent.obstacles import Obstacles
 from robot_agent.odometry_history import OdometryHistory
 from robot_agent.passed_walls import PassedWalls
 from robot_agent.perception.track import Track
+from robot_agent.perception.unexplained import UnexplainedPoints
 from robot_agent.scan_points import ScanProjector, move_points
 from robot_agent.sonar_obstacles import SonarObstacles
 from robot_agent.turning_room import turning_room
@@ -28,15 +30,18 @@ _NEAR = 2.5  # m; teammates farther off are no obstacle yet
 
 
 class Surroundings:
-    """Points in base_link from laser, sonars, the map behind, and teammates near by."""
+    """Points in base_link from laser and sonars, of what it saw before it turned away, from the map
+    behind, and of teammates near by."""
 
     def __init__(self, config: AgentConfig, model: RobotModel, occupancy: OccupancyMap) -> None:
         """Nothing has been seen yet."""
         self._projector = ScanProjector(Pose(*(config.laser.mount or model.laser_mount)))
         self._obstacles = Obstacles()
+        self._left_behind = LeftBehind(config.gate)
         self._sonar_obstacles = SonarObstacles(model)
         self._known_walls = KnownWalls(occupancy, config.gate)
-        self._passed_walls = PassedWalls(occupancy, config.gate)
+        self._passed_walls = PassedWalls(config.gate)
+        self._unexplained = UnexplainedPoints(config.perception, occupancy)
 
     @property
     def seen_at(self) -> float | None:
@@ -46,6 +51,9 @@ class Surroundings:
     def see(self, scan: Scan, odometry: Pose, history: OdometryHistory) -> NDArray[np.float64]:
         """Take a scan where odometry was odom_from_base; return its points (n, 2), m, base_link."""
         points = self._projector.points(scan, *history.twist_at(scan.t))
+        self._left_behind.see(
+            scan.t, odometry, self._obstacles.around(odometry), self._projector.in_view
+        )
         self._obstacles.see(scan.t, odometry, points)
         return points
 
@@ -54,7 +62,12 @@ class Surroundings:
 
         odometry: odom_from_base; localized: map_from_base while it is known, both at the scan.
         """
-        self._passed_walls.see(odometry, localized, points)
+        if localized is None:
+            self._passed_walls.forget()  # and nobody knows what is a wall
+            return
+        ranges = np.hypot(points[:, 0], points[:, 1])
+        walls = points[~self._unexplained.mask(localized, points, ranges)]
+        self._passed_walls.see(odometry, walls)
 
     def hear(self, state: BaseState, odometry: Pose, model: RobotModel) -> None:
         """Take the sonar echoes of a base report where odometry was odom_from_base."""
@@ -75,7 +88,11 @@ class Surroundings:
 
         ``localized``: map_from_base while it is known; without it no sensor, no obstacle.
         """
-        parts = [self._obstacles.around(odometry), self._sonar_obstacles.around(t, odometry)]
+        parts = [
+            self._obstacles.around(odometry),
+            self._left(odometry, localized),
+            self._sonar_obstacles.around(t, odometry),
+        ]
         if localized is not None:
             parts.append(self._known_walls.behind(localized))
             parts.append(self._passed_walls.behind(odometry))
@@ -89,3 +106,12 @@ class Surroundings:
             if near:
                 parts.append(turning_room(move_points(np.array(near), localized.inverse())))
         return np.concatenate(parts)
+
+    def _left(self, odometry: Pose, localized: Pose | None) -> NDArray[np.float64]:
+        """Return what was seen before it got out of sight, but for walls that the map tells of:
+        these are known, and better."""
+        points = self._left_behind.around(odometry)
+        if localized is None or not len(points):
+            return points
+        ranges = np.hypot(points[:, 0], points[:, 1])
+        return points[self._unexplained.mask(localized, points, ranges)]

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from typing import NamedTuple
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,7 +26,7 @@ from robot_agent.motion.swept_body import SweptBody
 _LONGEST_STEP = 0.3  # s between two commands that count for the acceleration
 
 
-class GateInputs(NamedTuple):
+class GateInputs(msgspec.Struct, frozen=True):
     """What the gate depends on; None: never heard of."""
 
     base_time: float | None  # s, when the last base report was measured
@@ -44,7 +44,7 @@ class GateInputs(NamedTuple):
     limited: bool = False  # limited mode: no localization needed, but slow; all else as ever
 
 
-class GateDecision(NamedTuple):
+class GateDecision(msgspec.Struct, frozen=True):
     """What may go to the base, m/s and rad/s, and the first reason why it is less than wished."""
 
     v: float

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import StrEnum
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
+
+import msgspec
 
 from maps.border import BorderProjection
 from robot_agent.patrol.behaviors import (
@@ -39,7 +41,7 @@ PATROLLING = frozenset(
 )
 
 
-class Situation(NamedTuple):
+class Situation(msgspec.Struct, frozen=True):
     """What the behaviors look at, map frame: own position, its projection, closest teammate."""
 
     position: Vector

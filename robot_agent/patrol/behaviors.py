@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
+
+import msgspec
 
 from maps.border import BorderProjection
 
@@ -22,7 +24,7 @@ _ON_THE_SPOT = 1e-3  # m; nearer than this a direction between two points means 
 Vector = tuple[float, float]
 
 
-class Task(NamedTuple):
+class Task(msgspec.Struct, frozen=True):
     """What one behavior asks for.
 
     velocity: n components; jacobian: m rows of n, the directions it claims.

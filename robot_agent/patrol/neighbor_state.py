@@ -8,7 +8,8 @@ the border does not count as patrolling beside this robot.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+
+import msgspec
 
 from maps.border import Border, BorderProjection
 from robot_agent.patrol.settings import PatrolSettings
@@ -16,7 +17,7 @@ from robot_agent.patrol.settings import PatrolSettings
 LEFT, RIGHT = -1, 1  # lambda of eq. 13: lower or higher abscissa; a guard looks outwards
 
 
-class NeighborView(NamedTuple):
+class NeighborView(msgspec.Struct, frozen=True):
     """Distance to the closest teammate, m (infinite if none), and gamma of eq. 13, -1 to 1."""
 
     distance: float

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
+import msgspec
 import numpy as np
 
 from maps.border import Border, BorderProjection
@@ -35,7 +36,7 @@ _OF_ACTION = {
 }
 
 
-class PatrolDecision(NamedTuple):
+class PatrolDecision(msgspec.Struct, frozen=True):
     """Everything about one decision, in the map frame, SI units.
 
     Distances that do not exist (nobody seen, a border without ends, no way to the border) are
@@ -138,27 +139,27 @@ class Patrol:
             position, foot, teammate, direction, ends[0] <= 0.0, ends[1] <= 0.0, approach
         )
         velocity = (0.0, 0.0) if holding else action_velocity(action, situation, self._settings)
-        return PatrolDecision(
-            t=t,
-            action=action,
-            raw_winner=choice.raw_winner,
-            runner_up=choice.runner_up,
-            degrees=choice.degrees,
-            direction=direction,
-            velocity=velocity,
-            distance_from_border=foot.distance,
-            way_to_border=way,
-            distance_from_neighbor=neighbor.distance,
-            gamma=neighbor.gamma,
-            distance_from_left_end=ends[0],
-            distance_from_right_end=ends[1],
-            abscissa=foot.abscissa,
-            tangent=foot.tangent,
-            curvature=direction * foot.curvature if action in PATROLLING else 0.0,
-            reversed_at_random=reversed_at_random,
-            blocked=blocked,
-            holding=holding,
-            insists=insisted is not None,
+        return PatrolDecision(  # in the order of its fields: by name it takes 7 times as long
+            t,
+            action,
+            choice.raw_winner,
+            choice.runner_up,
+            choice.degrees,
+            direction,
+            velocity,
+            foot.distance,
+            way,
+            neighbor.distance,
+            neighbor.gamma,
+            ends[0],
+            ends[1],
+            foot.abscissa,
+            foot.tangent,
+            direction * foot.curvature if action in PATROLLING else 0.0,
+            reversed_at_random,
+            blocked,
+            holding,
+            insisted is not None,
         )
 
     def _approach(self, position: tuple[float, float], foot: BorderProjection) -> Approach | None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple, Protocol
+from typing import Protocol
+
+import msgspec
 
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.fuzzy import MamdaniSystem
@@ -13,7 +15,7 @@ _ACTIONS = tuple(Action)
 _EQUAL = 1e-9  # degrees nearer than this are tied
 
 
-class Choice(NamedTuple):
+class Choice(msgspec.Struct, frozen=True):
     """Degrees of activation of all actions, and what the arbiter made of them.
 
     raw_winner has the largest degree; winner is the action taken, which differs from it while the

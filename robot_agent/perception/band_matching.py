@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from drivers.camera_source import CameraSettings
@@ -19,17 +20,23 @@ _GATE = 9.2  # squared Mahalanobis distance: 99 % of two dimensions
 _BEARING_SIGMA = 0.04  # rad; a band's middle is not the outline's, and the robot turns meanwhile
 _SURFACE = 0.2  # m from a robot's middle to its sides, where the band is
 _SURFACE_SIGMA = 0.1  # m
-_HALF_WIDTH = 0.25  # m of a robot, that must be in the picture
-_NEAREST = 0.55  # m from the lens to the middle; nearer ones do not fit into the picture
+_HALF_WIDTH = 0.25  # m of a robot
+_LEAST_SHARE = 0.4  # of its width that must be in the picture: so much of a band is plain
+_NEAREST = 0.4  # m from the lens to the middle; nearer ones fill the picture
+_BODY = 0.5  # m from a body's middle; what the laser sees nearer to the lens stands before it
 _FAR = 1e6
 
 
 @dataclass(frozen=True, slots=True)
 class _Sighted:
-    """A track as the lens sees it: bearing rad, distance m, their sigmas."""
+    """A track as the lens sees it: bearing rad, distance m, their sigmas.
+
+    band_bearing: rad, of the middle of what the picture can show of its width.
+    """
 
     index: int
     bearing: float
+    band_bearing: float
     distance: float
     bearing_sigma: float
     distance_sigma: float
@@ -52,48 +59,73 @@ class BandMatcher:
         self._half_view = math.atan(0.5 * camera.width / camera.focal_length)
         self._range = color.range
 
-    def match(self, pose: Pose, tracks: Sequence[Track], blobs: Sequence[Blob]) -> Matches:
-        """Match a picture's blobs with the tracks at that time; pose: map_from_base then."""
+    def match(
+        self,
+        pose: Pose,
+        tracks: Sequence[Track],
+        blobs: Sequence[Blob],
+        seen: NDArray[np.float64],
+    ) -> Matches:
+        """Match a picture's blobs with the tracks at that time; pose: map_from_base then.
+
+        seen: all that the laser saw about then, (n, 2) m, map frame.
+        """
         lens = pose.compose(self._mount)
         sighted = [self._sight(lens, index, track) for index, track in enumerate(tracks)]
         banded = _assign(sighted, blobs)
         bare = [
             each.index
             for each in sighted
-            if each.index not in banded and self._in_view(each) and not _hidden(each, sighted)
+            if each.index not in banded and self._in_view(each) and not _hidden(each, lens, seen)
         ]
         return Matches(banded, bare)
 
     def _sight(self, lens: Pose, index: int, track: Track) -> _Sighted:
         dx, dy = track.x - lens.x, track.y - lens.y
         distance = max(math.hypot(dx, dy), 0.05)
+        bearing = math.remainder(math.atan2(dy, dx) - lens.theta, math.tau)
         ux, uy = dx / distance, dy / distance
         P = track.covariance
         along = P[0, 0] * ux * ux + 2.0 * P[0, 1] * ux * uy + P[1, 1] * uy * uy
         across = P[0, 0] * uy * uy - 2.0 * P[0, 1] * ux * uy + P[1, 1] * ux * ux
         return _Sighted(
             index,
-            math.remainder(math.atan2(dy, dx) - lens.theta, math.tau),
+            bearing,
+            self._middle_in_picture(bearing, distance),
             distance,
             math.hypot(_BEARING_SIGMA, math.sqrt(float(across)) / distance),
             math.hypot(_SURFACE_SIGMA, math.sqrt(float(along))),
         )
 
+    def _middle_in_picture(self, bearing: float, distance: float) -> float:
+        """Return the bearing, rad, of the middle of what a picture shows of a body's width."""
+        half = _half_angle(distance)
+        right = max(bearing - half, -self._half_view)
+        left = min(bearing + half, self._half_view)
+        if right >= left:
+            return bearing  # beside the picture
+        return math.atan(0.5 * (math.tan(right) + math.tan(left)))
+
     def _in_view(self, each: _Sighted) -> bool:
-        margin = math.asin(min(_HALF_WIDTH / each.distance, 1.0)) + 2.0 * each.bearing_sigma
-        near_enough = _NEAREST <= each.distance <= self._range - 0.8
-        return near_enough and abs(each.bearing) + margin < self._half_view
+        """Tell whether enough of it is in the picture, wherever it is by two sigma."""
+        outer = abs(each.bearing) + 2.0 * each.bearing_sigma
+        farthest = self._half_view + (1.0 - 2.0 * _LEAST_SHARE) * _half_angle(each.distance)
+        return _NEAREST <= each.distance <= self._range - 0.8 and outer < farthest
 
 
-def _hidden(each: _Sighted, others: Sequence[_Sighted]) -> bool:
-    """Tell whether something nearer may stand before it."""
-    return any(
-        other.distance < each.distance - 0.2
-        and abs(other.bearing - each.bearing)
-        < math.asin(min(_HALF_WIDTH / other.distance, 1.0)) + _HALF_WIDTH / each.distance
-        for other in others
-        if other is not each
-    )
+def _hidden(each: _Sighted, lens: Pose, seen: NDArray[np.float64]) -> bool:
+    """Tell whether something nearer may stand before any of it: who else, or the edge of a door."""
+    dx, dy = seen[:, 0] - lens.x, seen[:, 1] - lens.y
+    off = np.arctan2(dy, dx) - (lens.theta + each.bearing)
+    off -= math.tau * np.round(off / math.tau)
+    width = _half_angle(each.distance) + 2.0 * each.bearing_sigma
+    before = (np.abs(off) < width) & (np.hypot(dx, dy) < each.distance - _BODY)
+    return bool(before.any())
+
+
+def _half_angle(distance: float) -> float:
+    """Return the half of a robot's width at a distance, m, as an angle, rad."""
+    return math.asin(min(_HALF_WIDTH / distance, 1.0))
 
 
 def _assign(sighted: Sequence[_Sighted], blobs: Sequence[Blob]) -> dict[int, float]:
@@ -112,6 +144,6 @@ def _assign(sighted: Sequence[_Sighted], blobs: Sequence[Blob]) -> dict[int, flo
 
 def _distance(each: _Sighted, blob: Blob) -> float:
     """Return the squared Mahalanobis distance of a band from where a track's would be."""
-    bearing = (blob.bearing - each.bearing) / each.bearing_sigma
+    bearing = (blob.bearing - each.band_bearing) / each.bearing_sigma
     off = blob.range + _SURFACE - each.distance
     return bearing**2 + off**2 / (each.distance_sigma**2 + blob.range_sigma**2)

@@ -15,6 +15,8 @@ _SEEN_LATELY = 0.5  # s; a track not seen for longer tells nothing of where some
 _WALK = 1.5  # m/s a person walks unseen
 _FARTHEST_WALK = 10.0  # m
 _SAME_PLACE = 0.8  # m; two sightings this near are of one
+_SAME_STANDER = 0.5  # m; whoever is found this near the place of an intruder just lost is the same
+_TURNED_AWAY = 10.0  # s unseen within which that holds: robots turn round beside strangers
 _EDGE = 0.3  # m beyond the zone within which somebody is still in it
 
 
@@ -39,7 +41,10 @@ class Intruder:
 
 @dataclass(frozen=True, slots=True)
 class _Candidate:
-    """Somebody near the border since a time, s, not yet long enough."""
+    """Somebody near the border since a time, s, who may yet turn out to be a stranger.
+
+    Who it is may be known only after a while, and all of the stay counts then.
+    """
 
     track: int
     since: float
@@ -65,16 +70,21 @@ class Intruders:
         self._forget(t)
         new: list[Intruder] = []
         for track in tracks:
-            if t - track.last_seen > _SEEN_LATELY or not _is_stranger(track, t, settings):
+            if t - track.last_seen > _SEEN_LATELY:
                 continue
             foot = self._border.project(track.x, track.y)
             zone = settings.intruder_distance
-            if foot.distance > zone + (_EDGE if track.id in self._candidates else 0.0):
+            if track.teammate or foot.distance > zone + (
+                _EDGE if track.id in self._candidates else 0.0
+            ):
                 self._candidates.pop(track.id, None)
                 continue
             candidate = self._candidate(track)
             self._candidates[track.id] = candidate
-            if track.last_seen - candidate.since < settings.intruder_time:
+            stayed = track.last_seen - candidate.since
+            if stayed < settings.intruder_time or not (
+                _is_stranger(track, t, settings) or self._stands_where_one_was(track)
+            ):
                 continue
             known = self._known(t, track, tracks)
             intruder = Intruder(
@@ -109,8 +119,20 @@ class Intruders:
                 ),
                 None,
             )
-        since = own.since if own else track.last_seen
+        just_found = track.last_seen - track.first_seen < _SEEN_LATELY
+        since = own.since if own else track.first_seen if just_found else track.last_seen
         return _Candidate(track.id, since, track.last_seen, track.x, track.y)
+
+    def _stands_where_one_was(self, track: Track) -> bool:
+        """Tell whether somebody not known yet stands where an intruder was when last seen."""
+        return any(
+            each.track == track.id
+            or (
+                0.0 < track.first_seen - each.last_seen < _TURNED_AWAY
+                and math.hypot(track.x - each.x, track.y - each.y) < _SAME_STANDER
+            )
+            for each in self.known
+        )
 
     def _known(self, t: float, track: Track, tracks: Sequence[Track]) -> Intruder | None:
         """Return the intruder that a track is of, if it was reported before."""

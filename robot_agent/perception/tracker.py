@@ -20,6 +20,7 @@ from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.track import Track
 from robot_agent.perception.track_filter import Detection, TrackFilter
 from robot_agent.perception.unexplained import UnexplainedPoints
+from robot_agent.scan_points import move_points
 
 _TENTATIVE_MISSES = 2  # scans in a row that end an unconfirmed track
 _SEEN_LATELY = 0.35  # s before a picture: who was seen then is where the picture shows it
@@ -50,6 +51,7 @@ class TeammateTracker:
         self._t = 0.0
         self._pictured_at = -math.inf
         self._visible: set[int] = set()
+        self._pose, self._points = Pose(0.0, 0.0, 0.0), np.empty((0, 2))  # of the latest scan
 
     @property
     def tracks(self) -> list[Track]:
@@ -74,7 +76,7 @@ class TeammateTracker:
         by bearing, beams without a return left out. reflectors: (n,) which beams met one, where
         the laser tells.
         """
-        self._t = t
+        self._t, self._pose, self._points = t, pose, points
         detections = self._detect(pose, points, reflectors, sigma)
         for each in self._filters:
             each.predict(t)
@@ -93,8 +95,10 @@ class TeammateTracker:
         seen = [
             each for each in self._filters if each.confirmed and t - each.last_seen < _SEEN_LATELY
         ]
+        if not seen:
+            return
         tracks = [each.track_at(t) for each in seen]
-        matches = self._matcher.match(pose, tracks, blobs)
+        matches = self._matcher.match(pose, tracks, blobs, move_points(self._points, self._pose))
         for index, confidence in matches.banded.items():
             seen[index].identity.note_band(confidence)
         for index in matches.bare:
@@ -125,8 +129,7 @@ class TeammateTracker:
         free = self._unexplained.mask(pose, echoes, ranges) & (ranges > 0.0)
         to_middle = 1.0 + self._settings.half_width / ranges[free]
         middles = echoes[free] * to_middle[:, None]
-        c, s = math.cos(pose.theta), math.sin(pose.theta)
-        in_map = middles @ np.array(((c, s), (-s, c))) + (pose.x, pose.y)
+        in_map = move_points(middles, pose)
         for each in unseen:
             track = each.track_at(t)
             away = np.hypot(in_map[:, 0] - track.x, in_map[:, 1] - track.y)

@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 
 from drivers.lms200.session import SessionState as LaserState
@@ -255,9 +256,9 @@ def test_what_only_the_sonars_hear_behind_slows_a_turn_towards_it(folder: MapFol
     assert state is not None
     behind = replace(state, sonar=((11, 0.1), (12, 0.1)))
     agent.surroundings.hear(behind, Pose(state.x, state.y, state.theta), agent.base.model)
-    inputs = agent._gate_inputs(state.t, state)._replace(v=0.0, w=0.0, bumpers=0)
+    inputs = msgspec.structs.replace(agent._gate_inputs(state.t, state), v=0.0, w=0.0, bumpers=0)
     with_sonar, without = (
-        inputs._replace(obstacles=points)
+        msgspec.structs.replace(inputs, obstacles=points)
         for points in (inputs.obstacles, inputs.obstacles[inputs.obstacles[:, 0] > -0.3])
     )
     turns = []
@@ -265,7 +266,7 @@ def test_what_only_the_sonars_hear_behind_slows_a_turn_towards_it(folder: MapFol
         gate = SafetyGate(agent.config.gate)
         for step in range(10):
             t = state.t + 0.1 * step
-            at = seen._replace(base_time=t, scan_time=t)
+            at = msgspec.structs.replace(seen, base_time=t, scan_time=t)
             decision = gate.permit(t, (0.0, 1.5), at)
         turns.append(decision)
     assert turns[0].w < turns[1].w

@@ -52,6 +52,14 @@ def test_a_change_of_geometry_is_followed() -> None:
     assert finer[1] == pytest.approx((math.sqrt(0.5), -math.sqrt(0.5)))
 
 
+def test_a_scan_looks_between_its_outermost_beams() -> None:
+    projector = ScanProjector(Pose(0.1, 0.0, math.pi))  # looks back
+    places = np.array([(0.0, 0.5), (0.2, 0.5), (-3.0, 0.0), (3.0, 0.0), (0.0, -0.5)])
+    assert not projector.in_view(places).any(), "nothing before the first scan"
+    projector.points(scan_of([1.0, 1.0, 1.0]))
+    assert projector.in_view(places).tolist() == [True, False, True, False, True]
+
+
 def test_beams_are_measured_as_the_mirror_turns() -> None:
     delays = beam_time_offsets(181, -math.pi / 2, math.radians(1.0), 1)
     assert delays[90] == pytest.approx(0.0, abs=1e-12)

@@ -22,6 +22,8 @@ from robot_agent.teleop import Teleop, TeleopSettings
 from tools.bench.agent_stage import make_room
 from tools.bench.lockstep import LockstepAgent
 from tools.bench.rig import RobotRig
+from tools.bench.robot_body import BodyKind
+from tools.bench.stranger import PERSON
 from tools.bench.world import World
 from tools.blank_map import blank_map
 from tools.convert import RecordingObserver
@@ -159,3 +161,17 @@ def test_a_key_is_good_for_its_moment_and_within_limits(
     teleop = Teleop(TeleopSettings())
     teleop.press(OperatorKey(10.0, ahead, left))
     assert teleop.wish(10.0 + age) == expected
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_turn_away_from_somebody_close_beside_spares_him(tmp_path: Path, side: float) -> None:
+    """He leaves the laser's sight before a rear corner, which reaches him, comes round."""
+    drive = start(tmp_path)
+    place = drive.pose.compose(Pose(0.30, side * 0.46, side * -0.3))
+    drive.world.add_body(place, PERSON).kind = BodyKind.PERSON
+    drive.go_on(1.0)
+    drive.go_on(1.0, (0, int(side)))  # hardly any room to turn to him
+    drive.go_on(6.0, (0, int(-side)))
+    assert drive.world.contacts == 0
+    turned = math.degrees(drive.pose.theta) * -side
+    assert 30.0 < turned < 100.0, "as far as there is room"

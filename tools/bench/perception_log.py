@@ -188,7 +188,7 @@ class PerceptionLog:
 
 
 ZONE = 2.0  # m from the border
-STAY_S = 4.0  # in view near the border for at least this, and a report is due
+STAY_S = 3.0  # in view near the border for at least this, and a report is due
 GAP_S = 3.0  # out of view for longer ends a stay
 LATE_S = 1.0  # after a stay's end a report still counts for it
 

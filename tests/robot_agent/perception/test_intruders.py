@@ -57,6 +57,20 @@ def test_a_new_track_of_the_same_stranger_is_no_news(intruders: Intruders) -> No
     assert intruders.known[0].track == 9
 
 
+@pytest.mark.parametrize(("x", "back", "updated"), [(5.2, 9.0, True), (5.9, 9.0, False),
+                                                    (5.2, 18.0, False)])  # fmt: skip
+def test_whoever_stands_where_an_intruder_was_is_the_same_before_it_is_known_who_it_is(
+    intruders: Intruders, x: float, back: float, updated: bool
+) -> None:
+    """A robot turns round beside him, and sees him face on, as wide as a robot."""
+    assert stay(intruders, STRANGER, 0.0, 5.0) == [1]
+    unknown = replace(STRANGER, id=9, x=x, kind=Kind.UNKNOWN, robot_sized=True)
+    assert stay(intruders, unknown, back, back + 5.0) == []
+    [known] = intruders.known
+    assert (known.last_seen == pytest.approx(back + 5.0)) == updated
+    assert (known.track == 9) == updated
+
+
 def test_two_strangers_are_two(intruders: Intruders) -> None:
     other = replace(STRANGER, id=8, x=12.0)
     numbers = []
@@ -73,6 +87,22 @@ def test_a_track_lost_for_a_moment_does_not_restart_the_three_seconds(
     assert stay(intruders, STRANGER, 0.0, 2.0) == []
     again = replace(STRANGER, id=9, x=5.5, first_seen=2.5)
     assert stay(intruders, again, 2.5, 3.2) == [1]
+
+
+@pytest.mark.parametrize("robot_sized", [False, True])
+def test_all_of_a_stay_counts_once_it_is_known_who_it_is(
+    intruders: Intruders, robot_sized: bool
+) -> None:
+    unknown = replace(STRANGER, kind=Kind.UNKNOWN, robot_sized=robot_sized)
+    assert stay(intruders, unknown, 0.0, 2.7) == []
+    assert stay(intruders, STRANGER, 2.8, 3.1) == [1]
+    assert intruders.known[0].first_seen == pytest.approx(0.0)
+
+
+def test_the_time_as_a_teammate_does_not_count(intruders: Intruders) -> None:
+    assert stay(intruders, replace(STRANGER, kind=Kind.TEAMMATE), 0.0, 9.9) == []
+    assert stay(intruders, STRANGER, 10.0, 12.9) == []
+    assert stay(intruders, STRANGER, 13.0, 13.1) == [1]
 
 
 @pytest.mark.parametrize(
