@@ -196,6 +196,7 @@ class Agent:
             estimate = self.whereabouts.locate(t, scan.t, odometry, points, known)
             if estimate.health is Health.LOCALIZED:
                 self.trust.pose_is_sure(self._now)
+            self.surroundings.pass_by(odometry, self.whereabouts.localized_pose_at(scan.t), points)
             # 3. Who else is there.
             self.sight.see(t, scan, estimate, points)
         # 4. Tell.

@@ -18,6 +18,7 @@ from robot_agent.known_walls import KnownWalls
 from robot_agent.left_behind import LeftBehind
 from robot_agent.obstacles import Obstacles
 from robot_agent.odometry_history import OdometryHistory
+from robot_agent.passed_walls import PassedWalls
 from robot_agent.perception.track import Track
 from robot_agent.perception.unexplained import UnexplainedPoints
 from robot_agent.scan_points import ScanProjector, move_points
@@ -39,6 +40,7 @@ class Surroundings:
         self._left_behind = LeftBehind(config.gate)
         self._sonar_obstacles = SonarObstacles(model)
         self._known_walls = KnownWalls(occupancy, config.gate)
+        self._passed_walls = PassedWalls(config.gate)
         self._unexplained = UnexplainedPoints(config.perception, occupancy)
 
     @property
@@ -54,6 +56,18 @@ class Surroundings:
         )
         self._obstacles.see(scan.t, odometry, points)
         return points
+
+    def pass_by(self, odometry: Pose, localized: Pose | None, points: NDArray[np.float64]) -> None:
+        """Keep what a scan's points (n, 2), m, base_link show of walls, for when they are behind.
+
+        odometry: odom_from_base; localized: map_from_base while it is known, both at the scan.
+        """
+        if localized is None:
+            self._passed_walls.forget()  # and nobody knows what is a wall
+            return
+        ranges = np.hypot(points[:, 0], points[:, 1])
+        walls = points[~self._unexplained.mask(localized, points, ranges)]
+        self._passed_walls.see(odometry, walls)
 
     def hear(self, state: BaseState, odometry: Pose, model: RobotModel) -> None:
         """Take the sonar echoes of a base report where odometry was odom_from_base."""
@@ -81,6 +95,7 @@ class Surroundings:
         ]
         if localized is not None:
             parts.append(self._known_walls.behind(localized))
+            parts.append(self._passed_walls.behind(odometry))
             near = [
                 (track.x, track.y)
                 for track in tracks
@@ -93,11 +108,8 @@ class Surroundings:
         return np.concatenate(parts)
 
     def _left(self, odometry: Pose, localized: Pose | None) -> NDArray[np.float64]:
-        """Return what was seen before it got out of sight, but for walls that the map tells of.
-
-        Of many points on a wall the nearest are too near by the laser's noise, and would pin a
-        robot in a narrow place.
-        """
+        """Return what was seen before it got out of sight, but for walls that the map tells of:
+        these are known, and better."""
         points = self._left_behind.around(odometry)
         if localized is None or not len(points):
             return points

@@ -18,7 +18,9 @@ from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
 from robot_agent.patrol.blockage import Blockage
 from robot_agent.patrol.even_gaps import EvenGaps
 from robot_agent.patrol.neighbor_state import NeighborState, NeighborView
+from robot_agent.patrol.owed_way import OwedWay
 from robot_agent.patrol.reversal import RandomReversal
+from robot_agent.patrol.reversal_rest import ReversalRest
 from robot_agent.patrol.rules import RULES_FILE, load_rules
 from robot_agent.patrol.settings import PatrolSettings
 from robot_agent.patrol.standoff import Standoff
@@ -89,6 +91,9 @@ class Patrol:
             rng,
             settings.reversal_distribution,
         )
+        self._owed_way = OwedWay(border) if settings.reversal_owes_way else None
+        lap = border.length / settings.patrol_speed  # s
+        self._reversal_rest = ReversalRest(settings.reversal_rest * lap)
         self._even_gaps = (
             EvenGaps(settings.even_gaps, border, settings.patrol_speed, rng)
             if settings.strategy == "even_gaps" and border.closed
@@ -122,7 +127,8 @@ class Patrol:
         choice = self._supervisor.choose(t, _inputs(way, neighbor, ends))
         insisted = self._standoff.insists_on(t, position, way, choice.winner)
         action = choice.winner if insisted is None else insisted
-        reversed_at_random = self._turned_back(t, action, ends)
+        rests = self._reversal_rest.rests(t, teammate, neighbor.gamma)
+        reversed_at_random = self._turned_back(t, action, foot.abscissa, ends, rests=rests)
         self._even_out(t, action, foot.abscissa)
         blocked = self._blockage.ends_waiting(t, position, neighbor.distance, held=held)
         if blocked:
@@ -166,17 +172,33 @@ class Patrol:
             return math.inf, math.inf
         return foot.abscissa, self._border.length - foot.abscissa
 
-    def _turned_back(self, t: float, action: Action, ends: tuple[float, float]) -> bool:
+    def _turned_back(
+        self,
+        t: float,
+        action: Action,
+        abscissa: float,
+        ends: tuple[float, float],
+        *,
+        rests: bool,
+    ) -> bool:
         """Reverse at random while keeping going, but not near an end of an open border."""
         away_from_ends = min(ends) >= self._settings.reversal_end_distance
         keeps_going = action is Action.KEEP_GOING and self._direction is not None
         onwards = self._even_gaps is None or self._even_gaps.goes_onwards
-        if not self._reversal.due(t, permitted=keeps_going and away_from_ends and onwards):
+        free = not (rests or self._owes_way(abscissa))
+        if not self._reversal.due(t, permitted=keeps_going and away_from_ends and onwards and free):
             return False
+        if self._owed_way is not None and self._direction is not None:
+            self._owed_way.begin(abscissa, self._direction)
         self._turn_back(action)
         if self._even_gaps is not None and self._direction is not None:
             self._even_gaps.turned(t, self._direction)
         return True
+
+    def _owes_way(self, abscissa: float) -> bool:
+        if self._owed_way is None or self._direction is None:
+            return False
+        return self._owed_way.is_owed(abscissa, self._direction)
 
     def _even_out(self, t: float, action: Action, abscissa: float) -> None:
         """Turn back for the sake of even gaps, if that is the strategy."""

@@ -72,6 +72,8 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     reversal_period: Positive = 27.0  # s between random decisions to turn back [paper]
     reversal_distribution: Distribution = "fixed"  # of the times between; uniform, exponential
     reversal_probability: Share = 0.25
+    reversal_owes_way: bool = False  # none again before the way it turned from was driven
+    reversal_rest: NotNegative = 2.0  # laps without any once a teammate stands on the border
     reversal_end_distance: NotNegative = 0.8  # m from an end of an open border without any
     turning_radius: Positive = 0.5  # m; tighter borders are refused. At patrol_speed 0.35 m/s the
     # robot is 0.045 m off an arc of 0.5 m (0.094 m of 0.35 m), which leaves 0.05 m to the pose

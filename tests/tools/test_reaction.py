@@ -41,7 +41,7 @@ def reaction(**changes: object) -> Reaction:
         "what": "base's cable unplugged",
         "expected": Expected.BASE_STOPS,
         "back_within": 1.0,
-        "ordered": 1.95,
+        "ordered": 1.2,
         "ordered_by": "watchdog",
         "speed": 0.3,
         "stopped": 1.72,

@@ -116,6 +116,28 @@ def test_no_random_reversal_near_an_end():
         assert {True for d in found if d.reversed_at_random} == expected
 
 
+def reversals(steps, *, period=1.0, **settings):
+    """Times of random reversals at every chance, over steps of (t, pose, teammate)."""
+    robot = patrol(reversal_probability=1.0, reversal_period=period, **settings)
+    return [t for t, pose, mate in steps if robot.step(t, pose, mate).reversed_at_random]
+
+
+def test_no_random_reversal_while_a_teammate_stands_on_the_border():
+    """One stands 2.3 m ahead, and is out of sight from 2 s on."""
+    at, wreck = on_circle(0.0), on_circle(-0.38)
+    steps = [(0.1 * k, at, (wreck.x, wreck.y) if k < 20 else None) for k in range(400)]
+    lap = CIRCLE.length / 0.35
+    assert reversals(steps, reversal_rest=0.2)[-1] > 4.0 + 0.2 * lap
+    assert not [t for t in reversals(steps, reversal_rest=0.2) if 4.0 < t < 4.0 + 0.2 * lap]
+    assert len(reversals(steps, reversal_rest=0.0)) > 30
+
+
+def test_a_robot_that_owes_a_way_does_not_turn_back_at_random():
+    steps = [(0.1 * k, on_circle(0.0), None) for k in range(100)]
+    assert len(reversals(steps, reversal_owes_way=True)) == 1
+    assert len(reversals(steps)) > 8
+
+
 def test_turns_at_the_ends_of_an_open_border():
     left = patrol(LINE).step(0.0, Pose(0.3, 0.0, math.pi), None)
     assert (left.action, left.direction) == (Action.PATROL_CLOCKWISE, 1)
