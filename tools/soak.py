@@ -18,12 +18,13 @@ from typing import Any
 
 import numpy as np
 
+from drivers.p2os.emulated_battery import FULL
 from maps.map_folder import MapFolder
 from robot_agent.config import AgentConfig
 from robot_agent.disk_room import DiskRoom, RecorderSettings
 from robot_agent.effects import Effect
 from robot_agent.events import Event
-from robot_agent.motion.gate_reason import LATCHED
+from robot_agent.motion.gate_reason import LATCHED, GateReason
 from robot_agent.recorder import Recorder
 from robot_agent.run_header import RunHeader, header_of_run
 from tools.bench.bench_fault import BenchFault, FaultKind
@@ -67,6 +68,9 @@ class SoakHour:
     memory_mb: float
     gate_stops: int
     latched: int
+    """Visits of a person to a robot that asked for one."""
+    batteries: int
+    """Exchanged when empty."""
     recordings_mb: float
     recordings: int
     records_lost: int
@@ -129,16 +133,17 @@ class HourlyRecording:
 
 
 class Person:
-    """Looks at a robot that asks for it: motors off, and on again."""
+    """Looks at a robot that asks for it: motors off, and on again; a full battery for an empty."""
 
     def __init__(self, robot: FleetRobot) -> None:
         self._robot = robot
         self._asked_at: float | None = None
         self._pressed_at: float | None = None
         self.visits = 0
+        self.batteries = 0
 
     def watch(self, t: float) -> None:
-        """Come, press, wait a second and press again."""
+        """Come; exchange an empty battery, else press, wait a second and press again."""
         base = self._robot.rig.base
         if self._pressed_at is not None:
             if t - self._pressed_at >= 1.0:
@@ -146,11 +151,18 @@ class Person:
                 self._pressed_at = self._asked_at = None
             return
         gate = self._robot.agent.gate_decision
-        if gate is None or gate.reason not in LATCHED:
+        empty = gate is not None and gate.reason is GateReason.BATTERY_LOW
+        if gate is None or not (empty or gate.reason in LATCHED):
             self._asked_at = None
         elif self._asked_at is None:
             self._asked_at = t
-        elif t - self._asked_at >= PERSON_COMES_S:
+        elif t - self._asked_at < PERSON_COMES_S:
+            return
+        elif empty:
+            self.batteries += 1
+            self._asked_at = None
+            base.battery.volts = FULL
+        else:
             self.visits += 1
             self._pressed_at = t
             base.press_motors_button()
@@ -253,6 +265,7 @@ class Soak:
             memory_mb=round(_resident_mb(), 1),
             gate_stops=sum(robot.agent.gate_stops for robot in fleet.robots),
             latched=sum(person.visits for person in self._people),
+            batteries=sum(person.batteries for person in self._people),
             recordings_mb=round(sum(path.stat().st_size for path in files) / 1e6, 1),
             recordings=len(files),
             records_lost=sum(recording.lost for recording in self.recordings),

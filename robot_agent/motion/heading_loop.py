@@ -141,9 +141,14 @@ class HeadingLoop:
         settings = self._settings
         faster, slower = settings.max_acceleration * dt, settings.max_deceleration * dt
         turn = settings.max_turn_acceleration * dt
-        w = min(max(w, -settings.max_turn_rate), settings.max_turn_rate)
-        self._v += min(max(v - self._v, -slower), faster)
-        self._w += min(max(w - self._w, -turn), turn)
+        w = _within(w, -settings.max_turn_rate, settings.max_turn_rate)
+        self._v += _within(v - self._v, -slower, faster)
+        self._w += _within(w - self._w, -turn, turn)
+
+
+def _within(value: float, low: float, high: float) -> float:
+    """Return a value cut to what lies between two others; faster than min and max."""
+    return low if value < low else high if value > high else value
 
 
 def _on_side(error: float, side: int) -> float:

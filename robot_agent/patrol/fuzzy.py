@@ -86,14 +86,13 @@ class MamdaniSystem:
         ]
         self._live_rules: list[_NumberedRule] | None = None  # that hold to a degree; not known yet
         self._output_sets = len(outside)
-        self._centroids: list[tuple[str, int, int, _Centroid]] = []  # first and last strength
+        named: dict[tuple[Trapezoid, ...], list[tuple[str, int, int]]] = {}  # of equal sets
         first = 0
         for output in outputs:
             sets = tuple(output.sets.values())
-            known = (c for *_, c in self._centroids if c.sets == sets)
-            centroid = next(known, None) or _Centroid(sets)
-            self._centroids.append((output.name, first, first + len(sets), centroid))
+            named.setdefault(sets, []).append((output.name, first, first + len(sets)))
             first += len(sets)
+        self._outputs = [(_Centroid(sets), own) for sets, own in named.items()]
         self._values: dict[str, float] = {}  # of the inputs at the last evaluation
         self._degrees = [math.nan] * len(inside)  # of their sets
         self._last: Mapping[str, float] = {}
@@ -141,13 +140,14 @@ class MamdaniSystem:
     def _levels(self, strengths: Sequence[float]) -> dict[str, float]:
         """Centroid of each output; most outputs share their strengths with another."""
         levels: dict[str, float] = {}
-        found: dict[tuple[_Centroid, tuple[float, ...]], float] = {}
-        for name, first, last, centroid in self._centroids:
-            key = centroid, tuple(strengths[first:last])
-            level = found.get(key)
-            if level is None:
-                level = found[key] = centroid.of(key[1])
-            levels[name] = level
+        for centroid, outputs in self._outputs:
+            found: dict[tuple[float, ...], float] = {}
+            for name, first, last in outputs:
+                own = tuple(strengths[first:last])
+                level = found.get(own)
+                if level is None:
+                    level = found[own] = centroid.of(own)
+                levels[name] = level
         return levels
 
 
@@ -166,11 +166,7 @@ class _Layer(NamedTuple):
     others: tuple[int, ...]
     bottom: float
     height: float
-    area1: float
-    area2: float
-    moment1: float
-    moment2: float
-    moment3: float
+    integrals: tuple[float, float, float, float, float]  # area1, area2, moment1, moment2, moment3
 
 
 class _Centroid:
@@ -182,7 +178,6 @@ class _Centroid:
     """
 
     def __init__(self, sets: tuple[Trapezoid, ...]) -> None:
-        self.sets = sets
         self._layers = [
             _integrated(group, layer)
             for group in _groups(len(sets))
@@ -192,19 +187,19 @@ class _Centroid:
     def of(self, strengths: Sequence[float]) -> float:
         """Return the centroid of strengths (sets,); 0 where all are 0."""
         area = moment = 0.0
-        for layer in self._layers:
-            cut = strengths[layer.first]
-            if not cut:
+        for first, others, bottom, height, integrals in self._layers:
+            h = strengths[first]
+            if h <= bottom:
                 continue
-            _, others, bottom, height, area1, area2, moment1, moment2, moment3 = layer
             for other in others:
                 strength = strengths[other]
-                if strength < cut:
-                    cut = strength
-            h = cut - bottom
+                if strength < h:
+                    h = strength
+            h -= bottom
             if h > 0.0:
                 if h > height:
                     h = height
+                area1, area2, moment1, moment2, moment3 = integrals
                 area += h * (area1 + h * area2)
                 moment += h * (moment1 + h * (moment2 + h * moment3))
         return moment / area if area > 0.0 else 0.0
@@ -225,11 +220,13 @@ def _integrated(
         group[1:],
         h0,
         h1 - h0,
-        sign * (right - left),
-        sign * (right_slope - left_slope) / 2.0,
-        sign * (right**2 - left**2) / 2.0,
-        sign * (right * right_slope - left * left_slope) / 2.0,
-        sign * (right_slope**2 - left_slope**2) / 6.0,
+        (
+            sign * (right - left),
+            sign * (right_slope - left_slope) / 2.0,
+            sign * (right**2 - left**2) / 2.0,
+            sign * (right * right_slope - left * left_slope) / 2.0,
+            sign * (right_slope**2 - left_slope**2) / 6.0,
+        ),
     )
 
 

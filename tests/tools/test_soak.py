@@ -45,6 +45,23 @@ def test_a_robot_stuck_for_long_is_helped_and_recordings_rotate(
     assert "robot1-20000101T000000Z.mcap" not in {path.name for path in tmp_path.iterdir()}
 
 
+def test_an_empty_battery_is_exchanged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(soak, "HOUR_S", 30.0)
+    monkeypatch.setattr(soak, "random_faults", lambda *_: [])
+    folder = load_map_folder(find_map("paper_lab", Path.cwd()))
+    run = Soak(folder, 1, 1, 60.0, 600.0, tmp_path)
+    base = run.fleet.robots[0].rig.base
+    base.battery.volts = 10.9
+    rows, speeds = [], []
+    for row in run.hours():
+        rows.append(row)
+        speeds.append(base.velocity[0])
+    assert [row.batteries for row in rows] == [1, 1]
+    assert base.battery.volts > 12.9
+    assert rows[-1].latched == 0
+    assert max(speeds) > 0.1, "patrols with the full one"
+
+
 def test_what_a_killed_soak_has_shown_is_on_disk(tmp_path: Path) -> None:
     path = tmp_path / "soak.jsonl"
     path.write_text("of an earlier run\n")

@@ -6,6 +6,7 @@ true, teammates are seen where they are (``IdealSight``), and no byte is encoded
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -68,7 +69,9 @@ class IdealFleet:
         ]
         self.faults = tuple(faults)
         _check_faults(self.faults, [robot.name for robot in self.robots])
+        self._ahead = np.array([robot.body.outline.middle for robot in self.robots])
         self._sight = IdealSight(config.perception, folder.map, len(self.robots))
+        self._closest = [math.inf] * len(self.robots)  # m to the nearest other, as last seen
         self._obstacles = IdealObstacles(config.gate, folder.map, folder.border)
 
     def step(self) -> None:
@@ -77,10 +80,10 @@ class IdealFleet:
         self._inject()
         self._move()
         teammates = self._look()
-        closest = self._sight.apart.min(axis=1).tolist()
+        self._closest = self._sight.apart.min(axis=1).tolist()
         for index, robot in enumerate(self.robots):
             if not robot.dead:
-                apart = self._sight.apart[index], closest[index]
+                apart = self._sight.apart[index], self._closest[index]
                 obstacles = self._obstacles.around(robot, *apart, self.robots)
                 robot.decide(self.t, teammates[index], obstacles)
 
@@ -97,11 +100,10 @@ class IdealFleet:
 
     def _move(self) -> None:
         """Turn all wheels; what may touch something is moved by the world, which looks."""
-        closest = self._sight.apart.min(axis=1).tolist()
         for index, robot in enumerate(self.robots):
             body, motion = robot.body, robot.roll(STEP_S)
             room = 2.0 * body.reach + 4.0 * _STEP_WAY
-            if closest[index] > room and self._obstacles.touches_no_wall(robot, _STEP_WAY):
+            if self._closest[index] > room and self._obstacles.touches_no_wall(robot, _STEP_WAY):
                 body.pose = along_arc(body.pose, *motion)
             else:
                 self.world.move(body, *motion)
@@ -109,10 +111,9 @@ class IdealFleet:
     def _look(self) -> list[tuple[float, float] | None]:
         poses = np.array([robot.body.pose for robot in self.robots]).T
         heading = np.array((np.cos(poses[2]), np.sin(poses[2])))
-        ahead = np.array([robot.body.outline.middle for robot in self.robots])
         speed = np.array([robot.v for robot in self.robots])
         base = poses[:2]
-        return self._sight.look(self.t, base, heading, base + ahead * heading, speed)
+        return self._sight.look(self.t, base, heading, base + self._ahead * heading, speed)
 
 
 def _named(config: AgentConfig, number: int, seed: int) -> AgentConfig:

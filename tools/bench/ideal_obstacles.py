@@ -48,7 +48,8 @@ class IdealObstacles:
         apart (n,): m to the robots, of which closest is the least.
         """
         pose, sight = robot.body.pose, self._sight(robot)
-        parts, near = [], list[int]()
+        parts: list[NDArray[np.float64]] = []
+        near: list[int] = []
         if closest <= sight + self._outline_reach:
             near = np.flatnonzero(apart <= sight + self._outline_reach).tolist()
             parts = [_in_map(self._outline, robots[other].body.pose) for other in near]

@@ -29,12 +29,15 @@ class IdealSight:
         spacing = settings.detection_range / (_SAMPLES - 1)
         # Lines are sampled; what is nearer to a wall than half the spacing has one between samples.
         room = np.pad(occupancy.distance_field(), 1) - occupancy.resolution / 2.0
-        self._opaque = walls | (room < spacing / 2.0)
+        opaque = walls | (room < spacing / 2.0)
+        self._opaque, self._columns = opaque.ravel(), opaque.shape[1]
+        self._last_cell = np.array(opaque.shape[::-1])[:, None, None] - 1.0
         self._shares = np.linspace(0.0, 1.0, _SAMPLES)
         self._last_seen = np.full((count, count), -np.inf)
         self._place = np.zeros((2, count, count))
         self._velocity = np.zeros((2, count, count))
         self._in_range = np.zeros((count, count), dtype=np.bool_)
+        self._to_itself = np.diag(np.full(count, np.inf))
         self.apart = np.full((count, count), np.inf)
         """Distances (n, n) between base_links, m; infinite on the diagonal."""
 
@@ -49,13 +52,11 @@ class IdealSight:
         settings = self._settings
         # 1. Who is in view.
         between = base[:, None, :] - base[:, :, None]
-        apart = np.sqrt(between[0] ** 2 + between[1] ** 2)
-        np.fill_diagonal(apart, np.inf)
-        self.apart = apart
-        one, other = np.nonzero(apart <= settings.detection_range)
+        self.apart = apart = np.sqrt(between[0] ** 2 + between[1] ** 2) + self._to_itself
+        one, other = (apart <= settings.detection_range).nonzero()
         if len(one):
-            way = middle[:, other] - base[:, one]
-            ahead = (way * heading[:, one]).sum(axis=0) > 0.0
+            along = (middle[:, other] - base[:, one]) * heading[:, one]
+            ahead = along[0] + along[1] > 0.0
             one, other = one[ahead], other[ahead]
             clear = self._clear(middle, one, other)
             # 2. What is remembered of them from now on.
@@ -69,7 +70,7 @@ class IdealSight:
         """Return each robot's closest teammate, in view or remembered, within visibility."""
         settings = self._settings
         closest: list[tuple[float, float] | None] = [None] * base.shape[1]
-        one, other = np.nonzero(self._last_seen >= t - settings.memory)
+        one, other = (self._last_seen >= t - settings.memory).nonzero()
         decay = settings.velocity_decay
         reach = decay * (1.0 - np.exp((self._last_seen[one, other] - t) / decay))
         place = self._place[:, one, other] + reach * self._velocity[:, one, other]
@@ -103,13 +104,9 @@ class IdealSight:
     def _walled(self, start: Array, way: Array) -> NDArray[np.bool_]:
         """Return (m,) whether a wall lies on the lines from start (2, m) along way (2, m)."""
         first, last = ((place - self._origin) / self._resolution for place in (start, start + way))
-        col, row = (
-            first[axis][:, None] + (last - first)[axis][:, None] * self._shares for axis in (0, 1)
-        )
-        rows, cols = self._opaque.shape
-        row, col = np.clip(row + 1.0, 0.0, rows - 1.0), np.clip(col + 1.0, 0.0, cols - 1.0)
-        index = row.astype(np.intp) * cols + col.astype(np.intp)
-        return np.asarray(self._opaque.ravel()[index].any(axis=1))
+        cells = first[:, :, None] + (last - first)[:, :, None] * self._shares + 1.0
+        col, row = np.minimum(np.maximum(cells, 0.0), self._last_cell).astype(np.intp)
+        return np.asarray(self._opaque.take(row * self._columns + col).any(axis=1))
 
 
 def _hidden(
@@ -119,7 +116,8 @@ def _hidden(
     count = middle.shape[1]
     length2 = np.maximum((way**2).sum(axis=0), 1e-12)[:, None]
     x, y = (middle[axis][None, :] - start[axis][:, None] for axis in (0, 1))
-    share = np.clip((x * way[0][:, None] + y * way[1][:, None]) / length2, 0.0, 1.0)
+    share = (x * way[0][:, None] + y * way[1][:, None]) / length2
+    share = np.minimum(np.maximum(share, 0.0), 1.0)
     off = np.hypot(x - share * way[0][:, None], y - share * way[1][:, None])
     bodies = np.arange(count)
     third = (bodies != one[:, None]) & (bodies != other[:, None])
