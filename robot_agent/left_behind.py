@@ -32,6 +32,8 @@ class LeftBehind:
         self._reach = math.hypot(max(gate.front, gate.rear), gate.half_width) + _BEYOND
         self._points = np.empty((0, 2))
         self._lost_at = np.empty(0)
+        self.lasts = False
+        """Whether nothing is forgotten for its age: who knows no pose knows no wall by the map."""
 
     def see(
         self,
@@ -52,7 +54,7 @@ class LeftBehind:
         lost_at = np.concatenate((self._lost_at, np.full(len(fresh), t)))
         matters = (
             (np.hypot(points[:, 0], points[:, 1]) < self._reach)
-            & (t - lost_at <= MEMORY)
+            & ((t - lost_at <= MEMORY) | self.lasts)
             & ~in_view(points)
         )
         self._points = move_points(points[matters], odometry)

@@ -62,6 +62,7 @@ class Surroundings:
 
         odometry: odom_from_base; localized: map_from_base while it is known, both at the scan.
         """
+        self._left_behind.lasts = localized is None
         if localized is None:
             self._passed_walls.forget()  # and nobody knows what is a wall
             return

@@ -32,12 +32,14 @@ PARTS = (gate_reason, gate_settings, stopping, swept_body, strike_latch, battery
 """The gate's modules, each after those it imports."""
 
 _EDGE = "differs only for a point exactly on an edge, which rounding decides"
+_ONE_SPEED = "differs at one speed only, whose stopping way is the limit to the last bit"
 _AT_LIMIT = "no difference: the share is 1 at the limit"
 _OTHER_SHARE = "no difference: the minimum takes the other share, at most 1"
 _FIRST_STEP = "no difference: the first step takes no time and sets the acceleration to 0"
 SURVIVORS = [
     ("swept_body.free_share: x < front -> x <= front", _EDGE),
     ("swept_body.free_share: x > -rear -> x >= -rear", _EDGE),
+    ("swept_body.free_share: way <= _EDGING_WAY -> way < _EDGING_WAY", _ONE_SPEED),
     (
         "swept_body.free_share: np.maximum(*np.abs(obstacles.T)) < reach -> "
         "np.maximum(*np.abs(obstacles.T)) <= reach",

@@ -73,3 +73,15 @@ def test_old_far_and_touching_points_are_forgotten() -> None:
     left.see(9.0, START, np.array([near]), in_view)
     left.see(9.1, ahead, np.empty((0, 2)), in_view)
     assert len(left.around(ahead)) == 0
+
+
+def test_where_no_pose_is_known_nothing_is_forgotten_for_its_age() -> None:
+    """The map tells of no wall then: a lost robot that looks around would turn into it."""
+    left = LeftBehind(GATE)
+    left.lasts = True
+    left.see(1.0, START, np.array([(-0.1, 0.4)]), in_view)
+    left.see(99.0, START, np.empty((0, 2)), in_view)
+    assert len(left.around(START)) == 1
+    left.lasts = False
+    left.see(99.1, START, np.empty((0, 2)), in_view)
+    assert len(left.around(START)) == 0

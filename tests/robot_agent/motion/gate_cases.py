@@ -263,6 +263,8 @@ CASES = [
     Case(EDGE, EDGE, "none", {"obstacles": [(0.0, 0.22), (-0.2, 0.1926), (-0.2, -0.1926)]}),
     Case(EDGE, ZERO, "obstacle", {"obstacles": [(-0.2, 0.1924)]}),
     Case(EDGE, ZERO, "obstacle", {"obstacles": [(0.211, 0.22)]}),
+    Case(EDGE, ZERO, "obstacle", {"obstacles": [(0.21, 0.22)]}),
+    Case(EDGE, EDGE, "none", {"obstacles": [(-0.2, 0.2125 - 0.02)]}),
     Case((0.1, 0.05), ZERO, "obstacle", {"obstacles": [(0.0, 0.22)]}),
     Case((0.108, 0.0), (0.108, 0.0), "none", {"obstacles": [(0.0, 0.22)], "v": 0.108}),
     Case((0.12, 0.0), ZERO, "obstacle", {"obstacles": [(0.0, 0.22)]}),
