@@ -17,6 +17,7 @@ _FARTHEST_WALK = 10.0  # m
 _SAME_PLACE = 0.8  # m; two sightings this near are of one
 _SAME_STANDER = 0.5  # m; whoever is found this near the place of an intruder just lost is the same
 _TURNED_AWAY = 10.0  # s unseen within which that holds: robots turn round beside strangers
+_DOUBT = 1.0  # s after somebody was taken for a teammate in which nothing is said against it
 _EDGE = 0.3  # m beyond the zone within which somebody is still in it
 
 
@@ -51,6 +52,7 @@ class _Candidate:
     last_seen: float
     x: float
     y: float
+    taken_for_teammate: float  # when last, s
 
 
 class Intruders:
@@ -74,17 +76,19 @@ class Intruders:
                 continue
             foot = self._border.project(track.x, track.y)
             zone = settings.intruder_distance
-            if track.teammate or foot.distance > zone + (
-                _EDGE if track.id in self._candidates else 0.0
-            ):
+            stays = track.id in self._candidates
+            if foot.distance > zone + (_EDGE if stays else 0.0):
                 self._candidates.pop(track.id, None)
+                continue
+            if track.teammate and not stays:
                 continue
             candidate = self._candidate(track)
             self._candidates[track.id] = candidate
             stayed = track.last_seen - candidate.since
-            if stayed < settings.intruder_time or not (
-                _is_stranger(track, t, settings) or self._stands_where_one_was(track)
-            ):
+            doubted = track.last_seen - candidate.taken_for_teammate < _DOUBT
+            if doubted or stayed < settings.intruder_time:
+                continue
+            if not (_is_stranger(track, t, settings) or self._stands_where_one_was(track)):
                 continue
             known = self._known(t, track, tracks)
             intruder = Intruder(
@@ -121,7 +125,10 @@ class Intruders:
             )
         just_found = track.last_seen - track.first_seen < _SEEN_LATELY
         since = own.since if own else track.first_seen if just_found else track.last_seen
-        return _Candidate(track.id, since, track.last_seen, track.x, track.y)
+        taken_for_teammate = own.taken_for_teammate if own else -math.inf
+        if track.teammate:
+            taken_for_teammate = track.last_seen
+        return _Candidate(track.id, since, track.last_seen, track.x, track.y, taken_for_teammate)
 
     def _stands_where_one_was(self, track: Track) -> bool:
         """Tell whether somebody not known yet stands where an intruder was when last seen."""

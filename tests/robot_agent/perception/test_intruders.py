@@ -122,3 +122,32 @@ def test_teammates_robots_not_yet_looked_at_and_those_far_away_are_not_reported(
 def test_whoever_comes_back_after_a_minute_is_news(intruders: Intruders) -> None:
     assert stay(intruders, STRANGER, 0.0, 5.0) == [1]
     assert stay(intruders, replace(STRANGER, id=9, first_seen=80.0), 80.0, 90.0) == [2]
+
+
+def test_a_stay_counts_from_its_start_though_the_stranger_passed_for_a_teammate(
+    intruders: Intruders,
+) -> None:
+    """Somebody who comes straight up, seen from afar; told apart when he is near."""
+    unknown = replace(STRANGER, kind=Kind.UNKNOWN, robot_sized=True)
+    assert stay(intruders, unknown, 0.0, 1.0) == []
+    assert stay(intruders, replace(STRANGER, kind=Kind.TEAMMATE), 1.1, 2.5) == []
+    reported_at = [t for t in np.arange(2.6, 6.0, 0.1) if stay(intruders, STRANGER, t, t)]
+    assert reported_at == pytest.approx([3.5])  # a second after the doubt
+    assert intruders.known[0].first_seen == pytest.approx(0.0)
+
+
+def test_a_teammate_that_passes_for_a_stranger_for_a_moment_is_not_reported(
+    intruders: Intruders,
+) -> None:
+    unknown, teammate = (replace(STRANGER, kind=kind) for kind in (Kind.UNKNOWN, Kind.TEAMMATE))
+    assert stay(intruders, replace(unknown, robot_sized=True), 0.0, 1.0) == []
+    for k in range(10):
+        start = 1.1 + 2.0 * k
+        assert stay(intruders, teammate, start, start + 1.0) == []
+        assert stay(intruders, STRANGER, start + 1.1, start + 1.8) == []
+
+
+def test_whoever_was_a_teammate_from_the_start_has_no_stay(intruders: Intruders) -> None:
+    assert stay(intruders, replace(STRANGER, kind=Kind.TEAMMATE), 0.0, 5.0) == []
+    assert stay(intruders, STRANGER, 5.1, 8.0) == []
+    assert stay(intruders, STRANGER, 8.1, 8.3) == [1]
