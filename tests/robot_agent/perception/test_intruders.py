@@ -145,9 +145,3 @@ def test_a_teammate_that_passes_for_a_stranger_for_a_moment_is_not_reported(
         start = 1.1 + 2.0 * k
         assert stay(intruders, teammate, start, start + 1.0) == []
         assert stay(intruders, STRANGER, start + 1.1, start + 1.8) == []
-
-
-def test_whoever_was_a_teammate_from_the_start_has_no_stay(intruders: Intruders) -> None:
-    assert stay(intruders, replace(STRANGER, kind=Kind.TEAMMATE), 0.0, 5.0) == []
-    assert stay(intruders, STRANGER, 5.1, 8.0) == []
-    assert stay(intruders, STRANGER, 8.1, 8.3) == [1]
