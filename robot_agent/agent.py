@@ -90,8 +90,11 @@ class Agent:
         self.whereabouts = Whereabouts(config, folder.map, rng, self.base, self.outbox)
         self.odometry = self.whereabouts.odometry
         self.localizer = self.whereabouts.localizer
-        self.surroundings = Surroundings(config, load_model(config.base.model), folder.map)
         self.sight = Sight(config, folder, self.whereabouts, self.reports, self.outbox)
+        unexplained = self.sight.tracker.unexplained
+        self.surroundings = Surroundings(
+            config, load_model(config.base.model), folder.map, unexplained
+        )
         # What to do.
         self.patrol = (
             Patrol(config.patrol, folder.border, rng, folder.approach_field)

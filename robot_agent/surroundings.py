@@ -33,15 +33,21 @@ class Surroundings:
     """Points in base_link from laser and sonars, of what it saw before it turned away, from the map
     behind, and of teammates near by."""
 
-    def __init__(self, config: AgentConfig, model: RobotModel, occupancy: OccupancyMap) -> None:
-        """Nothing has been seen yet."""
+    def __init__(
+        self,
+        config: AgentConfig,
+        model: RobotModel,
+        occupancy: OccupancyMap,
+        unexplained: UnexplainedPoints,
+    ) -> None:
+        """Nothing has been seen yet. ``unexplained`` tells walls of the map from all else."""
         self._projector = ScanProjector(Pose(*(config.laser.mount or model.laser_mount)))
         self._obstacles = Obstacles()
         self._left_behind = LeftBehind(config.gate)
         self._sonar_obstacles = SonarObstacles(model)
         self._known_walls = KnownWalls(occupancy, config.gate)
         self._passed_walls = PassedWalls(config.gate)
-        self._unexplained = UnexplainedPoints(config.perception, occupancy)
+        self._unexplained = unexplained
 
     @property
     def seen_at(self) -> float | None:

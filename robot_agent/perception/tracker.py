@@ -44,7 +44,8 @@ class TeammateTracker:
         camera: CameraSettings | None = None,
     ) -> None:
         self._settings = settings
-        self._unexplained = UnexplainedPoints(settings, occupancy)
+        self.unexplained = UnexplainedPoints(settings, occupancy)
+        """What of a scan the map does not explain."""
         self._matcher = BandMatcher(camera or CameraSettings(), settings.color)
         self._filters: list[TrackFilter] = []
         self._next_id = 1
@@ -126,7 +127,7 @@ class TeammateTracker:
         if not unseen or not len(echoes):
             return
         ranges = np.hypot(echoes[:, 0], echoes[:, 1])
-        free = self._unexplained.mask(pose, echoes, ranges) & (ranges > 0.0)
+        free = self.unexplained.mask(pose, echoes, ranges) & (ranges > 0.0)
         to_middle = 1.0 + self._settings.half_width / ranges[free]
         middles = echoes[free] * to_middle[:, None]
         in_map = move_points(middles, pose)
@@ -194,7 +195,7 @@ class TeammateTracker:
     ) -> list[Detection]:
         """Return the segments of a scan that may be somebody, in the map frame."""
         ranges = np.hypot(points[:, 0], points[:, 1])
-        unexplained = self._unexplained.mask(pose, points, ranges, sigma)
+        unexplained = self.unexplained.mask(pose, points, ranges, sigma)
         segments = find_segments(points, ranges, unexplained, self._settings, reflectors)
         if sigma is None:
             sigma = PoseSigma(self._settings.pose_sigma_xy, self._settings.pose_sigma_theta)
