@@ -16,6 +16,7 @@ from robot_agent.patrol.actions import PATROLLING, Action, Situation, action_vel
 from robot_agent.patrol.automaton import Automaton
 from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
 from robot_agent.patrol.blockage import Blockage
+from robot_agent.patrol.closing_in import ClosingIn, judged, slowed
 from robot_agent.patrol.even_gaps import EvenGaps
 from robot_agent.patrol.neighbor_state import NeighborState, NeighborView
 from robot_agent.patrol.owed_way import OwedWay
@@ -101,6 +102,7 @@ class Patrol:
         )
         self._blockage = Blockage(settings)
         self._standoff = Standoff(settings)
+        self._closing_in = ClosingIn(border, rng) if settings.closing_in else None
         self._abscissa: float | None = None
         self._direction: int | None = None  # of the last patrol; none before the first
 
@@ -124,7 +126,11 @@ class Patrol:
         approach = self._approach(position, foot)
         # Beside the border but behind a wall a robot is as far from patrolling as its way is long.
         way = foot.distance if approach is None else approach.distance
-        choice = self._supervisor.choose(t, _inputs(way, neighbor, ends))
+        told, told_settings = neighbor, self._settings
+        if self._closing_in is not None and self._direction is not None and neighbor.gamma * self._direction > 0 and self._closing_in.closes_in(self._direction):
+            told = NeighborView(judged(neighbor.distance), neighbor.gamma)
+            told_settings = msgspec.structs.replace(told_settings, patrol_speed=slowed(neighbor.distance, told_settings.patrol_speed))
+        choice = self._supervisor.choose(t, _inputs(way, told, ends))
         insisted = self._standoff.insists_on(t, position, way, choice.winner)
         action = choice.winner if insisted is None else insisted
         rests = self._reversal_rest.rests(t, teammate, neighbor.gamma)
@@ -138,7 +144,7 @@ class Patrol:
         situation = Situation(
             position, foot, teammate, direction, ends[0] <= 0.0, ends[1] <= 0.0, approach
         )
-        velocity = (0.0, 0.0) if holding else action_velocity(action, situation, self._settings)
+        velocity = (0.0, 0.0) if holding else action_velocity(action, situation, told_settings)
         return PatrolDecision(  # in the order of its fields: by name it takes 7 times as long
             t,
             action,
@@ -217,7 +223,10 @@ class Patrol:
 
     def _update_direction(self, action: Action, foot: BorderProjection, theta: float) -> int:
         """Remember the direction of the last Patrol CW or CCW; at first that of the heading."""
+        before = self._direction
         self._direction = _OF_ACTION.get(action, self._direction)
+        if self._closing_in is not None and self._direction is not None and before == -self._direction:
+            self._closing_in.turned(foot.abscissa, self._direction)
         if self._direction is not None:
             return self._direction
         tx, ty = foot.tangent

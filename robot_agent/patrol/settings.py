@@ -82,6 +82,7 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     standoff_time: Positive = 12.0  # s at one place beside the border before the robot insists
     longest_avoiding: Positive = 20.0  # s of Avoid Teammate likewise, wherever it leads
     insisting_time: Positive = 8.0  # s of Reach Frontier then
+    closing_in: bool = False
     supervisor: Literal["fuzzy", "automaton"] = "fuzzy"
     minimum_dwell: NotNegative = 0.5  # s an action lasts, unless Avoid Teammate is called for
     reading: Literal["R1", "R2", "R3"] = "R1"  # of the damaged cell of Table I
