@@ -1,4 +1,4 @@
-"""Walls of the map behind the robot, where its laser does not look.
+"""Walls of the map about the robot, for where its laser does not look.
 
 The laser sees half of all directions and the sonars little of the rest: a robot that has come
 through a door and turns there would not know of the door's frame behind it.
@@ -20,7 +20,7 @@ _NOTHING = np.empty((0, 2))
 
 
 class KnownWalls:
-    """Gives the nearest points of a map's occupied cells near the robot's rear."""
+    """Gives the nearest points of a map's occupied cells near the robot."""
 
     def __init__(self, occupancy: OccupancyMap, gate: GateSettings) -> None:
         self._walls = occupancy.cells == OCCUPIED
@@ -30,7 +30,7 @@ class KnownWalls:
         reach = math.hypot(max(gate.front, gate.rear), gate.half_width) + _MARGIN
         self._cells = math.ceil(reach / occupancy.resolution)
 
-    def behind(self, pose: Pose) -> NDArray[np.float64]:
+    def around(self, pose: Pose) -> NDArray[np.float64]:
         """Return points (n, 2), m, in base_link at map_from_base ``pose``.
 
         Cells that the body would stand in are left out: the pose or the map is wrong there. The
@@ -53,5 +53,5 @@ class KnownWalls:
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         x, y = c * dx + s * dy, c * dy - s * dx
         gate = self._gate
-        taken = (x < 0.0) & ((x <= -gate.rear) | (np.abs(y) >= gate.half_width))
+        taken = (x <= -gate.rear) | (x >= gate.front) | (np.abs(y) >= gate.half_width)
         return np.column_stack((x, y))[taken]

@@ -31,3 +31,7 @@ class Obstacles:
     def around(self, odometry: Pose) -> NDArray[np.float64]:
         """Return the points (n, 2), m, in base_link where odometry is odom_from_base."""
         return move_points(self._points, odometry.between(self._odom_from_scan))
+
+    def from_scan(self, odometry: Pose, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return points (n, 2), m, in base_link at odom_from_base, as of the scan's pose."""
+        return move_points(points, self._odom_from_scan.between(odometry))

@@ -64,19 +64,18 @@ class PassedWalls:
         self._scans.clear()
         self._kept_at, self._walls = None, _NOTHING
 
-    def behind(self, odometry: Pose) -> NDArray[np.float64]:
+    def around(self, odometry: Pose) -> NDArray[np.float64]:
         """Return points (n, 2), m, in base_link where odometry is odom_from_base.
 
-        Behind the axle only: the laser looks at the rest. What the body would stand in is left out.
+        What the body would stand in is left out.
         """
         if not len(self._walls):
             return _NOTHING  # the usual case
         points = move_points(self._walls, odometry.inverse())
         x, y = points.T
         gate = self._gate
-        outside = (x <= -gate.rear) | (np.abs(y) >= gate.half_width)
-        taken = (x < 0.0) & (x * x + y * y < self._reach * self._reach) & outside
-        return np.asarray(points[taken])
+        outside = (x <= -gate.rear) | (x >= gate.front) | (np.abs(y) >= gate.half_width)
+        return np.asarray(points[(x * x + y * y < self._reach * self._reach) & outside])
 
 
 def _means(points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -101,8 +101,8 @@ class Surroundings:
             self._sonar_obstacles.around(t, odometry),
         ]
         if localized is not None:
-            parts.append(self._known_walls.behind(localized))
-            parts.append(self._passed_walls.behind(odometry))
+            walls = (self._known_walls.around(localized), self._passed_walls.around(odometry))
+            parts += [self._unseen(odometry, points) for points in walls if len(points)]
             near = [
                 (track.x, track.y)
                 for track in tracks
@@ -113,6 +113,14 @@ class Surroundings:
             if near:
                 parts.append(turning_room(move_points(np.array(near), localized.inverse())))
         return np.concatenate(parts)
+
+    def _unseen(self, odometry: Pose, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return those of points (n, 2), m, base_link, at which the latest scan did not look.
+
+        A robot that turns looks elsewhere by now, but has not seen yet what is there.
+        """
+        seen_from = self._obstacles.from_scan(odometry, points)
+        return points[~self._projector.in_view(seen_from)]
 
     def _left(self, odometry: Pose, localized: Pose | None) -> NDArray[np.float64]:
         """Return what was seen before it got out of sight, but for walls that the map tells of:

@@ -61,7 +61,7 @@ class HeadingLoop:
         self._turn_side = 0  # +1 left, -1 right while turning on the spot, else 0
         self._pinned_since: float | None = None
         self._pins = 0  # of the present turn
-        self._edges_until = -math.inf
+        self._edges_until: float | None = None  # s, while edging ahead
 
     def command(
         self,
@@ -80,7 +80,7 @@ class HeadingLoop:
         """
         self._turn_from_obstacle(t, pinned=pinned)
         v, w = self._target(velocity, theta, curvature)
-        if t < self._edges_until:
+        if self._edges_until is not None:
             v, w = self._settings.edging_speed, 0.0
         dt = 0.0 if self._t is None else max(t - self._t, 0.0)
         self._t = t
@@ -90,8 +90,13 @@ class HeadingLoop:
     def _turn_from_obstacle(self, t: float, *, pinned: bool) -> None:
         """Turn the other way once pinned for too long while turning; back at the first, edge out.
 
-        The first side was the shorter way round, so edging ahead there leads less astray.
+        The first side was the shorter way round, so edging ahead there leads less astray; but when
+        no way is there, as that side is towards a wall, the next attempt is from the other.
         """
+        if self._edges_until is not None and t >= self._edges_until:
+            self._edges_until = None
+            if pinned:
+                self._turn_side = -self._turn_side
         if not pinned or self._w == 0.0:
             self._pinned_since = None
         elif self._pinned_since is None:

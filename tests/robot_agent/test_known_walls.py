@@ -1,4 +1,4 @@
-"""Walls behind the robot, from the map."""
+"""Walls about the robot, from the map."""
 
 import math
 
@@ -21,13 +21,13 @@ def walls() -> KnownWalls:
     return KnownWalls(OccupancyMap(cells, 0.05, Pose(-0.05, -0.05, 0.0)), GateSettings())
 
 
-def test_a_wall_behind_is_where_it_is_and_one_ahead_is_left_to_the_laser(walls: KnownWalls) -> None:
-    behind = walls.behind(Pose(0.38, 2.0, 0.0))
+def test_a_wall_near_by_is_where_it_is(walls: KnownWalls) -> None:
+    behind = walls.around(Pose(0.38, 2.0, 0.0))
     assert behind[:, 0].max() == pytest.approx(-0.38, abs=0.005)  # its surface
-    assert (behind[:, 0] < 0.0).all()
-    assert walls.behind(Pose(3.6, 2.0, 0.0)).size == 0
-    assert walls.behind(Pose(2.0, 2.0, 0.0)).size == 0
-    assert walls.behind(Pose(-9.0, 2.0, 0.0)).size == 0
+    ahead = walls.around(Pose(3.6, 2.0, 0.0))
+    assert ahead[:, 0].min() == pytest.approx(0.40, abs=0.005)
+    assert walls.around(Pose(2.0, 2.0, 0.0)).size == 0
+    assert walls.around(Pose(-9.0, 2.0, 0.0)).size == 0
 
 
 @pytest.mark.parametrize("heading", [0.0, 0.5, -2.0])
@@ -35,13 +35,13 @@ def test_a_turn_stops_before_the_corner_meets_the_wall(walls: KnownWalls, headin
     # The robot stands along the wall at its right; its rear right corner would swing into it.
     pose = Pose(2.0, 0.30, 0.0)
     body = SweptBody(GateSettings())
-    share = body.free_share(0.0, math.pi / 2, walls.behind(pose))
+    share = body.free_share(0.0, math.pi / 2, walls.around(pose))
     assert 0.0 < share < 0.5
     away = Pose(2.0, 0.60, heading)
-    assert body.free_share(0.0, math.pi / 2, walls.behind(away)) == 1.0
+    assert body.free_share(0.0, math.pi / 2, walls.around(away)) == 1.0
 
 
 def test_a_wall_in_the_body_is_an_error_of_the_pose(walls: KnownWalls) -> None:
     pose = Pose(0.25, 2.0, 0.0)  # its rear would be 5 cm deep in the wall
-    points = walls.behind(pose)
+    points = walls.around(pose)
     assert not ((points[:, 0] > -0.24) & (np.abs(points[:, 1]) < 0.15)).any()

@@ -153,6 +153,26 @@ def test_pinned_on_one_side_the_other_and_the_first_again_it_edges_straight_ahea
     assert max(abs(w) for _, w in steps[edging[-1] :]) > 0.5  # and tries to turn again
 
 
+def test_where_it_cannot_edge_ahead_either_it_tries_that_turned_to_the_other_side_next():
+    """Pinned throughout: of two attempts to edge ahead, one comes after each side."""
+    loop, sides = HeadingLoop(HeadingSettings()), []
+    w_before = v_before = 0.0
+    for k in range(250):
+        v, w = loop.command(DT * k, toward(1.3), 0.0, pinned=k >= 5)
+        if v > 0.0 >= v_before:
+            sides.append(math.copysign(1.0, w_before))
+        v_before = v
+        w_before = w or w_before
+    assert sides[:4] == [1.0, -1.0, 1.0, -1.0]
+
+
+def test_once_it_edged_ahead_it_turns_the_shorter_way_again():
+    loop = HeadingLoop(HeadingSettings())
+    edged = [loop.command(DT * k, toward(1.3), 0.0, pinned=5 <= k < 42)[0] > 0.0 for k in range(80)]
+    assert any(edged)
+    assert loop.command(8.0, toward(1.3), 0.0)[1] > 0.5
+
+
 def test_a_turn_that_came_round_forgets_where_it_was_pinned():
     """Each period of 6 s: pinned for 2 s, so once; then it gets there, and is sent off again."""
     loop, speeds = HeadingLoop(HeadingSettings()), []
