@@ -242,6 +242,8 @@ class Agent:
         self._note_gate(t, gate)
         if decision.blocked:
             self.outbox.say(t, "patrol", _blocked_words(decision), LogLevel.WARNING)
+        if decision.closes_in and not (self.decision and self.decision.closes_in):
+            self.outbox.say(t, "patrol", _closing_in_words(decision), LogLevel.INFO)
         if decision.insists and not (self.decision and self.decision.insists):
             self.outbox.say(t, "standoff", _insisting_words(decision), LogLevel.INFO)
         self.decision = decision
@@ -352,6 +354,13 @@ def _gate_settings(config: AgentConfig) -> GateSettings:
 def _blocked_words(decision: PatrolDecision) -> str:
     turned = ", turns back" if decision.action is Action.KEEP_GOING else ""
     return f"unknown object near s = {decision.abscissa:.1f} m holds the robot{turned}"
+
+
+def _closing_in_words(decision: PatrolDecision) -> str:
+    return (
+        f"comes closer to a teammate near s = {decision.abscissa:.1f} m, who always sent it back "
+        "there"
+    )
 
 
 def _insisting_words(decision: PatrolDecision) -> str:

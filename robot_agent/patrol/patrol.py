@@ -16,7 +16,7 @@ from robot_agent.patrol.actions import PATROLLING, Action, Situation, action_vel
 from robot_agent.patrol.automaton import Automaton
 from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
 from robot_agent.patrol.blockage import Blockage
-from robot_agent.patrol.closing_in import ClosingIn, judged, slowed
+from robot_agent.patrol.closing_in import ClosingIn
 from robot_agent.patrol.even_gaps import EvenGaps
 from robot_agent.patrol.neighbor_state import NeighborState, NeighborView
 from robot_agent.patrol.owed_way import OwedWay
@@ -63,6 +63,7 @@ class PatrolDecision(msgspec.Struct, frozen=True):
     reversed_at_random: bool
     blocked: bool  # gave up waiting for an object on its way, just now
     holding: bool  # caught between an end and a teammate: stands still
+    closes_in: bool  # slowly, on a teammate at which it would turn as before
     insists: bool  # goes on whatever the rules say: kept from the border, or in Avoid, for too long
 
 
@@ -102,7 +103,10 @@ class Patrol:
         )
         self._blockage = Blockage(settings)
         self._standoff = Standoff(settings)
-        self._closing_in = ClosingIn(border, rng) if settings.closing_in else None
+        self._closing_in = ClosingIn(border, rng, settings.closing_in)
+        self._slowly = msgspec.structs.replace(
+            settings, patrol_speed=min(settings.patrol_speed, settings.closing_in_speed)
+        )
         self._abscissa: float | None = None
         self._direction: int | None = None  # of the last patrol; none before the first
 
@@ -126,12 +130,14 @@ class Patrol:
         approach = self._approach(position, foot)
         # Beside the border but behind a wall a robot is as far from patrolling as its way is long.
         way = foot.distance if approach is None else approach.distance
-        told, told_settings = neighbor, self._settings
-        if self._closing_in is not None and self._direction is not None and neighbor.gamma * self._direction > 0 and self._closing_in.closes_in(self._direction):
-            told = NeighborView(judged(neighbor.distance), neighbor.gamma)
-            told_settings = msgspec.structs.replace(told_settings, patrol_speed=slowed(neighbor.distance, told_settings.patrol_speed))
+        told = neighbor
+        if self._direction is not None:
+            told = self._closing_in.told(neighbor, self._direction)
+        closes_in = told is not neighbor
         choice = self._supervisor.choose(t, _inputs(way, told, ends))
-        insisted = self._standoff.insists_on(t, position, way, choice.winner)
+        caught = self._caught(choice)
+        way_out = _way_out(ends) if caught else None
+        insisted = self._standoff.insists_on(t, position, way, choice.winner, way_out)
         action = choice.winner if insisted is None else insisted
         rests = self._reversal_rest.rests(t, teammate, neighbor.gamma)
         reversed_at_random = self._turned_back(t, action, foot.abscissa, ends, rests=rests)
@@ -139,12 +145,17 @@ class Patrol:
         blocked = self._blockage.ends_waiting(t, position, neighbor.distance, held=held)
         if blocked:
             self._turn_back(action)
+        before = self._direction
         direction = self._update_direction(action, foot, pose.theta)
-        holding = insisted is None and self._caught(choice)
+        if before == -direction and neighbor.gamma * before > 0.0:
+            self._closing_in.sent_back(foot.abscissa, before)
+        holding = insisted is None and caught
         situation = Situation(
             position, foot, teammate, direction, ends[0] <= 0.0, ends[1] <= 0.0, approach
         )
-        velocity = (0.0, 0.0) if holding else action_velocity(action, situation, told_settings)
+        slowly = closes_in or insisted in _OF_ACTION
+        settings = self._slowly if slowly else self._settings
+        velocity = (0.0, 0.0) if holding else action_velocity(action, situation, settings)
         return PatrolDecision(  # in the order of its fields: by name it takes 7 times as long
             t,
             action,
@@ -165,6 +176,7 @@ class Patrol:
             reversed_at_random,
             blocked,
             holding,
+            closes_in,
             insisted is not None,
         )
 
@@ -223,10 +235,7 @@ class Patrol:
 
     def _update_direction(self, action: Action, foot: BorderProjection, theta: float) -> int:
         """Remember the direction of the last Patrol CW or CCW; at first that of the heading."""
-        before = self._direction
         self._direction = _OF_ACTION.get(action, self._direction)
-        if self._closing_in is not None and self._direction is not None and before == -self._direction:
-            self._closing_in.turned(foot.abscissa, self._direction)
         if self._direction is not None:
             return self._direction
         tx, ty = foot.tangent
@@ -244,6 +253,11 @@ class Patrol:
         both = min(degrees[Action.PATROL_CLOCKWISE], degrees[Action.PATROL_COUNTER_CLOCKWISE])
         others = (Action.KEEP_GOING, Action.REACH_FRONTIER, Action.AVOID_TEAMMATE)
         return both > max(degrees[action] for action in others)
+
+
+def _way_out(ends: tuple[float, float]) -> Action:
+    """Return what leads away from the nearer end: at distances from left and right, m."""
+    return Action.PATROL_CLOCKWISE if ends[0] <= ends[1] else Action.PATROL_COUNTER_CLOCKWISE
 
 
 def _make_supervisor(settings: PatrolSettings, border: Border) -> ActionChooser:

@@ -74,6 +74,8 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     reversal_probability: Share = 0.25
     reversal_owes_way: bool = False  # none again before the way it turned from was driven
     reversal_rest: NotNegative = 2.0  # laps without any once a teammate stands on the border
+    closing_in: Share = 0.5  # probability of coming closer to where teammates sent it back thrice
+    closing_in_speed: Positive = 0.2  # m/s
     reversal_end_distance: NotNegative = 0.8  # m from an end of an open border without any
     turning_radius: Positive = 0.5  # m; tighter borders are refused. At patrol_speed 0.35 m/s the
     # robot is 0.045 m off an arc of 0.5 m (0.094 m of 0.35 m), which leaves 0.05 m to the pose
@@ -82,7 +84,6 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     standoff_time: Positive = 12.0  # s at one place beside the border before the robot insists
     longest_avoiding: Positive = 20.0  # s of Avoid Teammate likewise, wherever it leads
     insisting_time: Positive = 8.0  # s of Reach Frontier then
-    closing_in: bool = False
     supervisor: Literal["fuzzy", "automaton"] = "fuzzy"
     minimum_dwell: NotNegative = 0.5  # s an action lasts, unless Avoid Teammate is called for
     reading: Literal["R1", "R2", "R3"] = "R1"  # of the damaged cell of Table I

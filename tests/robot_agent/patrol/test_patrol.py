@@ -176,6 +176,15 @@ def test_caught_between_end_and_teammate_holds():
     assert free.action is Action.PATROL_COUNTER_CLOCKWISE
 
 
+@pytest.mark.parametrize(("x", "mate", "vx"), [(0.2, 1.6, 0.2), (19.8, 18.4, -0.2)])
+def test_caught_by_somebody_who_will_not_move_it_leaves_the_end(x, mate, vx):
+    robot = patrol(LINE)
+    steps = [robot.step(0.1 * k, Pose(x, 0.0, 0.0), (mate, 0.0)) for k in range(130)]
+    assert all(step.holding for step in steps[10:119])
+    assert steps[-1].velocity == pytest.approx((vx, 0.0))
+    assert (steps[-1].insists, steps[-1].holding) == (True, False)
+
+
 def test_caught_and_too_near_avoids():
     decision = patrol(LINE).step(0.0, Pose(0.3, 0.0, math.pi), (0.9, 0.0))
     assert decision.action is Action.AVOID_TEAMMATE

@@ -60,6 +60,22 @@ def test_what_it_insists_on_is_the_border_beside_it_and_the_patrol_on_it():
     assert found == [{None, REACH}, {None, Action.KEEP_GOING}]
 
 
+def test_caught_on_the_border_it_takes_the_way_out_after_a_while():
+    standoff, at = Standoff(SETTINGS), (0.0, 0.0)
+    found = [standoff.insists_on(k / 10.0, at, 0.1, PATROL, PATROL) for k in range(250)]
+    times = [k / 10.0 for k, insisted in enumerate(found) if insisted]
+    assert times == pytest.approx([12.0 + k / 10.0 for k in range(80)])
+    assert set(found) == {None, PATROL}
+
+
+def test_on_its_way_out_it_avoids_who_stands_there():
+    standoff, at = Standoff(SETTINGS), (0.0, 0.0)
+    for k in range(125):
+        standoff.insists_on(k / 10.0, at, 0.1, PATROL, PATROL)
+    assert standoff.insists_on(12.5, at, 0.1, AVOID) is None
+    assert standoff.insists_on(12.6, at, 0.1, PATROL, PATROL) is None
+
+
 def test_on_the_border_only_long_avoiding_ends():
     times = insisting([(0.0, 0.0)] * 600, AVOID, way=0.25)
     assert [t for t in times if t < 48.0] == pytest.approx([20.0 + k / 10.0 for k in range(80)])
