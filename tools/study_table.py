@@ -50,6 +50,7 @@ COLUMNS: dict[str, Extract] = {
     "driven_again_laps": lambda figures: _after_wrecks(figures, "laps"),
     "undriven_m": lambda figures: _after_wrecks(figures, "undriven_m"),
     "abandoned_m": lambda figures: _after_wrecks(figures, "abandoned_m"),
+    "crowded_m": lambda figures: _after_wrecks(figures, "crowded_m"),
     "intruder_seen_60s": lambda figures: _intruder(figures, 60.0),
 }
 

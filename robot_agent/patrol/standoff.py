@@ -5,8 +5,8 @@ it, who turns back and comes again, would wait for ever, and so would one whom a
 from patrolling along. It takes Reach Frontier for a while instead: round walls, and with the safety
 gate's distance from everybody. On the border itself, among robots on either side, it is Keep Going
 that ends long avoiding. One that stands caught between an end of the border and a teammate, who
-will not move any more, takes the way out until somebody has to be avoided. The teammates see it come, and give way by the paper's
-rules.
+will not move any more, takes the way out until somebody has to be avoided. The teammates see it
+come, and give way by the paper's rules.
 """
 
 from __future__ import annotations

@@ -15,7 +15,12 @@ from numpy.typing import NDArray
 from maps.border import Border
 from robot_agent.patrol.settings import PatrolSettings
 from tools.bench.bench_fault import Wreck
-from tools.bench.idleness import BESIDE_WRECK, BORDER_STEP, BorderVisits
+from tools.bench.idleness import BESIDE_WRECK, BORDER_STEP, VISIT_RADIUS, BorderVisits
+
+_CLOSEST = 1.4
+"""m; nearer to each other robots do not patrol (``robot_agent.patrol.closing_in``)."""
+_TO_SHIFT = _CLOSEST - 2.0 * VISIT_RADIUS
+"""m that robots must have to shift together, to visit what lies between two of them."""
 
 
 def recovery_figures(
@@ -29,7 +34,8 @@ def recovery_figures(
     places: (n, 2) m of each robot that is left, at the times of visits. driven_again_s: from the
     last wreck until every point that somebody is left for was visited, None if one was not;
     laps: the same in times round (or along) the border at patrol speed; abandoned_m: between
-    wrecks, with nobody left.
+    wrecks, with nobody left; crowded_m: of the undriven, where robots stand so close to each other
+    that they cannot drive it all, however close they come.
     """
     if not wrecks:
         return {"wrecks": []}
@@ -40,8 +46,12 @@ def recovery_figures(
     start = min(start, len(visits.t) - 1)
     cuts = np.sort(border.project_many([wreck[:2] for wreck in wrecks])[0])
     here = np.array([place[start] for place in places]).reshape(-1, 2)
-    manned = np.unique(_stretch(border, cuts, border.project_many(here)[0]))
-    left_for = np.isin(_stretch(border, cuts, visits.abscissae), manned)
+    robots = np.bincount(
+        _stretch(border, cuts, border.project_many(here)[0]), minlength=len(cuts) + 1
+    )
+    stretch = _stretch(border, cuts, visits.abscissae)
+    left_for = robots[stretch] > 0
+    crowded = (_room(border, cuts, robots) < _TO_SHIFT)[stretch]
     after = visits.visited[start:]
     seen = np.asarray(after.any(axis=0))
     first = visits.t[start:][after.argmax(axis=0)] - visits.t[start]
@@ -55,8 +65,25 @@ def recovery_figures(
             "laps": None if again is None else again / lap,
             "undriven_m": float(np.count_nonzero(left_for & ~seen)) * BORDER_STEP,
             "abandoned_m": float(np.count_nonzero(~left_for)) * BORDER_STEP,
+            "crowded_m": float(np.count_nonzero(left_for & ~seen & crowded)) * BORDER_STEP,
         },
     }
+
+
+def _room(
+    border: Border, cuts: NDArray[np.float64], robots: NDArray[np.intp]
+) -> NDArray[np.float64]:
+    """Return what is left of each stretch, m, with robots, and the wrecks at its ends, all closest.
+
+    cuts (w,) ascending; robots (w + 1,), of a closed border the last is none.
+    """
+    if border.closed:
+        lengths = np.append(np.diff(cuts, prepend=cuts[-1] - border.length), 0.0)
+        return np.asarray(lengths - (robots + 1) * _CLOSEST)
+    lengths = np.diff(cuts, prepend=0.0, append=border.length)
+    wrecks = np.full(len(lengths), 2)
+    wrecks[[0, -1]] = 1
+    return np.asarray(lengths - (robots + wrecks - 1) * _CLOSEST)
 
 
 def _described(border: Border, wreck: Wreck) -> dict[str, Any]:

@@ -65,5 +65,18 @@ def test_what_nobody_drives_again_is_told(border: Border) -> None:
     assert after["undriven_m"] == pytest.approx(17.5, abs=0.6)
 
 
+@pytest.mark.parametrize(("robots", "crowded"), [(5, False), (12, True)])
+def test_what_is_undriven_since_there_is_no_room_is_told(
+    border: Border, robots: int, crowded: bool
+) -> None:
+    """All stand between an end and a wreck at 16 m, evenly spaced."""
+    wreck = Wreck(16.0, 0.0, "robot20", 50.0)
+    places = [along(np.full_like(T, 1.0 + 13.0 * k / (robots - 1))) for k in range(robots)]
+    figures = recovery_figures(border, places, visits_of(border, places, [wreck]), [wreck])
+    after = figures["after_wrecks"]
+    assert after["undriven_m"] > 3.0
+    assert after["crowded_m"] == (after["undriven_m"] if crowded else 0.0)
+
+
 def test_no_wreck_no_figures(border: Border) -> None:
     assert recovery_figures(border, [], None, []) == {"wrecks": []}
