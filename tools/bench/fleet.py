@@ -19,13 +19,13 @@ from tools.bench.bench_fault import (
     FaultInjector,
     Wreck,
     check_robots,
-    fault_figures,
     wrecks_of,
 )
+from tools.bench.bench_result import bench_result
 from tools.bench.emulated_camera import EmulatedCamera
 from tools.bench.lockstep import LockstepAgent, Observer
 from tools.bench.lockstep_camera import LockstepCamera
-from tools.bench.metrics import RobotRun, bench_figures
+from tools.bench.metrics import RobotRun
 from tools.bench.perception_log import PerceptionLog
 from tools.bench.rig import RobotRig, make_rigs, sense
 from tools.bench.start_poses import free_start_poses
@@ -223,15 +223,10 @@ def run_bench(
             next_sample += SAMPLE_S
             progress(fleet.t)
     fleet.shut_down()
-    assert fleet.folder.border is not None
+    wall = time.perf_counter() - started
     return {
         "sensing": "bytes",
-        "robots": len(fleet.robots),
-        "seed": fleet.seed,
-        "duration_s": duration,
-        "wall_s": time.perf_counter() - started,
-        "faults": fault_figures(fleet.faults),
-        **bench_figures(fleet.folder.border, log.runs(), fleet.world.contacts, fleet.wrecks()),
+        **bench_result(fleet, log.runs(), duration, wall),
         "strangers": len(fleet.strangers),
         "perception": log.perception(),
         "gate_stops": sum(robot.agent.gate_stops for robot in fleet.robots),

@@ -24,13 +24,13 @@ from tools.bench.bench_fault import (
     FaultKind,
     Wreck,
     check_robots,
-    fault_figures,
     wrecks_of,
 )
+from tools.bench.bench_result import bench_result
 from tools.bench.ideal_obstacles import IdealObstacles
 from tools.bench.ideal_robot import STEP_S, along_arc, make_ideal_robot
 from tools.bench.ideal_sight import IdealSight
-from tools.bench.metrics import RobotRun, bench_figures
+from tools.bench.metrics import RobotRun
 from tools.bench.perception_log import PerceptionLog
 from tools.bench.start_poses import free_start_poses
 from tools.bench.world import World
@@ -191,14 +191,10 @@ def run_ideal_bench(
         log.sample()
         progress(fleet.t)
     assert fleet.folder.border is not None
+    wall = time.perf_counter() - started
     return {
         "sensing": "ideal",
-        "robots": len(fleet.robots),
-        "seed": fleet.seed,
-        "duration_s": duration,
-        "wall_s": time.perf_counter() - started,
-        "faults": fault_figures(fleet.faults),
-        **bench_figures(fleet.folder.border, log.runs(), fleet.world.contacts, fleet.wrecks()),
+        **bench_result(fleet, log.runs(), duration, wall),
         "strangers": 0,
         "perception": PerceptionLog(fleet.world, fleet.folder.border).figures(),  # of nothing
         "gate_stops": sum(robot.gate_stops for robot in fleet.robots),

@@ -1,7 +1,7 @@
 // Every robot's action over time (the paper's second figure, live): one lane per action.
 
 import { colour, robotColour } from "./palette.js";
-import { drawTimeAxis, firstInView, timeAxis } from "./plot.js";
+import { drawTimeAxis, drawWithin, firstInView, timeAxis } from "./plot.js";
 import { Surface } from "./surface.js";
 
 const LANES = ["Reach", "Keep", "Cw", "Ccw", "Avoid"];
@@ -26,17 +26,16 @@ export class ActionPlot {
       context.fillStyle = colour("quiet");
       context.fillText(name, axis.left - 6, axis.top + (lane + 0.5) * height + 3.5);
     });
-    context.save();
-    context.beginPath();
-    context.rect(axis.left, 0, axis.right - axis.left, axis.bottom + 1);
-    context.clip();
+    drawWithin(context, axis, () => this.drawRobots(context, axis, height));
+  }
+
+  drawRobots(context, axis, height) {
     const robots = this.team.ordered;
     const thickness = Math.min(Math.max((height - 4) / Math.max(robots.length, 1), 1), 5);
     robots.forEach((robot, row) => {
       const offset = 2 + (row * Math.max(height - 4 - thickness, 0)) / Math.max(robots.length - 1, 1);
       this.drawRobot(context, robot, axis, height, offset, thickness);
     });
-    context.restore();
   }
 
   drawRobot(context, robot, axis, height, offset, thickness) {

@@ -1,7 +1,7 @@
 // Every robot's distance from the border over time (the paper's first figure, live).
 
 import { colour, robotColour } from "./palette.js";
-import { drawTimeAxis, firstInView, timeAxis } from "./plot.js";
+import { drawTimeAxis, drawWithin, firstInView, timeAxis } from "./plot.js";
 import { Surface } from "./surface.js";
 
 const SCALES = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50];
@@ -24,12 +24,9 @@ export class DistancePlot {
     drawTimeAxis(context, axis, this.span);
     const y = (distance) => axis.bottom - (Math.min(distance, top) / top) * (axis.bottom - axis.top - 4);
     this.drawScale(context, axis, top, y);
-    context.save();
-    context.beginPath();
-    context.rect(axis.left, 0, axis.right - axis.left, axis.bottom + 1);
-    context.clip();
-    for (const [robot, first] of lines) this.drawLine(context, robot, first, axis, y);
-    context.restore();
+    drawWithin(context, axis, () => {
+      for (const [robot, first] of lines) this.drawLine(context, robot, first, axis, y);
+    });
   }
 
   scaleFor(lines) {

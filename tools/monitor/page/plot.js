@@ -32,6 +32,16 @@ export function drawTimeAxis(context, axis, span) {
   context.stroke();
 }
 
+// Draws what must not reach beyond the axes.
+export function drawWithin(context, axis, draw) {
+  context.save();
+  context.beginPath();
+  context.rect(axis.left, 0, axis.right - axis.left, axis.bottom + 1);
+  context.clip();
+  draw();
+  context.restore();
+}
+
 // Index of the first sample that is in view; samples are in the order of their times.
 export function firstInView(samples, from) {
   let [low, high] = [0, samples.length];

@@ -1,0 +1,38 @@
+"""What ``bench --json`` gives of a run, whichever fleet it was."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+from maps.map_folder import MapFolder
+from tools.bench.bench_fault import BenchFault, Wreck, fault_figures
+from tools.bench.metrics import RobotRun, bench_figures
+from tools.bench.world import World
+
+
+class BenchedFleet(Protocol):
+    """A fleet after its run."""
+
+    folder: MapFolder
+    seed: int
+    faults: tuple[BenchFault, ...]
+    world: World
+
+    def wrecks(self) -> list[Wreck]:
+        """Return the robots that stand for good."""
+
+
+def bench_result(
+    fleet: BenchedFleet, runs: Sequence[RobotRun], duration: float, wall: float
+) -> dict[str, Any]:
+    """Return the figures of a run of duration, s, that took wall, s."""
+    assert fleet.folder.border is not None
+    return {
+        "robots": len(runs),
+        "seed": fleet.seed,
+        "duration_s": duration,
+        "wall_s": wall,
+        "faults": fault_figures(fleet.faults),
+        **bench_figures(fleet.folder.border, runs, fleet.world.contacts, fleet.wrecks()),
+    }
