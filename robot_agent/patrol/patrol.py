@@ -62,7 +62,7 @@ class PatrolDecision(msgspec.Struct, frozen=True):
     curvature: float  # 1/m of the way ahead in the direction of patrol, + turns left; 0 off it
     reversed_at_random: bool
     blocked: bool  # gave up waiting for an object on its way, just now
-    holding: bool  # caught between an end and a teammate: stands still
+    holding: bool  # stands still, caught between an end and a teammate or for a moment in a crowd
     closes_in: bool  # slowly, on a teammate at which it would turn as before
     insists: bool  # goes on whatever the rules say: kept from the border, or in Avoid, for too long
 
@@ -103,7 +103,7 @@ class Patrol:
         )
         self._blockage = Blockage(settings)
         self._standoff = Standoff(settings)
-        self._closing_in = ClosingIn(border, rng, settings.closing_in)
+        self._closing_in = ClosingIn(border, rng, settings.closing_in, settings.closing_in_wait)
         self._slowly = msgspec.structs.replace(
             settings, patrol_speed=min(settings.patrol_speed, settings.closing_in_speed)
         )
@@ -148,8 +148,8 @@ class Patrol:
         before = self._direction
         direction = self._update_direction(action, foot, pose.theta)
         if before == -direction and neighbor.gamma * before > 0.0:
-            self._closing_in.sent_back(foot.abscissa, before)
-        holding = insisted is None and caught
+            self._closing_in.sent_back(t, foot.abscissa, before)
+        holding = insisted is None and (caught or self._closing_in.waits(t, action))
         situation = Situation(
             position, foot, teammate, direction, ends[0] <= 0.0, ends[1] <= 0.0, approach
         )

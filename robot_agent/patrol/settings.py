@@ -76,6 +76,7 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     reversal_rest: NotNegative = 2.0  # laps without any once a teammate stands on the border
     closing_in: Share = 0.5  # probability of coming closer to where teammates sent it back thrice
     closing_in_speed: Positive = 0.2  # m/s
+    closing_in_wait: NotNegative = 4.0  # s at most that it stands after such a turn
     reversal_end_distance: NotNegative = 0.8  # m from an end of an open border without any
     turning_radius: Positive = 0.5  # m; tighter borders are refused. At patrol_speed 0.35 m/s the
     # robot is 0.045 m off an arc of 0.5 m (0.094 m of 0.35 m), which leaves 0.05 m to the pose

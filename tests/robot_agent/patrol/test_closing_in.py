@@ -26,9 +26,9 @@ AHEAD = NeighborView(1.5, 1.0)
 
 def closing_in(places, probability=1.0, direction=1):
     """What remembers being sent back from direction at places, m."""
-    memory = ClosingIn(CIRCLE, np.random.default_rng(1), probability)
+    memory = ClosingIn(CIRCLE, np.random.default_rng(1), probability, 4.0)
     for place in places:
-        memory.sent_back(place, direction)
+        memory.sent_back(0.0, place, direction)
     return memory
 
 
@@ -58,12 +58,30 @@ def test_a_teammate_behind_or_far_off_or_beside_the_border_is_told_as_it_is():
 
 def test_chance_decides_and_never_without_a_probability():
     found = []
-    memory = ClosingIn(CIRCLE, np.random.default_rng(5), 0.5)
+    memory = ClosingIn(CIRCLE, np.random.default_rng(5), 0.5, 4.0)
     for _ in range(400):
-        memory.sent_back(10.0, -1)
+        memory.sent_back(0.0, 10.0, -1)
         found.append(memory.told(NeighborView(1.5, -1.0), -1).distance > 1.5)
     assert 150 < sum(found) < 250
     assert closing_in([10.0] * 9, probability=0.0).told(AHEAD, 1) is AHEAD
+
+
+def test_who_was_sent_back_thrice_waits_as_long_as_chance_has_it_but_avoids_at_once():
+    waits = []
+    for seed in range(50):
+        memory = ClosingIn(CIRCLE, np.random.default_rng(seed), 0.5, 4.0)
+        for t in (0.0, 30.0, 60.0):
+            assert not memory.waits(t + 0.1, Action.PATROL_CLOCKWISE)
+            memory.sent_back(t, 10.0, 1)
+        times = [60.0 + k / 10.0 for k in range(50)]
+        waits.append(sum(memory.waits(t, Action.PATROL_CLOCKWISE) for t in times) / 10.0)
+        assert not any(memory.waits(t, Action.AVOID_TEAMMATE) for t in times)
+    assert min(waits) < 0.5
+    assert 3.5 < max(waits) <= 4.1
+
+
+def test_without_a_probability_nobody_waits():
+    assert not closing_in([10.0] * 3, probability=0.0).waits(0.0, Action.PATROL_CLOCKWISE)
 
 
 def approach(robot, teammate_x, t=0.0):
