@@ -56,12 +56,14 @@ class ClosingIn:
         """Tell whether the robot stands for a moment at t, s, if its action lets it."""
         return t < self._waits_until and action is not Action.AVOID_TEAMMATE
 
-    def told(self, neighbor: NeighborView, direction: int) -> NeighborView:
+    def told(self, neighbor: NeighborView, direction: int | None) -> NeighborView:
         """Return the view of the closest teammate that the rules are told, patrolling in direction.
 
         The view itself: nothing is different, the robot need not go slowly.
         """
+        if neighbor.distance >= _SLOW_FROM or direction is None:
+            return neighbor
         ahead = neighbor.gamma * direction > 0.0
-        if not (ahead and self._closes_in[direction]) or neighbor.distance >= _SLOW_FROM:
+        if not (ahead and self._closes_in[direction]):
             return neighbor
         return NeighborView(float(np.interp(neighbor.distance, _IS, _TOLD)), neighbor.gamma)

@@ -130,13 +130,10 @@ class Patrol:
         approach = self._approach(position, foot)
         # Beside the border but behind a wall a robot is as far from patrolling as its way is long.
         way = foot.distance if approach is None else approach.distance
-        told = neighbor
-        if self._direction is not None:
-            told = self._closing_in.told(neighbor, self._direction)
+        told = self._closing_in.told(neighbor, self._direction)
         closes_in = told is not neighbor
         choice = self._supervisor.choose(t, _inputs(way, told, ends))
-        caught = self._caught(choice)
-        way_out = _way_out(ends) if caught else None
+        way_out = self._way_out(choice, ends)
         insisted = self._standoff.insists_on(t, position, way, choice.winner, way_out)
         action = choice.winner if insisted is None else insisted
         rests = self._reversal_rest.rests(t, teammate, neighbor.gamma)
@@ -149,7 +146,8 @@ class Patrol:
         direction = self._update_direction(action, foot, pose.theta)
         if before == -direction and neighbor.gamma * before > 0.0:
             self._closing_in.sent_back(t, foot.abscissa, before)
-        holding = insisted is None and (caught or self._closing_in.waits(t, action))
+        stands = way_out is not None or self._closing_in.waits(t, action)
+        holding = insisted is None and stands
         situation = Situation(
             position, foot, teammate, direction, ends[0] <= 0.0, ends[1] <= 0.0, approach
         )
@@ -245,19 +243,20 @@ class Patrol:
             self._direction = direction
         return direction
 
-    def _caught(self, choice: Choice) -> bool:
-        """Tell whether an end of the border and a teammate call for both directions at once."""
+    def _way_out(self, choice: Choice, ends: tuple[float, float]) -> Action | None:
+        """Return what leads away from the nearer end, m off, of a robot caught there; else None.
+
+        Caught: the end and a teammate call for both directions at once.
+        """
         if self._border.closed:
-            return False
+            return None
         degrees = choice.degrees
         both = min(degrees[Action.PATROL_CLOCKWISE], degrees[Action.PATROL_COUNTER_CLOCKWISE])
         others = (Action.KEEP_GOING, Action.REACH_FRONTIER, Action.AVOID_TEAMMATE)
-        return both > max(degrees[action] for action in others)
-
-
-def _way_out(ends: tuple[float, float]) -> Action:
-    """Return what leads away from the nearer end: at distances from left and right, m."""
-    return Action.PATROL_CLOCKWISE if ends[0] <= ends[1] else Action.PATROL_COUNTER_CLOCKWISE
+        if both <= max(degrees[action] for action in others):
+            return None
+        left = ends[0] <= ends[1]
+        return Action.PATROL_CLOCKWISE if left else Action.PATROL_COUNTER_CLOCKWISE
 
 
 def _make_supervisor(settings: PatrolSettings, border: Border) -> ActionChooser:
