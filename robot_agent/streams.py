@@ -204,7 +204,10 @@ class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=T
         bool, Meta(description="gave up waiting for an object on its way, just now")
     ] = False
     holding: Annotated[
-        bool, Meta(description="stands still, caught between an end and a teammate")
+        bool,
+        Meta(
+            description="stands still, caught between an end and a teammate, or a moment in a crowd"
+        ),
     ] = False
 
 

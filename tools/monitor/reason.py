@@ -70,7 +70,7 @@ def _action_words(decision: DecisionPayload) -> str:
     if decision.blocked:
         return "gave up waiting for an object on its way, turns back"
     if decision.holding:
-        return "waits between an end of the border and a teammate"
+        return "waits, caught between teammates, or one and an end of the border"
     sense = "clockwise" if decision.direction > 0 else "counter-clockwise"
     near = decision.distance_from_neighbor
     teammate = "nobody near" if near is None else f"teammate {near:.1f} m away"
