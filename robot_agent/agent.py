@@ -364,4 +364,11 @@ def _closing_in_words(decision: PatrolDecision) -> str:
 
 
 def _insisting_words(decision: PatrolDecision) -> str:
-    return f"kept from the border near s = {decision.abscissa:.1f} m for too long, drives to it"
+    near = f"near s = {decision.abscissa:.1f} m for too long"
+    match decision.action:
+        case Action.REACH_FRONTIER:
+            return f"kept from the border {near}, drives to it"
+        case Action.KEEP_GOING:
+            return f"avoided teammates {near}, goes on"
+        case _:
+            return f"caught at the border's end {near}, leaves it"

@@ -64,7 +64,7 @@ class PatrolDecision(msgspec.Struct, frozen=True):
     blocked: bool  # gave up waiting for an object on its way, just now
     holding: bool  # stands still, caught between an end and a teammate or for a moment in a crowd
     closes_in: bool  # slowly, on a teammate at which it would turn as before
-    insists: bool  # goes on whatever the rules say: kept from the border, or in Avoid, for too long
+    insists: bool  # on a way whatever the rules say: kept from it, in Avoid or caught for too long
 
 
 class Patrol:
