@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose
+from robot_agent.body_area import corner_reach, in_body
 from robot_agent.motion.gate_settings import GateSettings
 
 _MARGIN = 0.1  # m beyond what the corners reach in a turn on the spot
@@ -27,7 +28,7 @@ class KnownWalls:
         self._resolution = occupancy.resolution
         self._origin = occupancy.origin
         self._gate = gate
-        reach = math.hypot(max(gate.front, gate.rear), gate.half_width) + _MARGIN
+        reach = corner_reach(gate) + _MARGIN
         self._cells = math.ceil(reach / occupancy.resolution)
 
     def around(self, pose: Pose) -> NDArray[np.float64]:
@@ -51,7 +52,5 @@ class KnownWalls:
         dx -= np.clip(dx, -half, half)  # from the cell's centre to its nearest point
         dy -= np.clip(dy, -half, half)
         c, s = math.cos(pose.theta), math.sin(pose.theta)
-        x, y = c * dx + s * dy, c * dy - s * dx
-        gate = self._gate
-        taken = (x <= -gate.rear) | (x >= gate.front) | (np.abs(y) >= gate.half_width)
-        return np.column_stack((x, y))[taken]
+        points = np.column_stack((c * dx + s * dy, c * dy - s * dx))
+        return points[~in_body(points, self._gate)]

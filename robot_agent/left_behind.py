@@ -6,13 +6,13 @@ beside a robot that turns on the spot would leave its sight just before a rear c
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from maps.pose import Pose
+from robot_agent.body_area import corner_reach, in_body
 from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.scan_points import move_points
 
@@ -29,7 +29,7 @@ class LeftBehind:
     def __init__(self, gate: GateSettings) -> None:
         """Nothing has been seen yet."""
         self._gate = gate
-        self._reach = math.hypot(max(gate.front, gate.rear), gate.half_width) + _BEYOND
+        self._reach = corner_reach(gate) + _BEYOND
         self._points = np.empty((0, 2))
         self._lost_at = np.empty(0)
         self.lasts = False
@@ -49,7 +49,7 @@ class LeftBehind:
         seeing them are left out: they would only pin it.
         """
         kept = move_points(self._points, odometry.between(_ORIGIN))
-        fresh = seen_before[~self._in_body(seen_before)]
+        fresh = seen_before[~in_body(seen_before, self._gate, self._gate.turn_margin)]
         points = np.concatenate((kept, fresh))
         lost_at = np.concatenate((self._lost_at, np.full(len(fresh), t)))
         matters = (
@@ -63,13 +63,3 @@ class LeftBehind:
     def around(self, odometry: Pose) -> NDArray[np.float64]:
         """Return the points (n, 2), m, in base_link where odometry is odom_from_base."""
         return move_points(self._points, odometry.between(_ORIGIN))
-
-    def _in_body(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-        gate = self._gate
-        x, y = points.T
-        margin = gate.turn_margin
-        return np.asarray(
-            (x < gate.front + margin)
-            & (x > -gate.rear - margin)
-            & (np.abs(y) < gate.half_width + margin)
-        )

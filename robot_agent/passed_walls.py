@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maps.pose import Pose
+from robot_agent.body_area import corner_reach, in_body
 from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.scan_points import move_points
 
@@ -36,7 +37,7 @@ class PassedWalls:
     def __init__(self, gate: GateSettings) -> None:
         """Nothing has been passed yet."""
         self._gate = gate
-        self._reach = math.hypot(max(gate.front, gate.rear), gate.half_width) + _MARGIN
+        self._reach = corner_reach(gate) + _MARGIN
         self._way = 0.0  # m driven so far
         self._kept_at: Pose | None = None  # odom_from_base of the last scan kept
         self._scans: deque[tuple[float, NDArray[np.float64]]] = deque()  # way, points in odom
@@ -73,9 +74,8 @@ class PassedWalls:
             return _NOTHING  # the usual case
         points = move_points(self._walls, odometry.inverse())
         x, y = points.T
-        gate = self._gate
-        outside = (x <= -gate.rear) | (x >= gate.front) | (np.abs(y) >= gate.half_width)
-        return np.asarray(points[(x * x + y * y < self._reach * self._reach) & outside])
+        near = x * x + y * y < self._reach * self._reach
+        return np.asarray(points[near & ~in_body(points, self._gate)])
 
 
 def _means(points: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -101,8 +101,10 @@ class Surroundings:
             self._sonar_obstacles.around(t, odometry),
         ]
         if localized is not None:
-            walls = (self._known_walls.around(localized), self._passed_walls.around(odometry))
-            parts += [self._unseen(odometry, points) for points in walls if len(points)]
+            known = self._known_walls.around(localized), self._passed_walls.around(odometry)
+            walls = np.concatenate(known)
+            if len(walls):
+                parts.append(self._unseen(odometry, walls))
             near = [
                 (track.x, track.y)
                 for track in tracks

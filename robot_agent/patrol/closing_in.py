@@ -21,8 +21,9 @@ from robot_agent.patrol.neighbor_state import NeighborView
 _TIMES = 3  # turns at one place before chance is asked
 _ONE_PLACE = 0.5  # m of abscissa
 _SLOW_FROM = 2.4  # m from a teammate; two that close in at 0.2 m/s stand 1.15 m apart in the end
+CLOSEST = 1.4  # m from a teammate, where one that closes in turns
 # Distances, m, and what the rules are told instead. They avoid from 1.1 m and turn from 1.9 m on.
-_IS = (1.1, 1.4, _SLOW_FROM)
+_IS = (1.1, CLOSEST, _SLOW_FROM)
 _TOLD = (1.1, 1.9, _SLOW_FROM)
 
 

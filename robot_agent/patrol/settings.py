@@ -82,7 +82,7 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     # robot is 0.045 m off an arc of 0.5 m (0.094 m of 0.35 m), which leaves 0.05 m to the pose
     blockage_time: Positive = 10.0  # s an object may hold the robot before it turns back
     blockage_neighbor_distance: Positive = 1.0  # m; a teammate so near may be that object
-    standoff_time: Positive = 12.0  # s at one place beside the border before the robot insists
+    standoff_time: Positive = 12.0  # s beside the border, or caught at its end, until it insists
     longest_avoiding: Positive = 20.0  # s of Avoid Teammate likewise, wherever it leads
     insisting_time: Positive = 8.0  # s of Reach Frontier then
     supervisor: Literal["fuzzy", "automaton"] = "fuzzy"

@@ -13,13 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maps.border import Border
+from robot_agent.patrol.closing_in import CLOSEST
 from robot_agent.patrol.settings import PatrolSettings
 from tools.bench.bench_fault import Wreck
 from tools.bench.idleness import BESIDE_WRECK, BORDER_STEP, VISIT_RADIUS, BorderVisits
 
-_CLOSEST = 1.4
-"""m; nearer to each other robots do not patrol (``robot_agent.patrol.closing_in``)."""
-_TO_SHIFT = _CLOSEST - 2.0 * VISIT_RADIUS
+_TO_SHIFT = CLOSEST - 2.0 * VISIT_RADIUS
 """m that robots must have to shift together, to visit what lies between two of them."""
 
 
@@ -77,13 +76,13 @@ def _room(
 
     cuts (w,) ascending; robots (w + 1,), of a closed border the last is none.
     """
+    gaps = robots + 1
     if border.closed:
         lengths = np.append(np.diff(cuts, prepend=cuts[-1] - border.length), 0.0)
-        return np.asarray(lengths - (robots + 1) * _CLOSEST)
-    lengths = np.diff(cuts, prepend=0.0, append=border.length)
-    wrecks = np.full(len(lengths), 2)
-    wrecks[[0, -1]] = 1
-    return np.asarray(lengths - (robots + wrecks - 1) * _CLOSEST)
+    else:
+        lengths = np.diff(cuts, prepend=0.0, append=border.length)
+        gaps[[0, -1]] -= 1  # no wreck at the ends of the border
+    return np.asarray(lengths - gaps * CLOSEST)
 
 
 def _described(border: Border, wreck: Wreck) -> dict[str, Any]:
