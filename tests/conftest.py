@@ -7,7 +7,16 @@ from pathlib import Path
 
 import pytest
 
+LONG_TEST_S = 1200
+"""Limit of a test that takes minutes; all others have that of pyproject.toml."""
 REPOSITORY = Path(__file__).resolve().parent.parent
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Give long tests their time."""
+    for item in items:
+        if item.get_closest_marker("long"):
+            item.add_marker(pytest.mark.timeout(LONG_TEST_S))
 
 
 @pytest.fixture(scope="session")

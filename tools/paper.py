@@ -8,7 +8,6 @@ change to Patrol CW comes with the other's to Patrol CCW; afterwards both keep g
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -22,6 +21,7 @@ from tools.bench.fleet import Fleet, FleetLog, run_bench
 from tools.bench.ideal_fleet import IdealFleet, IdealLog, run_ideal_bench
 from tools.bench.metrics import Meeting, RobotRun, meetings
 from tools.bench.sensing import Sensing
+from tools.worker_pool import worker_pool
 
 MAP, BORDER, ROBOTS, DURATION_S = "paper_lab", "border", 3, 1800.0
 P99_M, MOST_M = 0.05, 0.10
@@ -81,7 +81,7 @@ def run_seeds(trial: PaperTrial, seeds: Sequence[int], jobs: int) -> Iterator[Pa
     if jobs == 1:
         yield from (run_paper(trial, seed) for seed in seeds)
         return
-    with ProcessPoolExecutor(jobs) as pool:
+    with worker_pool(jobs) as pool:
         yield from pool.map(partial(run_paper, trial), seeds)
 
 

@@ -24,7 +24,7 @@ import hashlib
 import json
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
@@ -41,6 +41,7 @@ from robot_agent.config import AgentConfig, find_map, parse_config
 from tools.bench.bench_fault import BenchFaultError, check_robots, draw_faults
 from tools.bench.sensing import Sensing, bench
 from tools.study_cluster import run_on_cluster
+from tools.worker_pool import worker_pool
 
 ROBOTS = "robots"
 MAP = "map"
@@ -247,7 +248,7 @@ def run_study(
 
 
 def _execute(runs: Sequence[Run], jobs: int) -> Iterator[Result]:
-    with ProcessPoolExecutor(jobs) as pool:
+    with worker_pool(jobs) as pool:
         try:
             for future in as_completed([pool.submit(bench_run, run) for run in runs]):
                 yield future.result()

@@ -53,6 +53,7 @@ from tools.doctor_laser import best_rate, examine_health
 from tools.doctor_port import examine_port
 from tools.finding import Finding, Verdict
 
+NOBODY = 65534  # the user and group without rights
 DEVICE_LIMIT = 3.0  # s; only a silent device takes as long
 
 
@@ -295,20 +296,16 @@ def as_plain_user(work: Callable[[], str]) -> str:
     """Return what work says when it is not done by root."""
     if os.geteuid() != 0:
         return work()
-    reader, writer = os.pipe()
-    child = os.fork()
-    if child == 0:
-        try:
-            os.setgroups([])
-            os.setgid(65534)
-            os.setuid(65534)
-            os.write(writer, work().encode())
-        finally:
-            os._exit(0)
-    os.close(writer)
-    os.waitpid(child, 0)
-    with open(reader, "rb") as pipe:  # noqa: PTH123 - a descriptor
-        return pipe.read().decode()
+    groups = os.getgroups()
+    os.setgroups([])
+    os.setresgid(NOBODY, NOBODY, 0)
+    os.setresuid(NOBODY, NOBODY, 0)
+    try:
+        return work()
+    finally:
+        os.setresuid(0, 0, 0)
+        os.setresgid(0, 0, 0)
+        os.setgroups(groups)
 
 
 def test_device_side_troubles_do_not_hide_each_other(robot: RobotOnTheBench) -> None:

@@ -136,7 +136,7 @@ def test_intel_lab_is_built_from_its_log(data_folder: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "border"),
-    product(("paper_lab", "intel_lab", "large_hall"), ("border", "open")),
+    list(product(("paper_lab", "intel_lab", "large_hall"), ("border", "open"))),
 )
 def test_shipped_maps_pass_the_check(name: str, border: str) -> None:
     report = check_map(MAPS / name, border)

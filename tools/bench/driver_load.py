@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import threading
 import time
 from multiprocessing.connection import Connection
@@ -21,6 +20,7 @@ from drivers.p2os.model import load_model
 from drivers.p2os.session import P2osSession
 from drivers.p2os.settings import BaseSettings
 from drivers.requests import SetBaud
+from tools.worker_pool import START
 
 LASER_BAUD: Final = 500_000
 TICK_PERIOD = 0.05  # s
@@ -90,10 +90,8 @@ def driver_load(duration: float) -> tuple[float, float, float]:
 
     Return (share of one core of all driver threads and their ticks, scans/s, base reports/s).
     """
-    ours, theirs = multiprocessing.get_context("spawn").Pipe()
-    process = multiprocessing.get_context("spawn").Process(
-        target=_emulate_devices, args=(theirs,), daemon=True
-    )
+    ours, theirs = START.Pipe()
+    process = START.Process(target=_emulate_devices, args=(theirs,), daemon=True)
     process.start()
     laser_url, base_url = ours.recv()
     laser = LaserSettings(baud=LASER_BAUD, resolution_deg=0.5)

@@ -110,6 +110,7 @@ def test_the_fourth_time_it_comes_on_slowly_past_the_place_where_it_turned():
     assert decision.distance_from_neighbor == pytest.approx(1.7)  # as it is
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("closing_in", "gaps"), [(0.0, True), (0.5, False)])
 def test_among_wrecks_it_leaves_no_gap(closing_in, gaps):
     """Five of twenty robots die on 51 m; seed 4 of ``wrecks_20.toml``."""

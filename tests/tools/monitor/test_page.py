@@ -37,6 +37,10 @@ class LiveTeam:
     monitor: Monitor
     demo: Demo
 
+    def all_decide(self) -> bool:
+        cards = [f'[data-robot="demo/robot{number}"] .action' for number in (1, 2, 3)]
+        return not {"", "silent", "no decision"} & {self.browser.text(card) for card in cards}
+
     def robot(self, name: str) -> RobotState:
         return next(robot for robot in self.monitor.watch.robots if robot.id == name)
 
@@ -56,7 +60,8 @@ class LiveTeam:
 
 
 @pytest.fixture(scope="module")
-def live(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveTeam]:
+def running(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[LiveTeam]:
+    """One team for all tests of this file."""
     path = find_map("paper_lab", Path())
     endpoint = free_endpoint()
     record = tmp_path_factory.mktemp("page")
@@ -66,18 +71,18 @@ def live(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator
         monitor = Monitor(MonitorOptions(endpoint, "127.0.0.1:0", site)).__enter__()
         stack.callback(monitor.close)
         demo = stack.enter_context(Demo(options))
-        assert monitor.url is not None
-        browser.open(monitor.url)
         team = LiveTeam(browser, monitor, demo)
         stack.callback(lambda: team.monitor.close())
-        browser.wait(
-            lambda: (
-                len(browser.texts(".card .action")) == 3
-                and not {"silent", "no decision"} & set(browser.texts(".card .action"))
-            ),
-            "three robots that decide",
-        )
         yield team
+
+
+@pytest.fixture
+def live(running: LiveTeam) -> LiveTeam:
+    """The team on a page opened afresh, whatever test came before."""
+    assert running.monitor.url is not None
+    running.browser.open(running.monitor.url)
+    running.browser.wait(running.all_decide, "three robots that decide")
+    return running
 
 
 def test_every_fact_is_on_the_page_with_its_value(live: LiveTeam) -> None:
@@ -174,7 +179,7 @@ def test_hostile_payloads_show_as_text_and_an_alarm_and_run_nothing(live: LiveTe
     title = browser.run("return document.title")
     attack = "<img src=x onerror=\"document.title='gone'\"><script>document.title='gone'</script>"
     words = Log(timestamp=timestamp_at(1.0), level=5, message=attack, name="<b>patrol</b>")
-    key = "patrol/demo/mallory"
+    key = "patrol/demo/stranger"
     with zenoh.open(session_config(live.monitor.options.listen)) as stranger:
         browser.wait(lambda: list(stranger.info.routers_zid()), "the stranger's connection")
         stranger.put(f"{key}/event", encode(words))
@@ -183,14 +188,14 @@ def test_hostile_payloads_show_as_text_and_an_alarm_and_run_nothing(live: LiveTe
             stranger.put(f"{key}/decision", b"[" * number)
         huge = decision(1.0, action=attack, abscissa=1e308, distance_from_border=-1e308)
         stranger.put(f"{key}/decision", encode(huge))
-        card = '[data-robot="demo/mallory"]'
-        browser.wait(lambda: "mallory" in browser.texts(".card .name"), "the attacker's card")
-        browser.run("window.patrol.selection.choose('demo/mallory')")
+        card = '[data-robot="demo/stranger"]'
+        browser.wait(lambda: "stranger" in browser.texts(".card .name"), "the attacker's card")
+        browser.run("window.patrol.selection.choose('demo/stranger')")
         browser.wait(lambda: attack in browser.text(f"{card} .log"), "the attack as plain words")
-        browser.wait(lambda: live.alarm("demo/mallory", "malformed", ""), "the alarm")
+        browser.wait(lambda: live.alarm("demo/stranger", "malformed", ""), "the alarm")
     assert browser.run("return document.title") == title
     assert browser.texts("main img, main script, .log b") == []
-    assert "mallory" in browser.texts(".card .name")
+    assert "stranger" in browser.texts(".card .name")
 
 
 @pytest.mark.parametrize(("width", "height"), [(1366, 768), (390, 844)])
