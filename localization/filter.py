@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from localization.kld import needed_samples
 from localization.likelihood_field import LikelihoodField
-from localization.odometry import move_particles
+from localization.motion_model import move_particles
 from localization.resampling import draw_low_variance, effective_sample_size
 from localization.settings import MotionSettings, SampleSettings
 from maps.pose import Pose

@@ -9,6 +9,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from localization.alternative_hypothesis import RivalSearch
 from localization.cluster import Cluster, best_cluster
 from localization.estimate import Estimate
 from localization.filter import ParticleFilter
@@ -16,7 +17,6 @@ from localization.global_search import GlobalSearch
 from localization.health import Evidence, Health, HealthMonitor
 from localization.likelihood_field import LikelihoodField
 from localization.refinement import Refined, Refinement
-from localization.rival import RivalSearch
 from localization.scan_check import Fit, ScanCheck
 from localization.settings import LocalizationSettings
 from localization.slip_search import SlipSearch

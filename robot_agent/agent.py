@@ -18,10 +18,9 @@ from drivers.p2os.session import P2osSession
 from localization.health import Health
 from maps.map_folder import MapFolder
 from maps.pose import Pose
-from robot_agent.condition import Condition
 from robot_agent.config import AgentConfig
-from robot_agent.effects import Effect
-from robot_agent.events import (
+from robot_agent.messages.effects import Effect
+from robot_agent.messages.events import (
     BlobsSeen,
     BytesReceived,
     DeviceName,
@@ -34,7 +33,8 @@ from robot_agent.events import (
     Shutdown,
     Tick,
 )
-from robot_agent.foxglove import LogLevel
+from robot_agent.messages.foxglove import LogLevel
+from robot_agent.motion.freshness_limits import scan_age_limit
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
 from robot_agent.motion.gate_hold import (
     STOPPING,
@@ -46,16 +46,16 @@ from robot_agent.motion.gate_reason import LATCHED, GateReason
 from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.motion.recovery_turn import RecoveryTurn
-from robot_agent.motion.trust import scan_age_limit
-from robot_agent.outbox import Outbox
+from robot_agent.motion.sensor_freshness import StreamTrust
+from robot_agent.motion.teleop import Teleop
+from robot_agent.obstacles.surroundings import Surroundings
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
-from robot_agent.reports import Reports
-from robot_agent.sight import Sight
-from robot_agent.stream_trust import StreamTrust
-from robot_agent.surroundings import Surroundings
-from robot_agent.teleop import Teleop
-from robot_agent.whereabouts import Whereabouts
+from robot_agent.perception.perception import Sight
+from robot_agent.pose.pose_tracker import Whereabouts
+from robot_agent.report.health_summary import Condition
+from robot_agent.report.outbox import Outbox
+from robot_agent.report.telemetry_builder import Reports
 
 _REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
 

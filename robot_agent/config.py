@@ -16,15 +16,15 @@ from drivers.p2os.model import UnknownModelError, load_model
 from drivers.p2os.settings import BaseSettings
 from localization.settings import LocalizationSettings, MotionSettings
 from maps.map_folder import MapFolder, load_map_folder
-from robot_agent.disk_room import RecorderSettings
 from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.motion.heading_loop import HeadingSettings
 from robot_agent.motion.recovery_turn import RecoverySettings
+from robot_agent.motion.teleop import TeleopSettings
 from robot_agent.patrol.settings import PatrolSettings
 from robot_agent.perception.settings import PerceptionSettings
-from robot_agent.pose_memory import MemorySettings, RememberedPose
-from robot_agent.telemetry import TelemetrySettings
-from robot_agent.teleop import TeleopSettings
+from robot_agent.pose.pose_memory import MemorySettings, RememberedPose
+from robot_agent.process.telemetry import TelemetrySettings
+from robot_agent.recording.recording_retention import RecorderSettings
 
 KeyPart = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9_-]+$")]
 

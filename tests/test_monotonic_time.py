@@ -10,7 +10,7 @@ WALL_CLOCK = {
     *("time.strftime", "datetime.now", "datetime.utcnow", "datetime.today", "date.today"),
     *("time.clock_gettime", "time.clock_gettime_ns"),
 }
-LABELS = {("robot_agent/runtime.py", "time.time_ns")}
+LABELS = {("robot_agent/process/runtime.py", "time.time_ns")}
 """The one reading, at the start: a label on telemetry and recordings that nothing is decided by."""
 
 

@@ -1,7 +1,7 @@
 """Nothing on the network moves a robot: nothing of what runs on it takes anything from there.
 
-The sockets of running agents are looked at in tests/tools/test_demo.py and
-tests/robot_agent/test_telemetry.py; here, that no code is there that could open another way in.
+The sockets of running agents are looked at in tests/tools/demo/test_demo.py and
+tests/robot_agent/process/test_telemetry.py; here, that no code could open another way in.
 """
 
 import ast
@@ -12,7 +12,7 @@ WAYS_IN = {
     *("bind", "listen", "accept", "create_server", "recvfrom"),
     *("declare_subscriber", "declare_queryable", "declare_querier", "declare_advanced_subscriber"),
 }
-EMULATED = "drivers/emulated_port.py"
+EMULATED = "drivers/emulation/port.py"
 
 
 def calls(path: Path) -> set[str]:
@@ -49,7 +49,7 @@ def test_no_code_on_the_robot_takes_anything_from_the_network():
 
 def test_no_agent_has_the_emulated_port():
     agent = [path for path in onboard_files() if "emula" not in path.name]
-    users = [str(path) for path in agent if "drivers.emulated_port" in imports(path)]
+    users = [str(path) for path in agent if "drivers.emulation.port" in imports(path)]
     assert [user for user in users if not user.endswith("line_faults.py")] == []
 
 
@@ -59,4 +59,4 @@ def test_the_network_is_spoken_to_in_one_place():
         for path in onboard_files()
         if imports(path) & {"zenoh", "aiohttp", "http", "urllib.request", "socketserver"}
     }
-    assert speakers == {"robot_agent/telemetry.py"}
+    assert speakers == {"robot_agent/process/telemetry.py"}

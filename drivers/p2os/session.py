@@ -14,7 +14,7 @@ from drivers.p2os.command_numbers import RESERVED, CommandNumber
 from drivers.p2os.command_outbox import CommandOutbox
 from drivers.p2os.commands import CLOSE, OPEN, PULSE, STAND_STILL, STOP, Command, command
 from drivers.p2os.config_packet import ConfigPacket
-from drivers.p2os.drive_wish import DriveWish
+from drivers.p2os.drive_request import DriveWish
 from drivers.p2os.extended_packets import Notification
 from drivers.p2os.framing import OVERHEAD, PacketFramer
 from drivers.p2os.handshake import Handshake

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 
-from robot_agent.motion.trust import CONTROL
+from robot_agent.motion.freshness_limits import CONTROL
 
 MISSES = 3
 WITHIN_S = 3.0

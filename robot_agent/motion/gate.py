@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from robot_agent.motion.battery_watch import BatteryWatch
 from robot_agent.motion.gate_reason import DENIALS, GateReason
 from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.repeated_fault_latch import StrikeLatch
 from robot_agent.motion.stopping import stoppable_rate, stopping_way
-from robot_agent.motion.strike_latch import StrikeLatch
-from robot_agent.motion.swept_body import SweptBody
+from robot_agent.motion.swept_footprint import SweptBody
 
 _LONGEST_STEP = 0.3  # s between two commands that count for the acceleration
 

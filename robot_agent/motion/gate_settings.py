@@ -6,7 +6,7 @@ from typing import Annotated
 
 import msgspec
 
-from robot_agent.motion.trust import BASE, LASER
+from robot_agent.motion.freshness_limits import BASE, LASER
 
 Positive = Annotated[float, msgspec.Meta(gt=0.0)]
 NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from robot_agent.patrol.action_dwell import PresentAction
 from robot_agent.patrol.actions import PATROLLING, Action
-from robot_agent.patrol.present_action import PresentAction
 from robot_agent.patrol.settings import AutomatonSettings
 from robot_agent.patrol.supervisor import Choice
 

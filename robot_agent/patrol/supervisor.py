@@ -7,9 +7,9 @@ from typing import Protocol
 
 import msgspec
 
+from robot_agent.patrol.action_dwell import PresentAction
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.fuzzy import MamdaniSystem
-from robot_agent.patrol.present_action import PresentAction
 
 _ACTIONS = tuple(Action)
 _EQUAL = 1e-9  # degrees nearer than this are tied

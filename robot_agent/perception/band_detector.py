@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.camera_source import CameraSettings
-from robot_agent.perception.blob import Blob, Sight
+from robot_agent.messages.blob import Blob, Sight
 from robot_agent.perception.color_model import ColorTable
 from robot_agent.perception.color_settings import ColorSettings
 

@@ -12,7 +12,7 @@ from scipy.optimize import linear_sum_assignment
 
 from drivers.camera_source import CameraSettings
 from maps.pose import Pose
-from robot_agent.perception.blob import Blob
+from robot_agent.messages.blob import Blob
 from robot_agent.perception.color_settings import ColorSettings
 from robot_agent.perception.track import Track
 

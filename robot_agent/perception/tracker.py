@@ -12,15 +12,15 @@ from scipy.optimize import linear_sum_assignment
 from drivers.camera_source import CameraSettings
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
+from robot_agent.messages.blob import Blob
 from robot_agent.perception.band_matching import BandMatcher
-from robot_agent.perception.blob import Blob
 from robot_agent.perception.pose_sigma import PoseSigma
+from robot_agent.perception.scan_points import move_points
 from robot_agent.perception.segments import Segment, find_segments
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.track import Track
 from robot_agent.perception.track_filter import Detection, TrackFilter
 from robot_agent.perception.unexplained import UnexplainedPoints
-from robot_agent.scan_points import move_points
 
 _TENTATIVE_MISSES = 2  # scans in a row that end an unconfirmed track
 _SEEN_LATELY = 0.35  # s before a picture: who was seen then is where the picture shows it

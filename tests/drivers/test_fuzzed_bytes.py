@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from drivers.lms200 import telegrams
-from drivers.lms200.emulator import Lms200Emulator
+from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.lms200.errors import decode_errors
 from drivers.lms200.framing import (
     HOST_ADDRESSES,
@@ -27,7 +27,7 @@ from drivers.lms200.session import Lms200Session
 from drivers.lms200.settings import LaserSettings
 from drivers.p2os.commands import Command, decode_command, sonar_order
 from drivers.p2os.config_packet import ConfigPacket
-from drivers.p2os.emulator import P2osEmulator
+from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.framing import CONTROLLER_MAX_COUNT, MAX_COUNT, PacketFramer, encode_packet
 from drivers.p2os.model import load_model
 from drivers.p2os.packets import decode_packet

@@ -16,9 +16,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from drivers.emulated_port import PtyPort, TcpPort
+from drivers.emulation.port import PtyPort, TcpPort
 from drivers.link import LONGEST_PAUSE, Link, LinkState
-from drivers.lms200.emulator import Lms200Emulator
+from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.lms200.framing import Telegram, TelegramFramer, encode_telegram
 from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session

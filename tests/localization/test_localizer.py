@@ -13,8 +13,8 @@ from localization.localizer import Localizer
 from localization.settings import LocalizationSettings, SampleSettings
 from maps.occupancy_map import MapError, OccupancyMap
 from maps.pose import Pose, wrap_angle
-from tools.carmen import read_carmen
-from tools.mapping import build_map
+from tools.logs.carmen import read_carmen
+from tools.mapping.map_build import build_map
 
 DRIFT = 0.06  # rad per metre, as the odometry of an old robot
 

@@ -16,14 +16,14 @@ from maps.map_folder import MapFolder, load_map_folder
 from maps.pose import Pose
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, find_map
-from robot_agent.effects import Effect, Publish, Send
-from robot_agent.events import BytesReceived, Event, LinkDown, Shutdown, Tick
-from robot_agent.foxglove import Log
+from robot_agent.messages.effects import Effect, Publish, Send
+from robot_agent.messages.events import BytesReceived, Event, LinkDown, Shutdown, Tick
+from robot_agent.messages.foxglove import Log
+from robot_agent.messages.streams import DecisionPayload, StatusPayload, decode
+from robot_agent.motion.freshness_limits import LASER
 from robot_agent.motion.gate import SafetyGate
 from robot_agent.motion.gate_reason import GateReason
-from robot_agent.motion.trust import LASER
 from robot_agent.patrol.patrol import PATROLLING
-from robot_agent.streams import DecisionPayload, StatusPayload, decode
 from tools.bench.bench_fault import parse_fault
 from tools.bench.fleet import Fleet
 

@@ -8,16 +8,17 @@ from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from drivers.fault_plan import FaultPlan
-from drivers.line_faults import LineFaults
+from drivers.emulation.fault_plan import FaultPlan
+from drivers.emulation.line_faults import LineFaults
 from maps.map_folder import MapFolder
 from maps.pose import Pose
-from tools.bench.rig import RobotRig
-from tools.bench.start_poses import free_start_poses
+from tools.metrics.wreck import Wreck
+from tools.simulation.rig import RobotRig
+from tools.simulation.start_poses import free_start_poses
 
 CARRIED_M = 0.5
 CARRY_ROOM_M = 0.5
@@ -76,15 +77,6 @@ class BenchFault:
     def makes_wreck(self) -> bool:
         """Whether the robot stands still for good."""
         return math.isinf(self.end) and self.kind not in _ONCE
-
-
-class Wreck(NamedTuple):
-    """A robot that stands for good: where, m, its name, and since when, s."""
-
-    x: float
-    y: float
-    robot: str
-    since: float
 
 
 def wrecks_of(faults: Sequence[BenchFault], poses: Mapping[str, Pose], t: float) -> list[Wreck]:

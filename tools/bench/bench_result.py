@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from typing import Any, Protocol
 
 from maps.map_folder import MapFolder
-from tools.bench.bench_fault import BenchFault, Wreck, fault_figures
-from tools.bench.metrics import RobotRun, bench_figures
-from tools.bench.world import World
+from tools.bench.bench_fault import BenchFault, fault_figures
+from tools.metrics.metrics import RobotRun, bench_figures
+from tools.metrics.wreck import Wreck
+from tools.simulation.world import World
 
 
 class BenchedFleet(Protocol):

@@ -14,23 +14,18 @@ from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, RobotSettings, StartSettings
-from tools.bench.bench_fault import (
-    BenchFault,
-    FaultInjector,
-    Wreck,
-    check_robots,
-    wrecks_of,
-)
+from tools.bench.bench_fault import BenchFault, FaultInjector, check_robots, wrecks_of
 from tools.bench.bench_result import bench_result
-from tools.bench.emulated_camera import EmulatedCamera
-from tools.bench.lockstep import LockstepAgent, Observer
-from tools.bench.lockstep_camera import LockstepCamera
-from tools.bench.metrics import RobotRun
 from tools.bench.perception_log import PerceptionLog
-from tools.bench.rig import RobotRig, make_rigs, sense
-from tools.bench.start_poses import free_start_poses
-from tools.bench.stranger import make_strangers
-from tools.bench.world import World
+from tools.metrics.metrics import RobotRun
+from tools.metrics.wreck import Wreck
+from tools.simulation.emulated_camera import EmulatedCamera
+from tools.simulation.lockstep import LockstepAgent, Observer
+from tools.simulation.lockstep_camera import LockstepCamera
+from tools.simulation.rig import RobotRig, make_rigs, sense
+from tools.simulation.start_poses import free_start_poses
+from tools.simulation.stranger import make_strangers
+from tools.simulation.world import World
 
 STEP_S = 0.02
 SAMPLE_S = 0.1

@@ -9,9 +9,9 @@ from typing import Self
 
 from maps.map_folder import MapFolder
 from robot_agent.config import AgentConfig
-from robot_agent.recording_writer import RecordingWriter
-from robot_agent.run_header import header_of_run
-from tools.convert import RecordingObserver
+from robot_agent.recording.recording_writer import RecordingWriter
+from robot_agent.recording.run_header import header_of_run
+from tools.replay.carmen_recording import RecordingObserver
 
 
 class FleetRecorder:

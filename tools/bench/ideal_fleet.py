@@ -18,23 +18,17 @@ from numpy.typing import NDArray
 from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig, RobotSettings
-from tools.bench.bench_fault import (
-    BenchFault,
-    BenchFaultError,
-    FaultKind,
-    Wreck,
-    check_robots,
-    wrecks_of,
-)
+from tools.bench.bench_fault import BenchFault, BenchFaultError, FaultKind, check_robots, wrecks_of
 from tools.bench.bench_result import bench_result
 from tools.bench.ideal_obstacles import IdealObstacles
 from tools.bench.ideal_robot import STEP_S, along_arc, make_ideal_robot
 from tools.bench.ideal_sight import IdealSight
-from tools.bench.metrics import RobotRun
 from tools.bench.perception_log import PerceptionLog
-from tools.bench.start_poses import free_start_poses
-from tools.bench.world import World
-from tools.bench.world_noise import NO_NOISE
+from tools.metrics.metrics import RobotRun
+from tools.metrics.wreck import Wreck
+from tools.simulation.noise import NO_NOISE
+from tools.simulation.start_poses import free_start_poses
+from tools.simulation.world import World
 
 _STEP_WAY = 0.06  # m that nothing drives farther in one step
 _POSSIBLE = (FaultKind.DEAD, FaultKind.STUCK)

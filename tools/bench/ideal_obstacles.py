@@ -13,10 +13,10 @@ from maps.clearance import border_clearance
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose
 from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.obstacles.teammate_keep_out import turning_room
 from robot_agent.patrol.actions import PATROLLING
-from robot_agent.turning_room import turning_room
 from tools.bench.ideal_robot import STEP_S, IdealRobot
-from tools.bench.robot_body import Outline
+from tools.simulation.robot_body import Outline
 
 _NOTHING = np.empty((0, 2))
 _OUTLINE_STEP = 0.08  # m between the points of a body

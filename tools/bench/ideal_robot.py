@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.p2os.motion_controller import ramp
+from drivers.p2os.emulator.motion_controller import ramp
 from drivers.p2os.settings import BaseSettings
 from maps.map_folder import MapFolder
 from maps.pose import Pose
@@ -17,7 +17,7 @@ from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
 from robot_agent.motion.gate_hold import begins_hold, held_by_obstacle, pinned_by_obstacle
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
-from tools.bench.robot_body import RobotBody
+from tools.simulation.robot_body import RobotBody
 
 STEP_S = 0.1
 """One control step: the base reports 10 times a second."""

@@ -14,8 +14,8 @@ from maps.pose import Pose
 from robot_agent.agent import Agent
 from robot_agent.perception.intruders import Intruder
 from robot_agent.perception.track import Track
-from tools.bench.robot_body import BodyKind, RobotBody
-from tools.bench.world import World
+from tools.simulation.robot_body import BodyKind, RobotBody
+from tools.simulation.world import World
 
 VISIBILITY = 2.5  # m
 SETTLED_S = 0.5  # in view before a robot must have been detected

@@ -11,7 +11,7 @@ from robot_agent.config import AgentConfig
 from tools.bench.bench_fault import BenchFault
 from tools.bench.fleet import Fleet, run_bench
 from tools.bench.ideal_fleet import IdealFleet, run_ideal_bench
-from tools.bench.lockstep import Observer
+from tools.simulation.lockstep import Observer
 
 
 class Sensing(StrEnum):

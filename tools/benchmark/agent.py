@@ -12,16 +12,17 @@ import numpy as np
 import psutil
 
 from maps.map_folder import load_map_folder
-from robot_agent.effects import Effect
-from robot_agent.events import BytesReceived, Event
-from tools.bench.agent_stage import AgentStage
+from robot_agent.messages.effects import Effect
+from robot_agent.messages.events import BytesReceived, Event
 from tools.bench.fleet import Fleet
 from tools.benchmark.figure import MEASURED_S, SEED, SETTLED_S, Figure
-from tools.demo import Demo, DemoOptions, free_endpoint
-from tools.fault_list import chosen_faults
-from tools.fault_table import run_faults
+from tools.campaign.agent_stage import AgentStage
+from tools.campaign.fault_list import chosen_faults
+from tools.campaign.fault_table import run_faults
+from tools.campaign.reaction import WATCHDOG_LIMIT_S
+from tools.demo.demo import Demo, DemoOptions
+from tools.monitor.endpoint import free_endpoint
 from tools.monitor.operator import Operator
-from tools.reaction import WATCHDOG_LIMIT_S
 
 
 def agent_process(folder_path: Path) -> Iterator[Figure]:

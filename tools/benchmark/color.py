@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from tools.benchmark.figure import SEED, Figure
-from tools.color_trial import run_color_trial
+from tools.calibration.color_trial import run_color_trial
 
 COLOR_PICTURES = 800
 

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from maps.map_folder import load_map_folder
-from robot_agent.effects import Effect
-from robot_agent.events import BytesReceived, Event, LinkName
-from tools.bench.driver_load import driver_load
+from robot_agent.messages.effects import Effect
+from robot_agent.messages.events import BytesReceived, Event, LinkName
 from tools.bench.fleet import Fleet
+from tools.benchmark.driver_load import driver_load
 from tools.benchmark.figure import MEASURED_S, SEED, SETTLED_S, Figure
 
 

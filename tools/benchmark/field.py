@@ -9,13 +9,13 @@ from collections.abc import Iterator
 from contextlib import ExitStack, closing
 from pathlib import Path
 
-from robot_agent.effects import Publish
-from robot_agent.events import Shutdown
-from robot_agent.streams import ProcessPayload, decode
-from tools.bench.agent_stage import AgentStage
-from tools.bench.cpu_limit import CpuLimit, CpuLimitError
+from robot_agent.messages.effects import Publish
+from robot_agent.messages.events import Shutdown
+from robot_agent.messages.streams import ProcessPayload, decode
 from tools.benchmark.figure import MEASURED_S, SEED, SETTLED_S, Figure
-from tools.recording import Recording, read_recording
+from tools.campaign.agent_stage import AgentStage
+from tools.campaign.cpu_limit import CpuLimit, CpuLimitError
+from tools.logs.recording import Recording, read_recording
 
 SLOW = 0.2
 """Share of one core of this machine that makes a slow computer."""

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from robot_agent.config import find_map
 from tools.benchmark.figure import Figure
-from tools.localize_benchmark import large_map_mb, update_costs
+from tools.benchmark.localize_benchmark import large_map_mb, update_costs
 
 
 def localization(_folder_path: Path) -> Iterator[Figure]:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from tools.benchmark.figure import MEASURED_S, Figure
-from tools.monitor.load_table import measure_load
-from tools.monitor.trouble_table import loop_timings, reconnection_time
+from tools.benchmark.load_table import measure_load
+from tools.benchmark.trouble_table import loop_timings, reconnection_time
 
 
 def telemetry(_folder_path: Path) -> Iterator[Figure]:

@@ -14,7 +14,7 @@ from robot_agent.patrol.settings import PatrolSettings
 from tools.bench.fleet import Fleet, run_bench
 from tools.bench.ideal_fleet import IdealFleet, run_ideal_bench
 from tools.benchmark.figure import SEED, Figure
-from tools.skfuzzy_peer import simulation_of
+from tools.benchmark.skfuzzy_peer import simulation_of
 
 
 def supervisor(_folder_path: Path) -> Iterator[Figure]:

@@ -11,8 +11,8 @@ from maps.map_folder import MapFolder, load_map_folder
 from tools.bench.fleet import Fleet
 from tools.bench.fleet_recorder import FleetRecorder
 from tools.benchmark.figure import SEED, Figure
-from tools.recording import read_recording
-from tools.replay import Replay
+from tools.logs.recording import read_recording
+from tools.replay.replay import Replay
 from tools.report.alignment import align
 from tools.report.numbers import numbers
 from tools.report.page import page

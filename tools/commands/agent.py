@@ -15,13 +15,13 @@ import msgspec
 from maps.map_folder import MapFolder
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, ConfigError, format_config, load_config, load_map
-from robot_agent.disk_room import DiskRoom
-from robot_agent.journal import Journal
-from robot_agent.pose_file import PoseFile
-from robot_agent.recorder import Recorder
-from robot_agent.run_header import header_of_run
-from robot_agent.runtime import Clock, Runtime, end_on_signals
-from robot_agent.telemetry import Telemetry
+from robot_agent.process.journal import Journal
+from robot_agent.process.pose_file import PoseFile
+from robot_agent.process.runtime import Clock, Runtime, end_on_signals
+from robot_agent.process.telemetry import Telemetry
+from robot_agent.recording.recorder import Recorder
+from robot_agent.recording.recording_retention import DiskRoom
+from robot_agent.recording.run_header import header_of_run
 
 RUN_STAMP = "[0-9]" * 8 + "T" + "[0-9]" * 6 + "Z"
 """Pattern of the time in a run's file name."""

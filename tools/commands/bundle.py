@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from tools.bundle import MACHINES, make_bundle
+from tools.deploy.bundle import MACHINES, make_bundle
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

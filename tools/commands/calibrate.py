@@ -17,8 +17,8 @@ from drivers.camera_source import CameraSettings
 from robot_agent.config import AgentConfig, load_config
 from robot_agent.perception.band_detector import BandDetector
 from robot_agent.perception.color_settings import ColorModelSettings, ColorSettings
-from tools.camera_calibration import fit_camera, pairs_of
-from tools.color_calibration import (
+from tools.calibration.camera_calibration import fit_camera, pairs_of
+from tools.calibration.color_calibration import (
     Box,
     CalibrationError,
     band_at,
@@ -26,8 +26,8 @@ from tools.color_calibration import (
     learn_color,
     middle_of,
 )
-from tools.config_section import set_keys
-from tools.recording import read_recording
+from tools.calibration.config_section import set_keys
+from tools.logs.recording import read_recording
 
 LIVE_PICTURES = 10
 PICTURE_LIMIT_S = 10.0

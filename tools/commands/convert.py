@@ -10,14 +10,14 @@ from pathlib import Path
 from maps.map_folder import MapFolder, load_map_folder
 from maps.occupancy_map import save_map
 from robot_agent.config import find_map
-from tools.capture import capture_to_recording, recording_to_capture
-from tools.carmen import CarmenLog, read_carmen
-from tools.carmen_writer import recording_to_carmen
-from tools.convert import convert
-from tools.mapping import build_map
+from tools.logs.capture import capture_to_recording, recording_to_capture
+from tools.logs.carmen import CarmenLog, read_carmen
+from tools.logs.carmen_writer import recording_to_carmen
+from tools.logs.recording import read_recording
+from tools.logs.stream_table import stream_to_csv
+from tools.mapping.map_build import build_map
 from tools.progress import Progress
-from tools.recording import read_recording
-from tools.stream_table import stream_to_csv
+from tools.replay.carmen_recording import convert
 
 
 class ConvertError(ValueError):

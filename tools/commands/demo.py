@@ -12,8 +12,9 @@ from pathlib import Path
 from maps.border import BorderError
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
-from tools.demo import Demo, DemoOptions, free_endpoint
-from tools.demo_summary import print_summary, read_runs
+from tools.demo.demo import Demo, DemoOptions
+from tools.demo.demo_summary import print_summary, read_runs
+from tools.monitor.endpoint import free_endpoint
 from tools.monitor.site import Site
 
 

@@ -8,10 +8,10 @@ import sys
 from pathlib import Path
 
 from robot_agent.config import load_config
-from tools.doctor import TRIAL_LIMIT_S, examine, is_fit
-from tools.finding import Finding, Verdict
+from tools.preflight.doctor import TRIAL_LIMIT_S, examine, is_fit
+from tools.preflight.finding import Finding, Verdict
+from tools.preflight.watchdog_trial import LIMIT_S, WARNING, try_watchdog
 from tools.progress import Progress
-from tools.watchdog_test import LIMIT_S, WARNING, try_watchdog
 
 COLOURS = {
     Verdict.OK: "green",

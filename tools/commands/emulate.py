@@ -8,11 +8,11 @@ import sys
 import threading
 from pathlib import Path
 
-from drivers.p2os.emulated_base import FACTORY_WATCHDOG
+from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from drivers.p2os.model import model_names
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
-from tools.emulate import EmulateOptions, Emulation, parse_pose
+from tools.simulation.emulate import EmulateOptions, Emulation, parse_pose
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

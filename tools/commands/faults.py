@@ -8,12 +8,12 @@ import json
 import sys
 from pathlib import Path
 
-from drivers.p2os.emulated_base import FACTORY_WATCHDOG
-from tools.fault_list import FAULTS, chosen_faults
-from tools.fault_table import markdown, run_faults
+from drivers.p2os.emulator.base import FACTORY_WATCHDOG
+from tools.campaign.fault_list import FAULTS, chosen_faults
+from tools.campaign.fault_table import markdown, run_faults
+from tools.campaign.reaction import Reaction
+from tools.preflight.watchdog_trial import ADVISED_WATCHDOG_S
 from tools.progress import Progress
-from tools.reaction import Reaction
-from tools.watchdog_test import ADVISED_WATCHDOG_S
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

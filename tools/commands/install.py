@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from tools.deployment import deploy, next_steps, this_program
+from tools.deploy.service import deploy, next_steps, this_program
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tools.keys import make_keys
+from tools.deploy.certificates import make_keys
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -13,15 +13,16 @@ import numpy as np
 
 from maps.map_folder import MapFolder, load_map_folder
 from robot_agent.config import find_map, parse_config
-from tools.carmen import LogError, read_carmen
-from tools.localize import LocalizeOptions, LocalizeStep, localize_steps, log_steps, map_of_log
-from tools.localize_report import STUDIES, format_table, run_count, run_study
-from tools.localize_study import RESOLUTION, read_study_log
-from tools.localize_trials import carried_away, outcome
-from tools.mapping import Scans
+from tools.localize.localize import LocalizeOptions, localize_steps, log_steps, map_of_log
+from tools.localize.localize_report import STUDIES, format_table, run_count, run_study
+from tools.localize.localize_study import RESOLUTION, read_study_log
+from tools.localize.localize_trials import carried_away, outcome
+from tools.logs.carmen import LogError, read_carmen
+from tools.logs.log_step import LogStep
+from tools.logs.recorded_scans import recorded_scans
+from tools.logs.recording import read_recording
+from tools.mapping.map_build import Scans
 from tools.progress import Progress
-from tools.recorded_scans import recorded_scans
-from tools.recording import read_recording
 
 _EPILOG = """examples:
   patrol localize --map intel_lab intel.log.gz --json out.json
@@ -116,7 +117,7 @@ def _localize(path: Path, first_scan: int, options: argparse.Namespace) -> int:
     return 0
 
 
-def _read(path: Path, options: argparse.Namespace) -> tuple[list[LocalizeStep], MapFolder]:
+def _read(path: Path, options: argparse.Namespace) -> tuple[list[LogStep], MapFolder]:
     """Return a log's or recording's scans, and the map to localize on."""
     if path.suffix == ".mcap":
         if options.map_from:
@@ -139,7 +140,7 @@ def _folder(options: argparse.Namespace) -> MapFolder:
     return load_map_folder(find_map(options.map, Path.cwd()))
 
 
-def _scans_before(steps: list[LocalizeStep], seconds: float) -> int:
+def _scans_before(steps: list[LogStep], seconds: float) -> int:
     """Return how many scans are taken within the first seconds; at least one."""
     return max(1, sum(step.t - steps[0].t < seconds for step in steps))
 

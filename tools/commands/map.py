@@ -11,15 +11,16 @@ import cv2
 from maps.map_folder import DEFAULT_BORDER
 from maps.occupancy_map import save_map
 from robot_agent.config import find_map
-from tools.carmen import LogError
-from tools.floor_plan import draw_floor_plan
-from tools.map_picture import draw_map
-from tools.mapping import build_map, check_map
+from tools.logs.carmen import LogError
+from tools.logs.scan_log import ScanLog, read_scan_log
+from tools.mapping.floor_plan import draw_floor_plan
+from tools.mapping.map_build import build_map
+from tools.mapping.map_check import check_map
+from tools.mapping.map_picture import draw_map
+from tools.mapping.slam.mapper import map_odometry
+from tools.mapping.slam.relations import line_up, read_relations, relation_error
+from tools.mapping.slam.trajectory import Trajectory
 from tools.progress import Progress
-from tools.scan_log import ScanLog, read_scan_log
-from tools.slam.mapper import map_odometry
-from tools.slam.relations import line_up, read_relations, relation_error
-from tools.slam.trajectory import Trajectory
 
 PICTURE = "map.png"
 """The picture that ``map build`` puts beside the map."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from tools.gate_mutation import SURVIVORS, judge, load_cases, mutant_names, unexplained
 from tools.progress import Progress
+from tools.quality.gate_mutation import SURVIVORS, judge, load_cases, mutant_names, unexplained
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -10,9 +10,9 @@ from pathlib import Path
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.bench.sensing import Sensing
-from tools.paper import BORDER, DURATION_S, MAP, PaperTrial, claims, over_seeds, run_seeds
-from tools.paper_figures import write_figures
 from tools.progress import Progress
+from tools.studies.paper import BORDER, DURATION_S, MAP, PaperTrial, claims, over_seeds, run_seeds
+from tools.studies.paper_figures import write_figures
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

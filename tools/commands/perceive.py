@@ -10,12 +10,12 @@ import cv2
 
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
-from tools.carmen import LogError, read_carmen
-from tools.localize import log_steps, map_of_log
-from tools.perceive import perceive
-from tools.perception_pictures import draw_picture, draw_scan, moment_of
+from tools.calibration.perceive import perceive
+from tools.calibration.perception_pictures import draw_picture, draw_scan, moment_of
+from tools.localize.localize import log_steps, map_of_log
+from tools.logs.carmen import LogError, read_carmen
+from tools.logs.recording import read_recording
 from tools.progress import Progress
-from tools.recording import read_recording
 
 RESOLUTION = 0.05  # m
 

@@ -7,7 +7,7 @@ import dataclasses
 import json
 import sys
 
-from tools.ports import SerialPort, list_serial_ports, udev_lines
+from tools.preflight.ports import SerialPort, list_serial_ports, udev_lines
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -12,13 +12,13 @@ import msgspec
 
 from robot_agent.agent import Agent
 from robot_agent.config import load_config
-from robot_agent.journal import Journal
-from robot_agent.recorder import Recorder
-from robot_agent.run_header import header_of_run
-from robot_agent.runtime import Clock, Runtime, end_on_signals
-from robot_agent.telemetry import Telemetry
-from tools.blank_map import blank_map
-from tools.terminal_keys import HELP, TerminalKeys
+from robot_agent.process.journal import Journal
+from robot_agent.process.runtime import Clock, Runtime, end_on_signals
+from robot_agent.process.telemetry import Telemetry
+from robot_agent.recording.recorder import Recorder
+from robot_agent.recording.run_header import header_of_run
+from tools.mapping.blank_map import blank_map
+from tools.teleop.terminal_keys import HELP, TerminalKeys
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -6,7 +6,7 @@ import argparse
 
 import cv2
 
-from tools.regression import (
+from tools.quality.regression import (
     CASES,
     chosen_cases,
     decisions,

@@ -10,13 +10,13 @@ import cv2
 
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
-from robot_agent.events import LinkName
+from robot_agent.messages.events import LinkName
+from tools.logs.recorded_config import changed_config
+from tools.logs.recording import Recording, read_recording
 from tools.progress import Progress
-from tools.recorded_config import changed_config
-from tools.recorded_devices import serve
-from tools.recording import Recording, read_recording
-from tools.replay import Replay, ReplayResult, notices, report_lines
-from tools.what_if import WhatIf
+from tools.replay.recorded_devices import serve
+from tools.replay.replay import Replay, ReplayResult, notices, report_lines
+from tools.replay.what_if import WhatIf
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

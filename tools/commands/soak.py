@@ -11,7 +11,7 @@ from pathlib import Path
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.progress import Progress
-from tools.soak import HOUR_S, Soak, SoakHour, SoakLog, summary
+from tools.studies.soak import HOUR_S, Soak, SoakHour, SoakLog, summary
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -11,9 +11,9 @@ from rich.console import Console
 from rich.table import Table
 
 from tools.progress import Progress
-from tools.study import read_study, run_study
-from tools.study_plot import plot_study
-from tools.study_table import table, write_csv
+from tools.studies.study import read_study, run_study
+from tools.studies.study_plot import plot_study
+from tools.studies.study_table import table, write_csv
 
 
 def configure(parser: argparse.ArgumentParser) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 
-from robot_agent.telemetry import Telemetry, TelemetrySettings
+from robot_agent.process.telemetry import Telemetry, TelemetrySettings
 from tools.monitor.team_state import MAX_ROBOTS, robot_name
 
 

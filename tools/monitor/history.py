@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import NamedTuple
 
-from robot_agent.streams import ACTIONS
+from robot_agent.messages.streams import ACTIONS
 from tools.monitor.robot_state import RobotState
 
 PERIOD_S = 1.0

@@ -16,9 +16,9 @@ from typing import Self
 
 import zenoh
 
-from robot_agent.streams import key_of
-from robot_agent.telemetry import LEASE_MS, plain_reason, tls_settings
-from tools.keys import RobotName, known_robots
+from robot_agent.messages.streams import key_of
+from robot_agent.process.telemetry import LEASE_MS, plain_reason, tls_settings
+from tools.deploy.certificates import RobotName, known_robots
 from tools.monitor.team_state import TeamState
 
 Tap = Callable[[str, bytes, float], None]

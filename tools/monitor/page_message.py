@@ -11,8 +11,8 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from robot_agent.foxglove import LaserScan, PosesInFrame, SceneEntity, planar_pose
-from robot_agent.streams import ACTIONS, DecisionPayload, DeviceStatus, StatusPayload
+from robot_agent.messages.foxglove import LaserScan, PosesInFrame, SceneEntity, planar_pose
+from robot_agent.messages.streams import ACTIONS, DecisionPayload, DeviceStatus, StatusPayload
 from tools.monitor.alarm_board import Alarm
 from tools.monitor.reason import why
 from tools.monitor.robot_state import RobotState

@@ -10,7 +10,7 @@ from typing import Any
 
 from maps.map_folder import DEFAULT_BORDER, MapFolder, map_folder_from_files
 from robot_agent.config import parse_config
-from robot_agent.recording_writer import CONFIGURATION_ATTACHMENT, RUN_METADATA
+from robot_agent.recording.recording_writer import CONFIGURATION_ATTACHMENT, RUN_METADATA
 from tools.monitor.recorded_payloads import RecordedPayload, RecordedPayloads
 from tools.monitor.team_recorder import TEAM_METADATA
 from tools.monitor.watch import Watch

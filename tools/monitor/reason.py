@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from robot_agent.messages.streams import DecisionPayload
 from robot_agent.motion.gate_reason import DENIALS, GateReason
-from robot_agent.streams import DecisionPayload
 from tools.monitor.robot_state import RobotState
 
 STALE_S = 1.5

@@ -23,10 +23,10 @@ from mcap.records import Attachment, Channel, Chunk, Metadata
 from mcap.stream_reader import get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC
 
-from robot_agent.recording_writer import MAP_ATTACHMENT_PREFIX, RUN_METADATA
-from robot_agent.streams import STREAMS, key_of
+from robot_agent.messages.streams import STREAMS, key_of
+from robot_agent.recording.recording_writer import MAP_ATTACHMENT_PREFIX, RUN_METADATA
+from tools.logs.recording import CHUNK_LIMIT_BYTES, MESSAGE_HEAD, RECORD_HEAD, RecordingError
 from tools.monitor.team_recorder import TEAM_METADATA
-from tools.recording import CHUNK_LIMIT_BYTES, MESSAGE_HEAD, RECORD_HEAD, RecordingError
 
 _CHUNK_TIMES = struct.Struct("<QQ")
 _CHANNEL_ID = struct.Struct("<H")

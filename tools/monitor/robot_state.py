@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
 from maps.pose import Pose, wrap_angle
-from robot_agent.foxglove import (
+from robot_agent.messages.foxglove import (
     LaserScan,
     Log,
     PoseInFrame,
@@ -16,7 +16,7 @@ from robot_agent.foxglove import (
     Timestamp,
     planar_pose,
 )
-from robot_agent.streams import DecisionPayload, Payload, ProcessPayload, StatusPayload
+from robot_agent.messages.streams import DecisionPayload, Payload, ProcessPayload, StatusPayload
 
 POSES_KEPT = 30
 """About 3 s of poses: a scan is drawn where the robot was when it was measured."""

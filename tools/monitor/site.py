@@ -10,7 +10,7 @@ import numpy as np
 from drivers.p2os.model import load_model
 from maps.map_folder import MapFolder
 from robot_agent.config import AgentConfig
-from robot_agent.streams import ACTIONS
+from robot_agent.messages.streams import ACTIONS
 
 _BORDER_STEP = 0.1  # m between the points of the line drawn
 

@@ -18,8 +18,8 @@ from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import Writer
 
 from maps.map_folder import MapFolder
-from robot_agent.recording_writer import CHUNK_BYTES, MAP_ATTACHMENT_PREFIX, OCTET_STREAM
-from robot_agent.streams import STREAMS
+from robot_agent.messages.streams import STREAMS
+from robot_agent.recording.recording_writer import CHUNK_BYTES, MAP_ATTACHMENT_PREFIX, OCTET_STREAM
 
 TEAM_METADATA = "team"
 DRAIN_S = 0.1

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import replace
 
-from robot_agent.streams import Payload, PayloadError, decode
+from robot_agent.messages.streams import Payload, PayloadError, decode
 from tools.monitor.robot_state import RobotState
 
 MAX_ROBOTS = 64

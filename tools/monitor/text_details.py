@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from robot_agent.streams import ACTIONS, DecisionPayload, DeviceStatus
+from robot_agent.messages.streams import ACTIONS, DecisionPayload, DeviceStatus
 from tools.monitor.robot_state import RobotState
 from tools.monitor.watch import Watch
 

@@ -13,8 +13,8 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from robot_agent.foxglove import planar_pose
-from robot_agent.streams import DecisionPayload, StatusPayload
+from robot_agent.messages.foxglove import planar_pose
+from robot_agent.messages.streams import DecisionPayload, StatusPayload
 from tools.monitor.alarm_board import Alarm
 from tools.monitor.reason import why
 from tools.monitor.robot_state import RobotState

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from robot_agent.patrol.actions import PATROLLING
-from tools.bench.idleness import idleness_figures
-from tools.bench.metrics import action_share, longest_avoid, spread
+from tools.metrics.idleness import idleness_figures
+from tools.metrics.metrics import action_share, longest_avoid, spread
 from tools.report.incidents import gate_times
 from tools.report.run_log import RunLog
 from tools.report.team import Team

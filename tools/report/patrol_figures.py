@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from maps.occupancy_map import FREE, OCCUPIED
-from tools.bench.metrics import Meeting, RobotRun, action_share
+from tools.metrics.metrics import Meeting, RobotRun, action_share
 from tools.report import style
 from tools.report.team import Team
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import decode_command
 from drivers.p2os.framing import PacketFramer
-from robot_agent.run_header import RunHeader
-from robot_agent.streams import DeviceStatus, LocalizationStatus, PlanarPose, Twist
-from tools.recording import Recording, read_recording
+from robot_agent.messages.streams import DeviceStatus, LocalizationStatus, PlanarPose, Twist
+from robot_agent.recording.run_header import RunHeader
+from tools.logs.recording import Recording, read_recording
 
 Floats = NDArray[np.float64]
 

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from maps.map_folder import MapFolder, map_folder_from_files
-from tools.bench.idleness import BorderVisits, border_visits
-from tools.bench.metrics import Meeting, RobotRun, arrival_index, meetings
-from tools.recorded_config import parse_old_config
+from tools.logs.recorded_config import parse_old_config
+from tools.metrics.idleness import BorderVisits, border_visits
+from tools.metrics.metrics import Meeting, RobotRun, arrival_index, meetings
 from tools.report.alignment import ClockNote
 from tools.report.incidents import Incident, absences, incidents
 from tools.report.run_log import Floats, RunLog

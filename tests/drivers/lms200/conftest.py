@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from drivers.lms200.emulator import Lms200Emulator
+from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session, SessionState
 from drivers.requests import SetBaud, Write

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from drivers.lms200.emulator import Lms200Emulator
+from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.lms200.framing import HOST_ADDRESSES, Ack, Telegram, TelegramFramer, encode_telegram
 from drivers.lms200.measurement import MEASURING_MODES, decode_measurement
 from drivers.lms200.telegrams import Variant

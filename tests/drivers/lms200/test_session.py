@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from drivers.lms200.emulator import Lms200Emulator
+from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.lms200.errors import ErrorEntry, Severity
 from drivers.lms200.framing import encode_telegram
 from drivers.lms200.measurement import Special

@@ -11,7 +11,7 @@ import pytest
 
 from drivers.p2os.base_state import BaseState
 from drivers.p2os.commands import Command, decode_command
-from drivers.p2os.emulator import P2osEmulator
+from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.framing import PacketFramer
 from drivers.p2os.model import load_model
 from drivers.p2os.session import P2osSession, SessionState

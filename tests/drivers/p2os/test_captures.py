@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from drivers.p2os.base_state import BaseState
 from drivers.p2os.commands import decode_command
 from drivers.p2os.config_packet import decode_config
-from drivers.p2os.emulator import P2osEmulator
+from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.framing import PacketFramer, encode_packet
 from drivers.p2os.model import load_model
 from drivers.p2os.robot_identity import decode_sync_reply

@@ -2,8 +2,8 @@
 
 import ast
 
-from tools.gate_mutation import SURVIVORS, judge, load_cases, mutant_names, unexplained
-from tools.mutation import mutants
+from tools.quality.gate_mutation import SURVIVORS, judge, load_cases, mutant_names, unexplained
+from tools.quality.mutation import mutants
 
 EVERY = 12
 

@@ -1,6 +1,6 @@
 """An observer of an agent that keeps what it says."""
 
-from robot_agent.effects import Publish
+from robot_agent.messages.effects import Publish
 
 
 class EventLog:

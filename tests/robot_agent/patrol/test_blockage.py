@@ -14,7 +14,7 @@ from robot_agent.patrol.patrol import Patrol
 from robot_agent.patrol.settings import PatrolSettings
 from tests.robot_agent.patrol.event_log import EventLog
 from tools.bench.fleet import Fleet
-from tools.bench.robot_body import Outline
+from tools.simulation.robot_body import Outline
 
 LAB = load_map_folder(Path(__file__).parents[3] / "maps" / "paper_lab")
 HERE = (0.0, 0.0)

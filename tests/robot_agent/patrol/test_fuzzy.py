@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from robot_agent.patrol.fuzzy import MamdaniSystem, Rule, Trapezoid, Variable
 from robot_agent.patrol.rules import RULES_FILE, load_rules
-from tools.skfuzzy_peer import FARTHEST, finite, simulation_of
+from tools.benchmark.skfuzzy_peer import FARTHEST, finite, simulation_of
 
 
 def shipped(*, open_border: bool = False) -> MamdaniSystem:

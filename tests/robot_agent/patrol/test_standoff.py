@@ -13,7 +13,7 @@ from robot_agent.patrol.settings import PatrolSettings
 from robot_agent.patrol.standoff import Standoff
 from tests.robot_agent.patrol.event_log import EventLog
 from tools.bench.fleet import Fleet
-from tools.bench.robot_body import Outline
+from tools.simulation.robot_body import Outline
 
 AVOID, REACH, PATROL = Action.AVOID_TEAMMATE, Action.REACH_FRONTIER, Action.PATROL_CLOCKWISE
 SETTINGS = PatrolSettings(standoff_time=12.0, longest_avoiding=20.0, insisting_time=8.0)

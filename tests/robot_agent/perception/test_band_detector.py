@@ -10,10 +10,10 @@ import pytest
 from numpy.typing import NDArray
 
 from drivers.camera_source import CameraSettings
+from robot_agent.messages.blob import Blob
 from robot_agent.perception.band_detector import BandDetector, judge_sight
-from robot_agent.perception.blob import Blob
 from robot_agent.perception.color_settings import ColorSettings
-from tools.color_trial import run_color_trial
+from tools.calibration.color_trial import run_color_trial
 
 CAMERA, COLOR = CameraSettings(), ColorSettings()
 MAGENTA = (150, 40, 225)

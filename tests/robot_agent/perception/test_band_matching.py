@@ -9,8 +9,8 @@ import pytest
 
 from drivers.camera_source import CameraSettings
 from maps.pose import Pose
+from robot_agent.messages.blob import Blob
 from robot_agent.perception.band_matching import BandMatcher
-from robot_agent.perception.blob import Blob
 from robot_agent.perception.color_settings import ColorSettings
 from robot_agent.perception.identity import Kind, Probabilities
 from robot_agent.perception.track import Track

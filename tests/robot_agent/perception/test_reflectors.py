@@ -18,9 +18,9 @@ from drivers.lms200.measurement import (
 from drivers.lms200.scan import Scan, scan_of
 from maps.pose import Pose
 from robot_agent.perception.identity import Kind
+from robot_agent.perception.scan_points import ScanProjector, hits
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.tracker import TeammateTracker
-from robot_agent.scan_points import ScanProjector, hits
 from tests.robot_agent.perception.simulated_room import Box, Room
 
 HERE = Pose(4.0, 4.0, 0.0)

@@ -9,7 +9,7 @@ import pytest
 
 from drivers.camera_source import CameraSettings
 from maps.pose import Pose
-from robot_agent.perception.blob import Blob
+from robot_agent.messages.blob import Blob
 from robot_agent.perception.identity import Kind
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.tracker import TeammateTracker

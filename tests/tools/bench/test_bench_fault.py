@@ -19,7 +19,7 @@ from tools.bench.bench_fault import (
     parse_fault,
 )
 from tools.bench.fleet import Fleet, run_bench
-from tools.bench.idleness import border_visits
+from tools.metrics.idleness import border_visits
 
 SETTLED = 12.0
 

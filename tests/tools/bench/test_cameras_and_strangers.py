@@ -10,17 +10,17 @@ import pytest
 from maps.map_folder import MapFolder, load_map_folder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig, find_map
-from robot_agent.effects import Publish
-from robot_agent.events import BlobsSeen, LinkDown, PictureTaken
-from robot_agent.foxglove import SceneUpdate
+from robot_agent.messages.effects import Publish
+from robot_agent.messages.events import BlobsSeen, LinkDown, PictureTaken
+from robot_agent.messages.foxglove import SceneUpdate
+from robot_agent.messages.streams import IntruderPayload, StatusPayload, decode
 from robot_agent.perception.identity import Kind
-from robot_agent.streams import IntruderPayload, StatusPayload, decode
 from tools.bench.fleet import Fleet
 from tools.bench.fleet_recorder import FleetRecorder
-from tools.bench.robot_body import BodyKind
-from tools.bench.stranger import PERSON
-from tools.recording import Recording, read_recording
-from tools.replay import Replay
+from tools.logs.recording import Recording, read_recording
+from tools.replay.replay import Replay
+from tools.simulation.robot_body import BodyKind
+from tools.simulation.stranger import PERSON
 
 DURATION = 8.0
 

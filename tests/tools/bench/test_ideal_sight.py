@@ -9,7 +9,7 @@ from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap
 from maps.pose import Pose
 from robot_agent.perception.settings import PerceptionSettings
 from tools.bench.ideal_sight import IdealSight
-from tools.bench.robot_body import Outline
+from tools.simulation.robot_body import Outline
 
 MIDDLE = Outline().middle  # of the body, ahead of base_link
 

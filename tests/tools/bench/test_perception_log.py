@@ -19,9 +19,9 @@ from robot_agent.perception.identity import Kind, Probabilities
 from robot_agent.perception.intruders import Intruder
 from robot_agent.perception.track import Track
 from tools.bench.perception_log import PerceptionLog
-from tools.bench.robot_body import BodyKind, RobotBody
-from tools.bench.stranger import PERSON
-from tools.bench.world import World
+from tools.simulation.robot_body import BodyKind, RobotBody
+from tools.simulation.stranger import PERSON
+from tools.simulation.world import World
 
 S = 32.0  # m; a straight piece of the border
 

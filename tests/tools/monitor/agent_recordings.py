@@ -7,10 +7,10 @@ from pathlib import Path
 
 from maps.map_folder import load_map_folder
 from robot_agent.config import AgentConfig, find_map, format_config
-from robot_agent.effects import Publish
-from robot_agent.recording_writer import RecordingWriter
-from robot_agent.run_header import RunHeader
-from robot_agent.streams import encode
+from robot_agent.messages.effects import Publish
+from robot_agent.messages.streams import encode
+from robot_agent.recording.recording_writer import RecordingWriter
+from robot_agent.recording.run_header import RunHeader
 from tests.tools.monitor.reports import decision, pose, status
 
 FOLDER = load_map_folder(find_map("paper_lab", Path()))

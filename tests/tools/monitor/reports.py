@@ -7,8 +7,8 @@ from typing import Any
 import msgspec
 
 from maps.pose import Pose
-from robot_agent.foxglove import PoseInFrame, pose3, timestamp_at
-from robot_agent.streams import (
+from robot_agent.messages.foxglove import PoseInFrame, pose3, timestamp_at
+from robot_agent.messages.streams import (
     ACTIONS,
     DecisionPayload,
     DeviceStatus,

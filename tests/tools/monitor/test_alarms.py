@@ -9,15 +9,15 @@ import msgspec
 import numpy as np
 import pytest
 
-from robot_agent.foxglove import (
+from robot_agent.messages.foxglove import (
     Log,
     LogLevel,
     SceneUpdate,
     timestamp_at,
     track_entity,
 )
+from robot_agent.messages.streams import LocalizationStatus, Payload, ProcessPayload, Twist, encode
 from robot_agent.motion.gate_reason import GateReason
-from robot_agent.streams import LocalizationStatus, Payload, ProcessPayload, Twist, encode
 from tests.tools.monitor.reports import decision, device, status
 from tools.monitor.alarm import Condition, Severity
 from tools.monitor.alarm_board import MAX_ALARMS, Alarm, AlarmBoard

@@ -12,8 +12,8 @@ import msgspec
 import numpy as np
 
 from maps.pose import Pose
-from robot_agent.foxglove import Log, PosesInFrame, laser_scan, pose3, timestamp_at
-from robot_agent.streams import STREAMS, encode
+from robot_agent.messages.foxglove import Log, PosesInFrame, laser_scan, pose3, timestamp_at
+from robot_agent.messages.streams import STREAMS, encode
 from tests.tools.monitor.reports import decision, pose, status
 from tools.monitor.page_message import PageFeed
 from tools.monitor.site import Site

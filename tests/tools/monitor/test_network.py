@@ -18,9 +18,9 @@ from typing import IO
 import pytest
 
 from robot_agent.config import find_map
+from tools.logs.recording import read_recording
 from tools.monitor.recorded_payloads import RecordedPayloads
-from tools.recording import read_recording
-from tools.replay import Replay
+from tools.replay.replay import Replay
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 PATIENCE_S = 60.0
@@ -29,7 +29,7 @@ LAPTOP, ROBOTS, ATTACKER = "10.77.0.1", ("10.77.0.11", "10.77.0.12"), "10.77.0.6
 ATTACK = """
 import socket, sys, time
 import zenoh
-from robot_agent.telemetry import session_config
+from robot_agent.process.telemetry import session_config
 laptop, *robots = sys.argv[1:]
 with zenoh.open(session_config(f"tcp/{laptop}:7447")) as session:
     while True:
@@ -149,7 +149,7 @@ def sockets(name: str) -> list[tuple[str, str, str]]:
 def test_robots_hear_nobody_and_say_nothing_to_each_other(tmp_path: Path) -> None:
     python = sys.executable
     patrol = (python, "-m", "tools.cli")
-    world_command = (python, "-m", "tools.bench.world_server", str(find_map("paper_lab", Path())))
+    world_command = (python, "-m", "tools.demo.world_server", str(find_map("paper_lab", Path())))
     options = ("--border", "border", "--robots", "2", "--seed", "5")
     team_file = tmp_path / "team.mcap"
     with ExitStack() as stack:

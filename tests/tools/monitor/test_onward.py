@@ -9,10 +9,10 @@ from collections.abc import Callable
 import aiohttp
 import pytest
 
-from robot_agent.streams import encode
-from robot_agent.telemetry import Telemetry, TelemetrySettings
+from robot_agent.messages.streams import encode
+from robot_agent.process.telemetry import Telemetry, TelemetrySettings
 from tests.tools.monitor.reports import pose
-from tools.demo import free_endpoint
+from tools.monitor.endpoint import free_endpoint
 from tools.monitor.foxglove_server import FoxgloveServer
 from tools.monitor.monitor import Monitor, MonitorOptions
 from tools.monitor.site import Site

@@ -16,12 +16,13 @@ import zenoh
 
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
-from robot_agent.foxglove import Log, timestamp_at
-from robot_agent.streams import encode
-from robot_agent.telemetry import session_config
+from robot_agent.messages.foxglove import Log, timestamp_at
+from robot_agent.messages.streams import encode
+from robot_agent.process.telemetry import session_config
 from tests.tools.monitor.browser import Browser
 from tests.tools.monitor.reports import decision, status
-from tools.demo import Demo, DemoOptions, free_endpoint
+from tools.demo.demo import Demo, DemoOptions
+from tools.monitor.endpoint import free_endpoint
 from tools.monitor.monitor import Monitor, MonitorOptions
 from tools.monitor.robot_state import RobotState
 from tools.monitor.site import Site

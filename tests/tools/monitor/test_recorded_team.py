@@ -12,12 +12,13 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
-from robot_agent.recording_writer import CHUNK_BYTES
-from robot_agent.streams import encode
-from robot_agent.telemetry import Telemetry, TelemetrySettings
+from robot_agent.messages.streams import encode
+from robot_agent.process.telemetry import Telemetry, TelemetrySettings
+from robot_agent.recording.recording_writer import CHUNK_BYTES
 from tests.tools.monitor.agent_recordings import FOLDER, START, agent_recording
 from tests.tools.monitor.reports import decision, pose
-from tools.demo import free_endpoint
+from tools.logs.recording import RecordingError
+from tools.monitor.endpoint import free_endpoint
 from tools.monitor.monitor import Monitor, MonitorOptions
 from tools.monitor.playback import Playback
 from tools.monitor.recorded_payloads import RecordedPayloads
@@ -26,7 +27,6 @@ from tools.monitor.source import Source
 from tools.monitor.team_recorder import TeamRecorder
 from tools.monitor.team_state import TeamState
 from tools.monitor.watch import Watch
-from tools.recording import RecordingError
 
 KEY = "patrol/north/anna"
 

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 
 from maps.pose import Pose
-from robot_agent.foxglove import PoseInFrame, Timestamp, pose3
-from robot_agent.streams import STREAMS, encode
+from robot_agent.messages.foxglove import PoseInFrame, Timestamp, pose3
+from robot_agent.messages.streams import STREAMS, encode
 from tools.monitor.team_state import MAX_ROBOTS, TeamState
 
 POSE = PoseInFrame(

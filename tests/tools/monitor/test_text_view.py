@@ -9,8 +9,8 @@ import pytest
 from rich.console import Console
 
 from maps.pose import Pose
-from robot_agent.foxglove import PoseInFrame, Timestamp, pose3
-from robot_agent.streams import (
+from robot_agent.messages.foxglove import PoseInFrame, Timestamp, pose3
+from robot_agent.messages.streams import (
     DecisionPayload,
     DeviceStatus,
     LocalizationStatus,
@@ -20,7 +20,7 @@ from robot_agent.streams import (
     Velocity,
     encode,
 )
-from robot_agent.telemetry import Telemetry, TelemetrySettings
+from robot_agent.process.telemetry import Telemetry, TelemetrySettings
 from tools.monitor.monitor import Monitor, MonitorOptions, until
 from tools.monitor.robot_state import RobotState
 from tools.monitor.site import Site

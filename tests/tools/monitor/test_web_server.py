@@ -9,7 +9,7 @@ from typing import Any
 import aiohttp
 import pytest
 
-from robot_agent.streams import encode
+from robot_agent.messages.streams import encode
 from tests.tools.monitor.reports import decision, pose, status
 from tools.monitor.alarm import Condition, Severity
 from tools.monitor.site import Site

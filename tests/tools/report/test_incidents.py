@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from robot_agent.run_header import RunHeader
-from robot_agent.streams import DeviceStatus, LocalizationStatus
+from robot_agent.messages.streams import DeviceStatus, LocalizationStatus
+from robot_agent.recording.run_header import RunHeader
 from tools.report.incidents import Span, gate_times, incidents, merged
 from tools.report.run_log import LinkChange, LogLine, RunLog, _Process, _Status
 

@@ -1,0 +1,1 @@
+"""What all emulated devices share: their ports, faults of their lines, timed bytes."""

@@ -1,0 +1,1 @@
+"""The emulated P2OS controller: what a real one answers, does and reports."""

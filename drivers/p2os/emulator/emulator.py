@@ -1,0 +1,341 @@
+"""A P2OS controller for benches and tests: what a real one answers, does and reports.
+
+Where manuals and clients differ it satisfies both: OPEN, CLOSE and CONFIG with or without their
+integer, SETO with a dangling argument type, strings with or without NUL, junk between packets.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from drivers.emulation.timed_bytes import TimedBytes
+from drivers.p2os.command_numbers import LIMITS, MOTION, CommandNumber
+from drivers.p2os.commands import HOST_BAUDS, Command, decode_command
+from drivers.p2os.emulator.base import FACTORY_WATCHDOG, EmulatedBase
+from drivers.p2os.emulator.battery import EmulatedBattery
+from drivers.p2os.emulator.config_report import emulated_config
+from drivers.p2os.emulator.paced_output import PacedOutput
+from drivers.p2os.emulator.reports import EmulatedPins, encoder_report, io_report, sip_report
+from drivers.p2os.emulator.sonar_firing import SonarFiring
+from drivers.p2os.emulator.streams import EmulatedStreams
+from drivers.p2os.extended_packets import NOTIFICATION_TYPES, Notification
+from drivers.p2os.framing import CONTROLLER_MAX_COUNT, PacketFramer, encode_packet
+from drivers.p2os.model import RobotModel
+from drivers.p2os.robot_identity import RobotIdentity
+
+PACKET_GAP = 0.1  # s without a byte that ends an unfinished packet
+START_UP_TIME = 1.0  # s a controller is deaf after a reset
+AWAITING_OPEN = 3  # behind SYNC0, SYNC1, SYNC2
+
+
+@dataclass(slots=True)
+class EmulatorCounters:
+    """What clients sent besides commands obeyed."""
+
+    sessions: int = 0
+    commands: int = 0
+    unknown_commands: int = 0  # and known ones without effect here
+    motion_refused: int = 0  # motion commands while the motors were off
+    resets: int = 0
+
+
+class P2osEmulator:
+    """One robot base. The world turns its wheels' motion into odometry and contacts.
+
+    Each step of a world: ``advance(t)``, move the body, ``turn_odometer``, ``set_contact`` and
+    ``set_sonar``, then ``take_output(t)``; bytes from the client go in through ``feed`` at any
+    time between. ``sip_period`` None leaves the reports to ``emit_sip``. With ``later_firmware``
+    the SIPs go on with what AROS adds, and show the stop button.
+    """
+
+    def __init__(
+        self,
+        model: RobotModel,
+        *,
+        baud: int = 9600,
+        name: str = "Emulated",
+        sip_period: float | None = 0.1,
+        later_firmware: bool = False,
+        watchdog: float = FACTORY_WATCHDOG,
+    ) -> None:
+        self.model = model
+        self.baud = baud
+        self.identity = RobotIdentity(name, "Pioneer", model.subclass)
+        self.counters = EmulatorCounters()
+        self.framer = PacketFramer(CONTROLLER_MAX_COUNT)
+        self.base = EmulatedBase(model, watchdog)
+        self._start_baud = baud
+        self._later_firmware = later_firmware
+        self._sip_period = sip_period
+        self._next_sip = math.inf
+        self._starting_until: float | None = None
+        self._notifies = False
+        self._output = PacedOutput()
+        self._pins = EmulatedPins()
+        self._streams = EmulatedStreams()
+        self._sonar = SonarFiring(len(model.sonar))
+        self._ranges: Sequence[float] = [model.sonar_far] * len(model.sonar)
+        self._handlers = self._handler_table()
+        self._awaited_sync = 0
+        self._last_byte = -math.inf
+
+    # What the robot is and does
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """Present speed of the wheels as (v m/s, w rad/s)."""
+        return self.base.velocity
+
+    @property
+    def watchdog_expired(self) -> bool:
+        """Whether motion is halted because the client fell silent."""
+        return self.base.watchdog_expired
+
+    @property
+    def motion_permitted(self) -> bool:
+        """Whether setpoints move the wheels now."""
+        return self.base.motion_permitted
+
+    @property
+    def motors_enabled(self) -> bool:
+        """Whether the motors have power."""
+        return self.base.motors_enabled
+
+    @property
+    def session_open(self) -> bool:
+        """Whether a client has opened the servers."""
+        return self.base.session_open
+
+    @property
+    def sonar_on(self) -> bool:
+        """Whether the transducers fire."""
+        return self._sonar.is_on
+
+    @property
+    def battery(self) -> EmulatedBattery:
+        """The battery, whose voltage may be set."""
+        return self.base.battery
+
+    # What the world does
+
+    def advance(self, t: float) -> tuple[float, float]:
+        """Run the controller to ``t``; return the wheels' motion since the last call as
+        (distance m, rotation rad)."""
+        self.base.run_to(t)
+        return self.base.take_motion()
+
+    def turn_odometer(self, distance: float, rotation: float) -> None:
+        """Count what the encoders saw: ``distance`` m along an arc of ``rotation`` rad."""
+        self.base.turn_odometer(distance, rotation)
+
+    def set_odometry(self, x: float, y: float, theta: float) -> None:
+        """Impose the odometer (m, m, rad), as when a log is played back."""
+        self.base.set_odometry(x, y, theta)
+
+    def set_contact(self, *, stalled: bool, front_bumpers: int, rear_bumpers: int) -> None:
+        """Say whether the wheels are blocked and which bumper segments are pressed (bit 0 =
+        first)."""
+        self.base.set_contact(
+            stalled=stalled, front_bumpers=front_bumpers, rear_bumpers=rear_bumpers
+        )
+
+    def set_sonar(self, ranges: Sequence[float]) -> None:
+        """Say what each transducer would measure now, m; inf where nothing is heard."""
+        self._ranges = ranges
+
+    def press_stop_button(self) -> None:
+        """Cut the motors' power; ENABLE has no effect until ``release_stop_button``."""
+        self.base.press_stop_button()
+
+    def release_stop_button(self) -> None:
+        """Let the motors be enabled again; they stay off."""
+        self.base.stop_button_pressed = False
+
+    def press_motors_button(self) -> None:
+        """Switch the motors on or off by hand; no effect while no session is open."""
+        self.base.enable_motors(on=not self.base.motors_enabled)
+
+    def reset(self, t: float, *, notify: bool = True) -> None:
+        """Reset the controller as its RESET button does: the session is lost, motors and sonar
+        off, nothing heard for START_UP_TIME; ``notify`` ends that with a notification, which P2OS
+        does not send."""
+        self.counters.resets += 1
+        self._close()
+        self.framer.reset()
+        self._output = PacedOutput()
+        self._starting_until = t + START_UP_TIME
+        self._notifies = notify
+
+    # The line
+
+    def feed(self, data: bytes, t: float) -> None:
+        """Take bytes that arrived from the client by ``t``."""
+        self._run_to(t)
+        if self._starting_until is not None:
+            return
+        packets = self.framer.abandon_packet() if t - self._last_byte > PACKET_GAP else []
+        packets += self.framer.feed(data)
+        self._last_byte = t
+        for packet in packets:
+            self.base.heard_at = t
+            command = decode_command(packet)
+            if self.session_open:
+                self._obey(command, t)
+            else:
+                self._shake_hands(command, t)
+
+    def take_output(self, t: float) -> list[TimedBytes]:
+        """Report if a cycle has ended; return everything that has left the wire by ``t``."""
+        self._run_to(t)
+        if self._sip_period is not None and t >= self._next_sip - 1e-9:
+            self.emit_sip(t)
+            self._next_sip += self._sip_period
+            if self._next_sip <= t:
+                self._next_sip = t + self._sip_period
+        return self._output.take(t)
+
+    def emit_sip(self, t: float) -> None:
+        """Send a SIP and what streams with it now; nothing happens while no session is open."""
+        if not self.session_open:
+            return
+        fired = [(n, self._ranges[n]) for n in self._sonar.take_fired(t)]
+        sonar = fired if self.sonar_on else None
+        sip = sip_report(self.base, self._pins, sonar, later_firmware=self._later_firmware)
+        self._send(sip.encode(), t)
+        if self._streams.take_due(CommandNumber.IOREQUEST):
+            self._send(io_report(self.base, self._pins).encode(), t)
+        if self._streams.take_due(CommandNumber.ENCODER):
+            self._send(encoder_report(self.base).encode(), t)
+
+    def _send(self, data: bytes, t: float) -> None:
+        self._output.send(encode_packet(data), t, self.baud)
+
+    def _run_to(self, t: float) -> None:
+        self.base.run_to(t)
+        if self._starting_until is not None and t >= self._starting_until:
+            self._starting_until = None
+            if self._notifies:
+                self._send(Notification(NOTIFICATION_TYPES[-1]).encode(), t)
+
+    # Session
+
+    def _shake_hands(self, command: Command, t: float) -> None:
+        """Answer SYNC0, SYNC1, SYNC2 in order, then OPEN; anything else starts over."""
+        if command.number == CommandNumber.SYNC0:
+            self._send(bytes((CommandNumber.SYNC0,)), t)
+            self._awaited_sync = 1
+        elif self._awaited_sync == AWAITING_OPEN and command.number == CommandNumber.OPEN:
+            self._open(t)
+        elif self._awaited_sync == command.number == CommandNumber.SYNC1:
+            self._send(bytes((CommandNumber.SYNC1,)), t)
+            self._awaited_sync = 2
+        elif self._awaited_sync == command.number == CommandNumber.SYNC2:
+            self._send(self.identity.encode(), t)
+            self._awaited_sync = AWAITING_OPEN
+        else:
+            self._awaited_sync = 0
+
+    def _open(self, t: float) -> None:
+        self.counters.sessions += 1
+        self.base.open_session()
+        self._sonar.start(t)
+        self._next_sip = t + (self._sip_period or 0.0)
+
+    def _close(self) -> None:
+        self.base.close_session()
+        self._sonar.stop()
+        self._streams.stop()
+        self._next_sip = math.inf
+        self._awaited_sync = 0
+        self.baud = self._start_baud
+
+    # Commands
+
+    def _handler_table(self) -> dict[int, Callable[[Command, float], None]]:
+        return {
+            **dict.fromkeys(MOTION, self._obey_motion),
+            **dict.fromkeys(LIMITS, self._set_limit),
+            CommandNumber.PULSE: self._do_nothing,
+            CommandNumber.OPEN: self._do_nothing,
+            CommandNumber.CLOSE: lambda _command, _t: self._close(),
+            CommandNumber.POLLING: self._set_polling,
+            CommandNumber.ENABLE: self._enable_motors,
+            CommandNumber.SETO: self._zero_odometer,
+            CommandNumber.CONFIG: self._send_config,
+            CommandNumber.ENCODER: self._ask_stream,
+            CommandNumber.IOREQUEST: self._ask_stream,
+            CommandNumber.SONAR: self._switch_sonar,
+            CommandNumber.ADSEL: self._select_analog_port,
+            CommandNumber.DIGOUT: self._set_outputs,
+            CommandNumber.BUMP_STALL: self._set_bump_stall,
+            CommandNumber.HOSTBAUD: self._change_baud,
+            CommandNumber.BATTEST: self._pretend_battery,
+            CommandNumber.RESET: lambda _command, t: self.reset(t),
+        }
+
+    def _obey(self, command: Command, t: float) -> None:
+        self.counters.commands += 1
+        handler = self._handlers.get(command.number)
+        if handler is None:
+            self.counters.unknown_commands += 1
+        else:
+            handler(command, t)
+
+    def _do_nothing(self, command: Command, t: float) -> None:
+        """PULSE, and OPEN in an open session: only the watchdog hears them."""
+
+    def _obey_motion(self, command: Command, _t: float) -> None:
+        self.counters.motion_refused += not self.base.obey_motion(command)
+
+    def _set_limit(self, command: Command, _t: float) -> None:
+        self.base.controller.set_limit(command)
+
+    def _enable_motors(self, command: Command, _t: float) -> None:
+        self.base.enable_motors(on=command.integer != 0)
+
+    def _zero_odometer(self, _command: Command, _t: float) -> None:
+        self.set_odometry(0.0, 0.0, 0.0)
+
+    def _set_polling(self, command: Command, _t: float) -> None:
+        if isinstance(command.argument, bytes):
+            self._sonar.set_order([one_based - 1 for one_based in command.argument])
+
+    def _switch_sonar(self, command: Command, t: float) -> None:
+        if command.integer & 1:
+            self._sonar.start(t)
+        else:
+            self._sonar.stop()
+
+    def _ask_stream(self, command: Command, _t: float) -> None:
+        self._streams.ask(command)
+
+    def _select_analog_port(self, command: Command, _t: float) -> None:
+        self._pins.analog_port = command.integer & 0xFF
+
+    def _set_outputs(self, command: Command, _t: float) -> None:
+        mask, states = command.two_bytes
+        self._pins.set_outputs(mask, states)
+
+    def _set_bump_stall(self, command: Command, _t: float) -> None:
+        self.base.bump_stall = command.integer & 3
+
+    def _pretend_battery(self, command: Command, _t: float) -> None:
+        if command.integer > 0:
+            self.battery.volts = 0.1 * command.integer
+
+    def _change_baud(self, command: Command, _t: float) -> None:
+        if 0 <= command.integer < len(HOST_BAUDS):
+            self.baud = HOST_BAUDS[command.integer]
+
+    def _send_config(self, _command: Command, t: float) -> None:
+        limits = self.base.controller.limits
+        config = emulated_config(
+            self.identity,
+            self.model,
+            limits,
+            baud=self._start_baud,
+            watchdog=self.base.watchdog,
+        )
+        self._send(config.encode(), t)

@@ -1,0 +1,110 @@
+"""The packets in which an emulated controller reports on its robot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from drivers.p2os.emulator.base import EmulatedBase
+from drivers.p2os.extended_packets import EncoderPacket, IoPacket
+from drivers.p2os.odometer import RADIANS_PER_COUNT
+from drivers.p2os.sip import (
+    COUNTS_PER_TURN,
+    MOTORS_FLAG,
+    POSITION_MASK,
+    SIP_MOVING,
+    SIP_STOPPED,
+    STOP_BUTTON_FLAG,
+    Sip,
+    SipTail,
+)
+
+SONAR_FLAG = 0x0002
+ANALOG_INPUTS = 5
+BATTERY_FULL_SCALE = 20.0  # V, of the analog input that measures it
+ANALOG_MAX = 1023
+
+
+@dataclass(slots=True)
+class EmulatedPins:
+    """The user's digital outputs and inputs, and which analog input the SIP shows."""
+
+    analog_port: int = 5
+    inputs: int = 0xFF
+    outputs: int = 0x00
+
+    def set_outputs(self, mask: int, states: int) -> None:
+        """Give the outputs in ``mask`` the bits of ``states``."""
+        self.outputs = (self.outputs & ~mask | states & mask) & 0xFF
+
+
+def sip_report(
+    base: EmulatedBase,
+    pins: EmulatedPins,
+    sonar: Sequence[tuple[int, float]] | None,
+    *,
+    later_firmware: bool,
+) -> Sip:
+    """Report on the robot; ``sonar`` holds new (number, range m) readings, None when it is off.
+
+    P2OS ends its SIPs where later firmware goes on with battery, charge state, turn rate and
+    faults, and has no flag for a stop button.
+    """
+    conversion = base.model.conversion
+    v, w = base.velocity
+    wheel_difference = w / conversion.turn
+    stall = base.stalled
+    decivolts = round(10.0 * base.battery.volts)
+    flags = MOTORS_FLAG * base.motors_enabled | SONAR_FLAG * (sonar is not None)
+    tail = SipTail(pins.analog_port, 0, 0, pins.inputs, pins.outputs)
+    sip = Sip(
+        packet_type=SIP_MOVING if abs(v) > 1e-3 or abs(w) > 1e-3 else SIP_STOPPED,
+        x_counts=round(base.x / conversion.distance) & POSITION_MASK,
+        y_counts=round(base.y / conversion.distance) & POSITION_MASK,
+        heading_counts=_heading_counts(base.theta),
+        left_speed_counts=round((v - wheel_difference) / conversion.speed),
+        right_speed_counts=round((v + wheel_difference) / conversion.speed),
+        battery_decivolts=min(decivolts, 0xFF),
+        left_stall_byte=stall | (base.rear_bumpers & 0x7F) << 1,
+        right_stall_byte=stall | (base.front_bumpers & 0x7F) << 1,
+        control_counts=_heading_counts(base.controller.heading_setpoint(base.heading)),
+        flags=flags,
+        compass_2deg=0,
+        sonar=tuple((number, _sonar_counts(distance, base)) for number, distance in sonar or ()),
+        tail=tail,
+    )
+    if not later_firmware:
+        return sip
+    tail = tail._replace(
+        battery_decivolts=decivolts,
+        charge_state=0,
+        turn_rate_decidegrees_s=round(math.degrees(10.0 * w)),
+        fault_flags=0,
+    )
+    return replace(sip, flags=flags | STOP_BUTTON_FLAG * base.stop_button_pressed, tail=tail)
+
+
+def encoder_report(base: EmulatedBase) -> EncoderPacket:
+    """Report the encoders' counts."""
+    return EncoderPacket(*base.ticks)
+
+
+def io_report(base: EmulatedBase, pins: EmulatedPins) -> IoPacket:
+    """Report the digital and analog pins; a pressed bumper segment's bit is 0."""
+    bumpers = (~(mask << 1) & 0xFF for mask in (base.front_bumpers, base.rear_bumpers))
+    inputs = bytes((pins.inputs, *bumpers, 0))
+    battery = min(ANALOG_MAX, round(base.battery.volts / BATTERY_FULL_SCALE * ANALOG_MAX))
+    analog = (0,) * (ANALOG_INPUTS - 1) + (battery,)
+    return IoPacket(inputs, bytes((pins.outputs,)), analog)
+
+
+def _sonar_counts(distance: float, base: EmulatedBase) -> int:
+    return round(min(distance, base.model.sonar_far) / base.model.conversion.range)
+
+
+def _heading_counts(heading: float) -> int:
+    """Return a heading in rad as counts from -2048 to 2047."""
+    counts = round(math.remainder(heading, math.tau) / RADIANS_PER_COUNT)
+    half = COUNTS_PER_TURN // 2
+    return (counts + half) % COUNTS_PER_TURN - half

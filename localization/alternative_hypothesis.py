@@ -1,0 +1,155 @@
+"""The second opinion before a search ends: does another place explain the way here as well?
+
+A search draws so few particles per place that the true one may never have had a particle that lay
+well, while a look-alike had. So the way since the search began is searched once more, from its
+start and with fresh particles, everywhere but where the robot is believed to be; then the way is
+traced back from both places, and the scans decide between the two.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from localization.cluster import heavy_clusters, near
+from localization.filter import Belief, ParticleFilter
+from localization.global_search import GlobalSearch
+from localization.likelihood_field import LikelihoodField
+from localization.motion_model import step_covariance
+from localization.refinement import Refinement
+from localization.settings import LocalizationSettings, SampleSettings
+from maps.pose import Pose
+
+_CONTENDERS = 8  # other places compared
+_ODDS_LIMIT = 700.0  # exp() of more is infinite
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stop:
+    """One scan of the way since the search began."""
+
+    increment: Pose
+    """base_then_from_base_now since the stop before."""
+    points: NDArray[np.float64]
+    """(n, 2) end points, base_link, m."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rival:
+    """The best other place."""
+
+    belief: Belief
+    """Particles round it."""
+    odds: float
+    """Log of how much likelier the scans are where the robot is believed to be than here."""
+
+    @property
+    def share(self) -> float:
+        """Share of the belief left to where the robot is believed to be, 0..1."""
+        return 1.0 / (1.0 + math.exp(min(-self.odds, _ODDS_LIMIT)))
+
+
+class RivalSearch:
+    """Remembers the way since a search began, and searches it for another place."""
+
+    def __init__(
+        self,
+        settings: LocalizationSettings,
+        samples: SampleSettings,
+        field: LikelihoodField,
+        refinement: Refinement,
+        search: GlobalSearch,
+        rng: np.random.Generator,
+    ) -> None:
+        self._settings = settings
+        self._samples = samples
+        self._field = field
+        self._refinement = refinement
+        self._search = search
+        self._rng = rng
+        self._way: deque[Stop] = deque(maxlen=settings.search.remembered)
+        self._since = Pose(0.0, 0.0, 0.0)
+
+    @property
+    def stops(self) -> int:
+        """Number of scans remembered."""
+        return len(self._way)
+
+    def forget(self) -> None:
+        """Begin a new way."""
+        self._way.clear()
+        self._since = Pose(0.0, 0.0, 0.0)
+
+    def remember(self, increment: Pose | None, points: NDArray[np.float64]) -> None:
+        """Take note of a scan after a step of the odometry, if it is a stop's way from the last."""
+        if increment is not None:
+            self._since = self._since.compose(increment)
+        apart = math.hypot(self._since.x, self._since.y) >= self._settings.search.stop_xy
+        turned = abs(self._since.theta) >= self._settings.search.stop_theta
+        if apart or turned or not self._way:
+            self._way.append(Stop(self._since, points))
+            self._since = Pose(0.0, 0.0, 0.0)
+
+    def find(self, pose: Pose) -> Rival | None:
+        """Return the best place other than ``pose`` (map_from_base now); None: there is none."""
+        at_last_stop = pose.compose(self._since.inverse())
+        believed = self._trace(at_last_stop)
+        rivals = self._replay(believed)
+        if rivals is None:
+            return None
+        others = heavy_clusters(rivals.particles, rivals.weights, _CONTENDERS)
+        best = max(self._log_likelihood(self._trace(other.mean)) for other in others)
+        odds = self._log_likelihood(believed) - best
+        rivals.predict(self._since)
+        return Rival(rivals.belief, odds)
+
+    def _replay(self, avoided: list[Pose]) -> ParticleFilter | None:
+        """Search the way anew but for the poses avoided (one a stop); None if nothing is left."""
+        particles = ParticleFilter(self._settings.motion, self._field, self._rng)
+        particles.restart(self._search.sample(self._rng))
+        for number, (stop, pose) in enumerate(zip(self._way, avoided, strict=True)):
+            if number > 0:
+                particles.resample(self._samples)
+                particles.predict(stop.increment)
+            if not particles.rule_out(near(particles.particles, pose)):
+                return None
+            if number > 0:
+                self._search.weigh(particles, stop.points)
+            else:
+                self._search.weigh_first(particles, stop.points, self._samples)
+        return particles
+
+    def _trace(self, pose: Pose) -> list[Pose]:
+        """Return where the robot was at each stop if it was at ``pose`` at the last one.
+
+        Each step of the odometry is taken back and the scan slid to where it fits best.
+        """
+        stops, poses = list(self._way), []
+        covariance = step_covariance(Pose(0.0, 0.0, 0.0), self._settings.motion)
+        for stop in reversed(stops):
+            refined = self._refinement.refine(pose, covariance, stop.points)
+            pose = pose if refined is None else refined.pose
+            poses.append(pose)
+            pose = pose.compose(stop.increment.inverse())
+            covariance = step_covariance(stop.increment, self._settings.motion)
+        return poses[::-1]
+
+    def _log_likelihood(self, poses: list[Pose]) -> float:
+        """Return how likely the scans of the way are, one from each of poses.
+
+        A scan that people hide fits nowhere, and better or worse by chance: it shall not decide.
+        """
+        search = self._settings.search
+        least = search.independent_beams * search.hidden_log_likelihood
+        return sum(
+            max(least, self._log_likelihood_at(pose, stop.points))
+            for stop, pose in zip(self._way, poses, strict=True)
+        )
+
+    def _log_likelihood_at(self, pose: Pose, points: NDArray[np.float64]) -> float:
+        beams = self._settings.search.independent_beams
+        return float(self._field.log_weights(np.array([pose]), points, beams)[0])

@@ -1,0 +1,305 @@
+"""The telemetry streams: their payloads, rates and schemas, all in this one place.
+
+A payload is JSON. The same bytes go to the operator and to the recording. Payloads are made by
+the agent, so they hold nothing that a replay could not reproduce (no counters of the recorder or
+of the network). Absent values are left out of the JSON, never null; no field may be inf or nan.
+
+======== ========================================== ===== ============================
+stream   what it tells                              Hz    schema
+======== ========================================== ===== ============================
+status   battery, links, localization, health       2     patrol.Status
+decision inputs, degrees, winner, velocities, gate  10    patrol.Decision
+pose     robot in ``map``; only once localized      10    foxglove.PoseInFrame
+scan     laser in ``laser``                         5     foxglove.LaserScan
+particles particles in ``map``                      2     foxglove.PosesInFrame
+tracks   teammates and strangers in ``map``         5     foxglove.SceneUpdate
+intruder a stranger who stays near the border       1     patrol.Intruder
+event    what the log says                          each  foxglove.Log
+======== ========================================== ===== ============================
+
+Two more come from the process round the agent, and a replay has nothing to compare them with:
+``process`` (1 Hz, patrol.Process: load, lateness, losses) and ``process_log`` (each, foxglove.Log:
+troubles of the recorder; the operator hears them as ``event``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import msgspec
+from msgspec import Meta
+
+from robot_agent.messages.foxglove import (
+    LaserScan,
+    Log,
+    PoseInFrame,
+    PosesInFrame,
+    SceneUpdate,
+    Timestamp,
+)
+from robot_agent.messages.viewer_schema import viewer_schema
+
+ACTIONS = (
+    "reach_frontier",
+    "keep_going",
+    "patrol_clockwise",
+    "patrol_counter_clockwise",
+    "avoid_teammate",
+)
+"""Names of the actions, as viewers list them (those of ``patrol.actions.Action``)."""
+
+
+class PayloadError(ValueError):
+    """Bytes that are no payload of their stream."""
+
+
+class Velocity(msgspec.Struct, frozen=True):
+    """A velocity vector in the map frame."""
+
+    x: Annotated[float, Meta(description="m/s")]
+    y: Annotated[float, Meta(description="m/s")]
+
+
+class Twist(msgspec.Struct, frozen=True):
+    """A velocity of the base in its own frame."""
+
+    v: Annotated[float, Meta(description="forward (m/s)")]
+    w: Annotated[float, Meta(description="counter-clockwise (rad/s)")]
+
+
+class PlanarPose(msgspec.Struct, frozen=True):
+    """A pose in the map frame."""
+
+    x: Annotated[float, Meta(description="m")]
+    y: Annotated[float, Meta(description="m")]
+    theta: Annotated[float, Meta(description="rad, counter-clockwise from +x")]
+
+
+class DeviceStatus(msgspec.Struct, frozen=True, kw_only=True):
+    """A device, its session and its line; counters run from the agent's start."""
+
+    state: Annotated[str, Meta(description="state of the session, e.g. ready")]
+    link_up: Annotated[bool, Meta(description="whether the port is open")]
+    link_reason: Annotated[str, Meta(description="why the port is not open")] = ""
+    packets_good: int
+    packets_bad: Annotated[int, Meta(description="frames whose checksum was wrong")]
+    bytes_discarded: Annotated[int, Meta(description="bytes outside any frame")]
+    bytes_received: int
+    last_heard: Annotated[
+        float | None, Meta(description="age of the last good packet (s); absent if none yet")
+    ] = None
+
+
+class LocalizationStatus(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """The particle filter's own view of how well it knows the pose."""
+
+    health: Annotated[str, Meta(description="localized, unsure or lost")]
+    pose: PlanarPose | None = None
+    covariance: Annotated[
+        list[float], Meta(description="of x, y, theta, row by row, 9 values (m, rad); or none")
+    ] = []
+    particle_count: int = 0
+    effective_sample_size: float = 0.0
+    likelihood: Annotated[float, Meta(description="mean per beam, 0 to 1")] = 0.0
+
+
+class CameraReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """The camera as the agent hears of it."""
+
+    state: Annotated[str, Meta(description="down, silent, dark, glare, covered or clear")]
+    link_reason: Annotated[str, Meta(description="why there are no pictures")] = ""
+    pictures: Annotated[int, Meta(description="looked at")] = 0
+    bands: Annotated[int, Meta(description="in the latest picture")] = 0
+    last_heard: Annotated[float | None, Meta(description="age of the latest picture (s)")] = None
+
+
+class IntruderPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """A stranger near the border: first when reported, then again as it is seen further."""
+
+    timestamp: Timestamp
+    robot: str
+    number: Annotated[int, Meta(description="of the intruder, from 1; the same in every update")]
+    x: Annotated[float, Meta(description="m, map frame")]
+    y: Annotated[float, Meta(description="m, map frame")]
+    abscissa: Annotated[float, Meta(description="place along the border (m)")]
+    distance: Annotated[float, Meta(description="from the border (m)")]
+    closest: Annotated[float, Meta(description="least distance from the border so far (m)")]
+    first_seen: Timestamp
+    last_seen: Timestamp
+    scan: Annotated[
+        list[float],
+        Meta(description="evidence: laser points near it, x y x y... (m, map frame); or none"),
+    ] = []
+    picture: Annotated[
+        str, Meta(description="evidence: cut-out of the camera's picture (JPEG, base64); or none")
+    ] = ""
+
+
+class StatusPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """Whether this robot is well: power, devices, localization."""
+
+    timestamp: Timestamp
+    robot: str
+    team: str
+    uptime: Annotated[float, Meta(description="time since the agent's start (s)")]
+    health: Annotated[str, Meta(description="ok, or the first thing that keeps it from patrolling")]
+    battery: Annotated[float | None, Meta(description="V; absent until the base reports")] = None
+    motors_enabled: bool = False
+    stalled: bool = False
+    bumpers: Annotated[int, Meta(description="pressed segments, front low byte, rear high")] = 0
+    base: DeviceStatus
+    laser: DeviceStatus
+    camera: CameraReport | None = None
+    degraded: Annotated[list[str], Meta(description="what the robot has to do without")] = []
+    localization: LocalizationStatus
+
+
+class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """One control step: what was seen, what was chosen, what was let through."""
+
+    timestamp: Timestamp
+    robot: str
+    action: Annotated[str, Meta(description="action in force")]
+    direction: Annotated[int, Meta(description="+1 clockwise, -1 counter-clockwise")]
+    distance_from_border: Annotated[float, Meta(description="m")]
+    way_to_border: Annotated[
+        float | None, Meta(description="m, round walls; absent if there is no way")
+    ] = None
+    abscissa: Annotated[float, Meta(description="place along the border (m)")]
+    distance_from_neighbor: Annotated[
+        float | None, Meta(description="m; absent if no teammate is near")
+    ] = None
+    neighbor: Annotated[
+        PlanarPose | None, Meta(description="nearest teammate, theta its bearing")
+    ] = None
+    neighbor_border_distance: Annotated[
+        float | None, Meta(description="of the neighbor from the border (m)")
+    ] = None
+    neighbor_abscissa: Annotated[
+        float | None, Meta(description="of the neighbor along the border (m)")
+    ] = None
+    neighbor_sigma: Annotated[
+        list[float],
+        Meta(description="one sigma of those: distance from the border, abscissa (m); or none"),
+    ] = []
+    gamma: Annotated[float, Meta(description="neighbor state, -1 left to +1 right")] = 0.0
+    degrees: Annotated[
+        dict[str, float],
+        Meta(
+            description="degree of activation of each action, 0 to 1",
+            extra_json_schema={"properties": {name: {"type": "number"} for name in ACTIONS}},
+        ),
+    ]
+    winner: str
+    runner_up: str
+    pose: Annotated[PlanarPose, Meta(description="pose the decision was taken at")]
+    velocity: Annotated[Velocity, Meta(description="asked for by the action")]
+    wish: Annotated[Twist, Meta(description="before the gate")]
+    command: Annotated[Twist, Meta(description="after the gate, as sent to the base")]
+    gate_reason: Annotated[
+        str | None, Meta(description="why the gate changed the wish; absent if it did not")
+    ] = None
+    blocked: Annotated[
+        bool, Meta(description="gave up waiting for an object on its way, just now")
+    ] = False
+    holding: Annotated[
+        bool,
+        Meta(
+            description="stands still, caught between an end and a teammate, or a moment in a crowd"
+        ),
+    ] = False
+
+
+class ProcessPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """How the process fared since its last report. Lateness: from an event to its effects."""
+
+    timestamp: Timestamp
+    robot: str
+    cpu: Annotated[float, Meta(description="share of one core, 0 to 1 and above")]
+    memory_mb: Annotated[float, Meta(description="resident memory (MB)")]
+    events: Annotated[int, Meta(description="events handled")]
+    lateness_median: Annotated[float, Meta(description="s")]
+    lateness_max: Annotated[float, Meta(description="s")]
+    deadline_misses: Annotated[int, Meta(description="events done more than 50 ms late")] = 0
+    longest_pause: Annotated[float, Meta(description="longest time without any event (s)")] = 0.0
+    recorder_lost: Annotated[int, Meta(description="records the disk was too slow for")] = 0
+    recorder_trouble: Annotated[str, Meta(description="why nothing is recorded any more")] = ""
+    telemetry_dropped: Annotated[int, Meta(description="payloads the network was too slow for")] = 0
+    operator: Annotated[
+        bool | None, Meta(description="whether the operator is connected; absent without telemetry")
+    ] = None
+
+
+Payload = (
+    StatusPayload
+    | DecisionPayload
+    | IntruderPayload
+    | ProcessPayload
+    | PoseInFrame
+    | LaserScan
+    | PosesInFrame
+    | SceneUpdate
+    | Log
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Stream:
+    """One telemetry stream: its name, the payload it carries and that payload's schema name."""
+
+    name: str
+    payload: type[Payload]
+    schema_name: str
+
+    def json_schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of the payload."""
+        return viewer_schema(self.payload, self.schema_name)
+
+
+STREAMS: dict[str, Stream] = {
+    stream.name: stream
+    for stream in (
+        Stream("status", StatusPayload, "patrol.Status"),
+        Stream("decision", DecisionPayload, "patrol.Decision"),
+        Stream("pose", PoseInFrame, "foxglove.PoseInFrame"),
+        Stream("scan", LaserScan, "foxglove.LaserScan"),
+        Stream("particles", PosesInFrame, "foxglove.PosesInFrame"),
+        Stream("tracks", SceneUpdate, "foxglove.SceneUpdate"),
+        Stream("intruder", IntruderPayload, "patrol.Intruder"),
+        Stream("event", Log, "foxglove.Log"),
+        Stream("process", ProcessPayload, "patrol.Process"),
+        Stream("process_log", Log, "foxglove.Log"),
+    )
+}
+PROCESS_STREAMS = frozenset({"process", "process_log"})
+"""Streams that are not the agent's."""
+
+_encoder = msgspec.json.Encoder()
+_decoders: dict[str, msgspec.json.Decoder[Payload]] = {
+    stream.name: msgspec.json.Decoder(stream.payload) for stream in STREAMS.values()
+}
+
+
+def encode(payload: Payload) -> bytes:
+    """Encode a payload as the JSON that goes to the operator and the recording."""
+    return _encoder.encode(payload)
+
+
+def decode(stream: str, data: bytes) -> Payload:
+    """Decode a payload of a stream; unknown fields are ignored.
+
+    Raises PayloadError for a stream that does not exist or bytes that do not fit it.
+    """
+    decoder = _decoders.get(stream)
+    if decoder is None:
+        raise PayloadError(f"no stream {stream!r}; streams are {', '.join(STREAMS)}")
+    try:
+        return decoder.decode(data)
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise PayloadError(f"no payload of stream {stream!r}: {error}") from error
+
+
+def key_of(team: str, robot: str, stream: str = "") -> str:
+    """Return the telemetry key of a robot's stream, or of the robot itself (its liveliness)."""
+    return f"patrol/{team}/{robot}/{stream}" if stream else f"patrol/{team}/{robot}"

@@ -1,0 +1,46 @@
+"""Driving by the keys of the robot's own terminal, for mapping: no map, no pose, no patrol.
+
+A key is good for a moment only: a released key, a lost terminal or a frozen process stops the
+robot. What a key asks for goes through the gate's limited mode like any other wish.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import msgspec
+
+from robot_agent.messages.events import OperatorKey
+
+
+class TeleopSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Limits of driving by keys; the gate's limited mode has its own, tighter or not."""
+
+    enabled: bool = False
+    """Set by `patrol record`: an agent that obeys keys does nothing else."""
+    speed: Annotated[float, msgspec.Meta(gt=0.0, le=0.3)] = 0.15
+    """m/s"""
+    turn_rate: Annotated[float, msgspec.Meta(gt=0.0, le=1.0)] = 0.4
+    """rad/s"""
+    hold: Annotated[float, msgspec.Meta(gt=0.0, le=1.0)] = 0.7
+    """s a key is good for: longer than keyboards wait before they repeat it."""
+
+
+class Teleop:
+    """Turns keys into wishes, each for its moment."""
+
+    def __init__(self, settings: TeleopSettings) -> None:
+        self._settings = settings
+        self._key: OperatorKey | None = None
+
+    def press(self, key: OperatorKey) -> None:
+        """Take a key; the last one counts."""
+        self._key = key
+
+    def wish(self, t: float) -> tuple[float, float]:
+        """Return what is asked for at t, s: (v m/s, w rad/s), forwards or turning only."""
+        key, settings = self._key, self._settings
+        if key is None or not 0.0 <= t - key.t < settings.hold:
+            return 0.0, 0.0
+        ahead, left = min(max(key.ahead, 0), 1), min(max(key.left, -1), 1)
+        return ahead * settings.speed, left * settings.turn_rate

@@ -1,0 +1,1 @@
+"""What stands about the robot, for the safety gate."""

@@ -1,0 +1,56 @@
+"""Walls of the map about the robot, for where its laser does not look.
+
+The laser sees half of all directions and the sonars little of the rest: a robot that has come
+through a door and turns there would not know of the door's frame behind it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maps.occupancy_map import OCCUPIED, OccupancyMap
+from maps.pose import Pose
+from robot_agent.motion.footprint import corner_reach, in_body
+from robot_agent.motion.gate_settings import GateSettings
+
+_MARGIN = 0.1  # m beyond what the corners reach in a turn on the spot
+_NOTHING = np.empty((0, 2))
+
+
+class KnownWalls:
+    """Gives the nearest points of a map's occupied cells near the robot."""
+
+    def __init__(self, occupancy: OccupancyMap, gate: GateSettings) -> None:
+        self._walls = occupancy.cells == OCCUPIED
+        self._resolution = occupancy.resolution
+        self._origin = occupancy.origin
+        self._gate = gate
+        reach = corner_reach(gate) + _MARGIN
+        self._cells = math.ceil(reach / occupancy.resolution)
+
+    def around(self, pose: Pose) -> NDArray[np.float64]:
+        """Return points (n, 2), m, in base_link at map_from_base ``pose``.
+
+        Cells that the body would stand in are left out: the pose or the map is wrong there. The
+        gate's turn margin is what pose and map may be off; more would pin robots beside walls.
+        """
+        row = math.floor((pose.y - self._origin.y) / self._resolution)
+        col = math.floor((pose.x - self._origin.x) / self._resolution)
+        top, left = max(row - self._cells, 0), max(col - self._cells, 0)
+        window = self._walls[
+            top : max(row + self._cells + 1, 0), left : max(col + self._cells + 1, 0)
+        ]
+        if not window.any():
+            return _NOTHING  # the usual case
+        rows, cols = np.nonzero(window)
+        dx = self._origin.x + (left + cols + 0.5) * self._resolution - pose.x
+        dy = self._origin.y + (top + rows + 0.5) * self._resolution - pose.y
+        half = self._resolution / 2
+        dx -= np.clip(dx, -half, half)  # from the cell's centre to its nearest point
+        dy -= np.clip(dy, -half, half)
+        c, s = math.cos(pose.theta), math.sin(pose.theta)
+        points = np.column_stack((c * dx + s * dy, c * dy - s * dx))
+        return points[~in_body(points, self._gate)]

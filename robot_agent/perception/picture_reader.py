@@ -1,0 +1,56 @@
+"""The camera's side of the inbox: each picture becomes what it shows of the team's colour."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable
+
+import cv2
+
+from drivers.camera import Picture
+from drivers.camera_source import CameraSettings
+from robot_agent.messages.events import BlobsSeen, Event, LinkDown, LinkUp, PictureTaken
+from robot_agent.perception.band_detector import BandDetector
+from robot_agent.perception.color_settings import ColorSettings
+
+_JPEG_QUALITY = 70
+
+
+class CameraEye:
+    """Looks at pictures on the camera's thread; ``put`` takes the events it makes of them."""
+
+    def __init__(
+        self, camera: CameraSettings, color: ColorSettings, put: Callable[[Event], None]
+    ) -> None:
+        self._camera = camera
+        self._detector = BandDetector(camera, color)
+        self._put = put
+        self._next = -math.inf
+        self._wanted = threading.Event()
+
+    def want_picture(self) -> None:
+        """Send the next picture too; safe from any thread."""
+        self._wanted.set()
+
+    def camera_up(self, t: float) -> None:
+        """Take note that pictures come."""
+        self._put(LinkUp(round(t, 6), "camera"))
+
+    def camera_down(self, t: float, reason: str) -> None:
+        """Take note that none come, and why."""
+        self._put(LinkDown(round(t, 6), "camera", reason))
+
+    def picture(self, picture: Picture) -> None:
+        """Look at a picture if one is due."""
+        if picture.t < self._next:
+            return
+        self._next = max(self._next + 1.0 / self._camera.rate, picture.t)
+        t, taken = round(picture.t, 6), max(round(picture.t - self._camera.delay, 6), 0.0)
+        look = self._detector.look(picture.pixels)
+        self._put(BlobsSeen(t, taken, look.sight, look.blobs))
+        if self._wanted.is_set():
+            self._wanted.clear()
+            quality = [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY]
+            _, jpeg = cv2.imencode(".jpg", picture.pixels, quality)
+            self._put(PictureTaken(t, taken, jpeg.tobytes()))

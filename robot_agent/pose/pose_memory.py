@@ -1,0 +1,137 @@
+"""The last sure pose, kept over a restart and believed only if the odometer has gone on counting.
+
+A base left in its session by an agent that was killed counts on, also when it is pushed. So a pose
+noted together with the odometer's reading holds after a restart, moved on by what was counted
+since. A base switched off, or in a new session of its own, may have started at zero: then nothing
+is known about what happened in between. A robot carried with its wheels off the floor is not
+noticed here, but by the scans that must confirm it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, NamedTuple
+
+import msgspec
+
+from drivers.p2os.odometer import RADIANS_PER_COUNT, counter_step, is_near_zero
+from localization.estimate import Estimate
+from localization.health import Health
+from maps.pose import Pose
+from robot_agent.messages.effects import Remember
+
+Counters = tuple[int, int, int]
+"""The base's own x, y and heading counters, as on the wire."""
+
+POSITION_WRAP = 0x8000
+"""Counts after which a position counter begins anew: 27 m, unlike the 12 bits of a heading."""
+SIGMA_XY, SIGMA_THETA = 0.1, 0.05
+"""m and rad; how sure a remembered pose is, and per metre and radian counted since, at most:"""
+SIGMA_PER_COUNTED = 0.2
+
+
+class MemorySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Pose remembered over restarts."""
+
+    file: str = ""
+    """Where it is kept; empty: nowhere."""
+    period: Annotated[float, msgspec.Meta(gt=0.0)] = 1.0
+    """s between two notes."""
+    reach: Annotated[float, msgspec.Meta(gt=0.0, le=3.0)] = 1.5
+    """m the odometer may have counted since the note: cut off, a robot rolls until its watchdog
+    halts it."""
+
+
+class RememberedPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A sure pose (map_from_base, m and rad) and what the odometer read there, in counts.
+
+    In a recording's configuration, where the agent found it at its start; not for hand-written
+    files.
+    """
+
+    x: float
+    y: float
+    theta: float
+    odometer_x: int
+    odometer_y: int
+    odometer_heading: int
+
+    def carried_to(self, now: Counters, metres_per_count: float, reach: float) -> Start | None:
+        """Return where the robot is when the odometer reads ``now``; None: they do not agree.
+
+        They agree if the odometer moved by less than ``reach``, m, and neither reading is that of
+        one that has just been zeroed.
+        """
+        noted = (self.odometer_x, self.odometer_y, self.odometer_heading)
+        if all(map(is_near_zero, noted)) or all(map(is_near_zero, now)):
+            return None
+        counted = Pose(
+            _step(now[0], noted[0]) * metres_per_count,
+            _step(now[1], noted[1]) * metres_per_count,
+            counter_step(now[2], noted[2]) * RADIANS_PER_COUNT,
+        )
+        ahead = Pose(0.0, 0.0, noted[2] * RADIANS_PER_COUNT).inverse()
+        counted = ahead.compose(counted)._replace(theta=counted.theta)
+        travel = math.hypot(counted.x, counted.y)
+        if travel >= reach:
+            return None
+        return Start(
+            Pose(self.x, self.y, self.theta).compose(counted),
+            SIGMA_XY + SIGMA_PER_COUNTED * travel,
+            SIGMA_THETA + SIGMA_PER_COUNTED * abs(counted.theta),
+        )
+
+
+class Start(NamedTuple):
+    """A pose to start from, with standard deviations in m and rad."""
+
+    pose: Pose
+    sigma_xy: float
+    sigma_theta: float
+
+
+class PoseMemory:
+    """Notes the pose every now and then while it is sure, and forgets it once lost."""
+
+    def __init__(self, settings: MemorySettings) -> None:
+        self._settings = settings
+        self._last: float | None = None
+        self._forgotten = False
+
+    def note(
+        self,
+        t: float,
+        estimate: Estimate | None,
+        odometry: Pose,
+        counters: Counters | None,
+        *,
+        at_once: bool = False,
+    ) -> Remember | None:
+        """Return what to keep at t, if it is time; odometry: odom_from_base at the counters."""
+        if not self._settings.file or estimate is None or counters is None:
+            return None
+        if estimate.health is Health.LOST and not self._forgotten:
+            self._last, self._forgotten = None, True
+            return Remember(b"{}")
+        due = at_once or self._last is None or t - self._last >= self._settings.period
+        if estimate.health is not Health.LOCALIZED or not due:
+            return None
+        self._last, self._forgotten = t, False
+        return Remember(msgspec.json.encode(_remembered(estimate.pose_at(odometry), counters)))
+
+
+def _remembered(pose: Pose, counters: Counters) -> RememberedPose:
+    x, y, heading = counters
+    return RememberedPose(
+        x=pose.x,
+        y=pose.y,
+        theta=pose.theta,
+        odometer_x=x,
+        odometer_y=y,
+        odometer_heading=heading,
+    )
+
+
+def _step(new: int, old: int) -> int:
+    """Return the step between two readings of a position counter of 15 bits."""
+    return (new - old + POSITION_WRAP // 2) % POSITION_WRAP - POSITION_WRAP // 2

@@ -1,0 +1,43 @@
+"""The agent's events as lines for a terminal or the system's journal."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import TextIO
+
+from robot_agent.messages.foxglove import Log, LogLevel
+from robot_agent.messages.streams import decode
+
+_PRIORITY = {
+    LogLevel.DEBUG: 7,
+    LogLevel.INFO: 6,
+    LogLevel.WARNING: 4,
+    LogLevel.ERROR: 3,
+    LogLevel.FATAL: 2,
+}
+"""Of syslog(3)."""
+
+
+class Journal:
+    """Writes one line per event: severity, part, message. The journal adds its own time.
+
+    Where systemd's journal reads along, its priority goes in front, as sd-daemon(3) has it.
+    """
+
+    def __init__(self, out: TextIO, environment: Mapping[str, str] = os.environ) -> None:
+        """Write to ``out``, normally standard error."""
+        self._out = out
+        self._journald = "JOURNAL_STREAM" in environment
+
+    def write(self, payload: bytes) -> None:
+        """Write a payload of the ``event`` stream; an output that is gone is no reason to stop."""
+        event = decode("event", payload)
+        assert isinstance(event, Log)
+        level = LogLevel(event.level)
+        mark = f"<{_PRIORITY.get(level, 5)}>" if self._journald else f"{level.name.lower()}: "
+        words = " ".join(event.message.split())
+        try:
+            print(f"{mark}{event.name}: {words}", file=self._out, flush=True)
+        except OSError:
+            return

@@ -1,0 +1,75 @@
+"""The file in which a robot's last sure pose outlives its agent."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+import msgspec
+
+from maps.map_folder import MapFolder
+from robot_agent.pose.pose_memory import RememberedPose
+
+
+class _Content(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """What is in the file."""
+
+    robot: str
+    map: str
+    """Digest of the map the pose is in."""
+    pose: RememberedPose
+
+
+class PoseFile:
+    """Keeps one robot's last sure pose in one map.
+
+    It need not survive a power cut, which leaves the odometer at zero and the pose worthless: so
+    nothing waits for the disk. ``failed`` is empty, or a line that says what the disk refused.
+    """
+
+    def __init__(self, path: Path, robot: str, folder: MapFolder) -> None:
+        """Touch nothing yet."""
+        self._path = path
+        self._robot = robot
+        self._map = _digest(folder)
+        self.failed = ""
+
+    def load(self) -> RememberedPose | None:
+        """Return the pose kept; None if there is none, or only another robot's or map's.
+
+        A file that cannot be used is told in ``failed``: a robot can start without it.
+        """
+        try:
+            content = msgspec.json.decode(self._path.read_bytes(), type=_Content)
+        except FileNotFoundError:
+            return None
+        except (OSError, msgspec.MsgspecError, UnicodeDecodeError) as error:
+            self._fail("no remembered pose", error)
+            return None
+        ours = content.robot == self._robot and content.map == self._map
+        return content.pose if ours else None
+
+    def keep(self, payload: bytes) -> None:
+        """Keep the pose of a ``Remember`` effect, whole or not at all; an empty one ends it."""
+        try:
+            if payload == b"{}":
+                self._path.unlink(missing_ok=True)
+                return
+            pose = msgspec.json.decode(payload, type=RememberedPose)
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            new = self._path.with_name(self._path.name + ".new")
+            new.write_bytes(msgspec.json.encode(_Content(self._robot, self._map, pose)))
+            new.replace(self._path)
+        except OSError as error:
+            self._fail("pose not kept", error)
+
+    def _fail(self, what: str, error: Exception) -> None:
+        reason = getattr(error, "strerror", None) or str(error)
+        self.failed = f"{self._path}: {what}: {reason}; remove the file or correct memory.file"
+
+
+def _digest(folder: MapFolder) -> str:
+    digest = hashlib.sha256()
+    for name, data in sorted(folder.files.items()):
+        digest.update(name.encode() + b"\0" + data)
+    return digest.hexdigest()

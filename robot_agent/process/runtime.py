@@ -1,0 +1,265 @@
+"""The live side of an agent: real links, real time, threads. The only file of the agent with them.
+
+Reader threads put time-stamped events into one inbox; one consumer hands them to the agent and
+carries out its effects. Recorder and telemetry get copies and can never hold the consumer up.
+"""
+
+from __future__ import annotations
+
+import signal
+import time
+from contextlib import ExitStack
+from queue import Empty, SimpleQueue
+from types import FrameType
+
+from drivers.camera import Camera
+from drivers.link import Link
+from robot_agent.agent import Agent
+from robot_agent.messages.effects import ChangeBaud, Effect, Publish, Remember, Send, TakePicture
+from robot_agent.messages.events import (
+    TICK_S,
+    BytesReceived,
+    Event,
+    LinkDown,
+    LinkName,
+    LinkUp,
+    OperatorKey,
+    Shutdown,
+    Tick,
+)
+from robot_agent.messages.foxglove import Log, LogLevel, timestamp_at
+from robot_agent.messages.streams import encode
+from robot_agent.perception.picture_reader import CameraEye
+from robot_agent.process.journal import Journal
+from robot_agent.process.pose_file import PoseFile
+from robot_agent.process.process_watch import ProcessWatch
+from robot_agent.process.service_notifier import ServiceNotifier
+from robot_agent.process.telemetry import Telemetry
+from robot_agent.recording.recorder import Recorder
+from robot_agent.recording.recording_writer import Note
+
+FAREWELL_S = 0.3
+"""How long the last commands get to leave and take effect before the ports close."""
+
+
+class Clock:
+    """Seconds since the agent's start, monotonic, in whole microseconds."""
+
+    def __init__(self) -> None:
+        self.start_wall_ns = time.time_ns()
+        self.start_monotonic_ns = time.monotonic_ns()
+
+    def __call__(self) -> float:
+        """Return the time now."""
+        return (time.monotonic_ns() - self.start_monotonic_ns) // 1000 / 1e6
+
+
+class LinkInbox:
+    """Puts what one link reports into the inbox (called on the link's thread)."""
+
+    def __init__(self, link: LinkName, inbox: SimpleQueue[Event]) -> None:
+        self._link = link
+        self._inbox = inbox
+
+    def received(self, t: float, data: bytes) -> None:
+        """Take bytes that arrived."""
+        self._inbox.put(BytesReceived(t, self._link, data))
+
+    def link_up(self, t: float) -> None:
+        """Take note that the port was opened."""
+        self._inbox.put(LinkUp(t, self._link))
+
+    def link_down(self, t: float, reason: str) -> None:
+        """Take note that the port was lost or cannot be opened."""
+        self._inbox.put(LinkDown(t, self._link, reason))
+
+
+class WorkerDiedError(RuntimeError):
+    """A thread that the robot cannot do without has ended; the agent must be started again."""
+
+
+class Runtime:
+    """Runs one agent until it is told to end."""
+
+    def __init__(
+        self,
+        agent: Agent,
+        clock: Clock,
+        recorder: Recorder | None,
+        telemetry: Telemetry,
+        journal: Journal,
+        pose_file: PoseFile | None = None,
+    ) -> None:
+        """Wire everything up; nothing is opened before ``run``."""
+        self._agent = agent
+        self._clock = clock
+        self._recorder = recorder
+        self._telemetry = telemetry
+        self._journal = journal
+        self._pose_file = pose_file
+        self._notifier = ServiceNotifier()
+        self._watch = ProcessWatch(agent.config.robot.name, clock.start_wall_ns)
+        self._troubles: dict[str, str] = {}
+        self._inbox: SimpleQueue[Event] = SimpleQueue()
+        self._links: dict[LinkName, Link] = {
+            "base": self._make_link("base", agent.config.base.url, agent.config.base.baud),
+            "laser": self._make_link("laser", agent.config.laser.url, agent.config.laser.baud),
+        }
+
+        self._eye: CameraEye | None = None
+        self._camera: Camera | None = None
+        self._camera_died = False
+        if agent.config.camera.url:
+            color = agent.config.perception.color
+            self._eye = CameraEye(agent.config.camera, color, self._inbox.put)
+            self._camera = Camera(agent.config.camera, clock, self._eye)
+
+    def _make_link(self, name: LinkName, url: str, baud: int) -> Link:
+        return Link(url, baud, LinkInbox(name, self._inbox), self._clock)
+
+    def end(self) -> None:
+        """Ask the agent to stop the robot and end; safe from any thread and signal handler."""
+        self._inbox.put(Shutdown(self._clock()))
+
+    def press(self, ahead: int, left: int) -> None:
+        """Pass on a key of this terminal; safe from any thread."""
+        self._inbox.put(OperatorKey(self._clock(), ahead, left))
+
+    def run(self) -> None:
+        """Serve events until a Shutdown has been handled; the robot is stopped on every way out.
+
+        Raises WorkerDiedError when a link's thread has died.
+        """
+        with ExitStack() as stack:
+            stack.callback(self._close_links)
+            if self._camera is not None:
+                stack.callback(self._camera.close)
+                self._camera.start()
+            for link in self._links.values():
+                link.start()
+            self._notifier.ready()
+            try:
+                self._serve()
+            except BaseException:
+                self._stop_robot()
+                raise
+
+    def _serve(self) -> None:
+        """Handle events as they come, and ticks in between."""
+        next_tick = self._clock()
+        while True:
+            event = self._next_event(next_tick)
+            if isinstance(event, Tick):
+                next_tick = event.t + TICK_S
+                self._check_workers()
+            self._handle(event)
+            self._notifier.alive(event.t)  # by this thread: the one that must not hang
+            if isinstance(event, Shutdown):
+                self._notifier.stopping()
+                self._say_farewell()
+                return
+
+    def _check_workers(self) -> None:
+        """Give up when a link has no thread any more: nothing would ever be heard again.
+
+        Without the camera's the robot patrols on, and says so once.
+        """
+        for name, link in self._links.items():
+            if not link.alive:
+                raise WorkerDiedError(f"the thread of the {name}'s link has died")
+        if self._camera is not None and not self._camera.alive and not self._camera_died:
+            self._camera_died = True
+            reason = "the camera's thread has died: start the agent again"
+            self._inbox.put(LinkDown(self._clock(), "camera", reason))
+
+    def _next_event(self, next_tick: float) -> Event:
+        """Return the next event of the inbox, or a tick when one is due."""
+        wait = next_tick - self._clock()
+        if wait > 0:
+            try:
+                return self._inbox.get(timeout=wait)
+            except Empty:
+                pass
+        return Tick(self._clock())
+
+    def _handle(self, event: Event) -> None:
+        if self._recorder is not None:
+            self._recorder.record_event(event)
+        for effect in self._agent.handle(event):
+            self._carry_out(effect)
+            if self._recorder is not None:
+                self._recorder.record_effect(event.t, effect)
+        now = self._clock()
+        if self._watch.handled(event.t, now):
+            self._tell_of_process(now)
+
+    def _tell_of_process(self, t: float) -> None:
+        """Tell operator and recording how the process fares, and of a recorder in trouble."""
+        lost, trouble = 0, ""
+        if self._recorder is not None:
+            lost, trouble = self._recorder.lost, self._recorder.failed
+        report = encode(
+            self._watch.report(lost, trouble, self._telemetry.dropped, self._telemetry.connected)
+        )
+        self._note("process", "process", report, t)
+        if not trouble and lost:
+            trouble = "the disk is too slow: parts of the recording are lost"
+        self._tell_trouble("recorder", trouble, t)
+        self._tell_trouble("telemetry", self._telemetry.failed, t)
+
+    def _tell_trouble(self, part: str, trouble: str, t: float) -> None:
+        """Tell once what is wrong with a part beside the agent."""
+        if trouble and trouble != self._troubles.get(part):
+            stamp = timestamp_at(t, self._clock.start_wall_ns)
+            log = Log(timestamp=stamp, level=LogLevel.ERROR, message=trouble, name=part)
+            self._note("process_log", "event", encode(log), t)
+            self._journal.write(encode(log))
+        self._troubles[part] = trouble
+
+    def _note(self, topic: str, stream: str, payload: bytes, t: float) -> None:
+        self._telemetry.publish(stream, payload)
+        if self._recorder is not None:
+            self._recorder.record_note(Note(t, topic, payload))
+
+    def _carry_out(self, effect: Effect) -> None:
+        match effect:
+            case Send(link, data):
+                self._links[link].write(data)
+            case ChangeBaud(link, baud):
+                self._links[link].set_baud(baud)
+            case TakePicture():
+                if self._eye is not None:
+                    self._eye.want_picture()
+            case Remember(payload):
+                if self._pose_file is not None:
+                    self._pose_file.keep(payload)
+            case Publish(stream, payload):
+                self._telemetry.publish(stream, payload)
+                if stream == "event":
+                    self._journal.write(payload)
+
+    def _say_farewell(self) -> None:
+        """Keep serving for a moment so that the last commands leave in their due order."""
+        until = self._clock() + FAREWELL_S
+        while (now := self._clock()) < until:
+            self._handle(self._next_event(now + TICK_S))
+
+    def _stop_robot(self) -> None:
+        """Stop the robot after a fault of our own: the sessions may still be sound."""
+        for effect in self._agent.handle(Shutdown(self._clock())):
+            if isinstance(effect, Send):
+                self._links[effect.link].write(effect.data)
+
+    def _close_links(self) -> None:
+        for link in self._links.values():
+            link.close()
+
+
+def end_on_signals(runtime: Runtime) -> None:
+    """Let SIGINT and SIGTERM end the run in good order."""
+
+    def handler(_number: int, _frame: FrameType | None) -> None:
+        runtime.end()
+
+    signal.signal(signal.SIGINT, handler)
+    signal.signal(signal.SIGTERM, handler)

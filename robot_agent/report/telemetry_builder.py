@@ -1,0 +1,335 @@
+"""Telemetry payloads from the agent's state, each stream at its own rate.
+
+Rates follow the events' times, so a replay publishes the same payloads.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from drivers.lms200.scan import Scan
+from drivers.p2os.base_state import BaseState
+from localization.health import Health
+from maps.pose import Pose
+from robot_agent.messages.events import LinkName
+from robot_agent.messages.foxglove import (
+    Log,
+    LogLevel,
+    PoseInFrame,
+    SceneUpdate,
+    Timestamp,
+    laser_scan,
+    pose3,
+    poses_in_frame,
+    timestamp_at,
+    track_entity,
+)
+from robot_agent.messages.streams import (
+    CameraReport,
+    DecisionPayload,
+    DeviceStatus,
+    IntruderPayload,
+    LocalizationStatus,
+    Payload,
+    PlanarPose,
+    StatusPayload,
+    Twist,
+    Velocity,
+)
+from robot_agent.motion.gate import GateDecision
+from robot_agent.motion.gate_reason import GateReason
+from robot_agent.patrol.patrol import PatrolDecision
+from robot_agent.perception.intruders import Intruder
+from robot_agent.perception.track import Track
+
+if TYPE_CHECKING:
+    from robot_agent.agent import Agent
+
+STATUS_PERIOD_S = 0.5
+SCAN_PERIOD_S = 0.2
+PARTICLES_PERIOD_S = 0.5
+INTRUDER_PERIOD_S = 1.0
+PARTICLES_SHOWN = 200
+
+
+class Pace:
+    """Lets through at most one thing per period."""
+
+    def __init__(self, period: float) -> None:
+        """Take the period, s."""
+        self._period = period
+        self._next = -math.inf
+
+    def due(self, t: float) -> bool:
+        """Tell whether it is time again; counts as done when it is."""
+        if t < self._next:
+            return False
+        self._next = t + self._period
+        return True
+
+
+class LinkReport:
+    """What is known of one link besides its session: is it open, what came over it."""
+
+    def __init__(self) -> None:
+        self.up = False
+        self.reason = "not opened yet"
+        self.bytes_received = 0
+        self.last_heard: float | None = None
+
+    def opened(self) -> None:
+        """Take note that the port is open."""
+        self.up, self.reason = True, ""
+
+    def lost(self, reason: str) -> None:
+        """Take note that the port is not open, and why."""
+        self.up, self.reason = False, reason
+
+
+class Reports:
+    """Builds what the operator and the recording are told."""
+
+    def __init__(self, agent: Agent, start_wall_ns: int) -> None:
+        """Report on an agent whose time 0 was at ``start_wall_ns`` on the wall clock."""
+        self._agent = agent
+        self._start_wall_ns = start_wall_ns
+        self._robot = agent.config.robot
+        self._status_pace = Pace(STATUS_PERIOD_S)
+        self._scan_pace = Pace(SCAN_PERIOD_S)
+        self._particles_pace = Pace(PARTICLES_PERIOD_S)
+        self.links: dict[LinkName, LinkReport] = {"base": LinkReport(), "laser": LinkReport()}
+        self._intruder_pace = Pace(INTRUDER_PERIOD_S)
+        self._last_words: dict[str, str] = {}
+
+    def hear(self, link: LinkName, t: float, data: bytes, *, understood: bool) -> None:
+        """Count bytes of a link; ``understood`` when they completed a measurement."""
+        report = self.links[link]
+        report.bytes_received += len(data)
+        if understood:
+            report.last_heard = t
+
+    def on_time(self, t: float) -> list[tuple[str, Payload]]:
+        """Return the status when it is due."""
+        return [("status", self._status(t))] if self._status_pace.due(t) else []
+
+    def on_scan(self, t: float, scan: Scan) -> list[tuple[str, Payload]]:
+        """Return scan, tracks and particles when they are due."""
+        stamp = self._stamp(t)
+        payloads: list[tuple[str, Payload]] = []
+        if self._scan_pace.due(t):
+            payloads.append(("scan", self._scan(scan)))
+            payloads.append(("tracks", self._tracks(stamp)))
+        if self._agent.localizer.estimate is not None and self._particles_pace.due(t):
+            payloads.append(("particles", self._particles(stamp)))
+        return payloads
+
+    def on_decision(
+        self,
+        t: float,
+        pose: Pose,
+        decision: PatrolDecision,
+        wish: tuple[float, float],
+        gate: GateDecision,
+        neighbor: Track | None,
+    ) -> list[tuple[str, Payload]]:
+        """Return the pose and the decision of one control step."""
+        stamp = self._stamp(t)
+        payload = DecisionPayload(
+            timestamp=stamp,
+            robot=self._robot.name,
+            action=decision.action,
+            direction=decision.direction,
+            distance_from_border=decision.distance_from_border,
+            way_to_border=_finite(decision.way_to_border),
+            abscissa=decision.abscissa,
+            distance_from_neighbor=_finite(decision.distance_from_neighbor),
+            neighbor=_bearing_pose(pose, neighbor),
+            **self._on_border(neighbor),
+            gamma=decision.gamma,
+            degrees={str(action): degree for action, degree in decision.degrees.items()},
+            winner=decision.raw_winner,
+            runner_up=decision.runner_up,
+            pose=PlanarPose(*pose),
+            velocity=Velocity(*decision.velocity),
+            wish=Twist(*wish),
+            command=Twist(gate.v, gate.w),
+            gate_reason=None if gate.reason is GateReason.NONE else str(gate.reason),
+            blocked=decision.blocked,
+            holding=decision.holding,
+        )
+        in_frame = PoseInFrame(timestamp=stamp, frame_id="map", pose=pose3(pose))
+        return [("pose", in_frame), ("decision", payload)]
+
+    def on_intruder(
+        self, t: float, intruder: Intruder, *, scan: Sequence[float] = (), picture: str = ""
+    ) -> list[tuple[str, Payload]]:
+        """Return what is known of an intruder, with evidence (``evidence``) if there is any."""
+        payload = IntruderPayload(
+            timestamp=self._stamp(t),
+            robot=self._robot.name,
+            number=intruder.number,
+            x=round(intruder.x, 3),
+            y=round(intruder.y, 3),
+            abscissa=round(intruder.abscissa, 3),
+            distance=round(intruder.distance, 3),
+            closest=round(intruder.closest, 3),
+            first_seen=self._stamp(intruder.first_seen),
+            last_seen=self._stamp(intruder.last_seen),
+            scan=list(scan),
+            picture=picture,
+        )
+        return [("intruder", payload)]
+
+    def on_intruders(self, t: float, known: Sequence[Intruder]) -> list[tuple[str, Payload]]:
+        """Return those still seen, when due."""
+        fresh = [each for each in known if t - each.last_seen < INTRUDER_PERIOD_S]
+        if not fresh or not self._intruder_pace.due(t):
+            return []
+        return [payload for each in fresh for payload in self.on_intruder(t, each)]
+
+    def has_spoken(self, part: str) -> bool:
+        """Tell whether a part of the agent has said anything yet."""
+        return part in self._last_words
+
+    def on_news(
+        self, t: float, part: str, words: str, level: LogLevel
+    ) -> list[tuple[str, Payload]]:
+        """Return an event when a part of the agent has something new to say."""
+        if self._last_words.get(part) == words:
+            return []
+        self._last_words[part] = words
+        log = Log(timestamp=self._stamp(t), level=level, message=words, name=part)
+        return [("event", log)]
+
+    def _stamp(self, t: float) -> Timestamp:
+        return timestamp_at(t, self._start_wall_ns)
+
+    def _status(self, t: float) -> StatusPayload:
+        agent = self._agent
+        base = agent.odometry.latest
+        return StatusPayload(
+            timestamp=self._stamp(t),
+            robot=self._robot.name,
+            team=self._robot.team,
+            uptime=t,
+            health=agent.condition.health(),
+            battery=None if base is None else base.battery,
+            motors_enabled=base is not None and base.motors_enabled,
+            stalled=base is not None and (base.stall_left or base.stall_right),
+            bumpers=_bumpers(base),
+            base=self._device(t, "base"),
+            laser=self._device(t, "laser"),
+            camera=self._camera(t),
+            degraded=agent.condition.degraded(t),
+            localization=self._localization(),
+        )
+
+    def _device(self, t: float, link: LinkName) -> DeviceStatus:
+        session = self._agent.base if link == "base" else self._agent.laser
+        report = self.links[link]
+        counters = session.framer.counters
+        return DeviceStatus(
+            state=session.state,
+            link_up=report.up,
+            link_reason=report.reason,
+            packets_good=counters.good,
+            packets_bad=counters.bad_checksum,
+            bytes_discarded=counters.discarded_bytes,
+            bytes_received=report.bytes_received,
+            last_heard=None if report.last_heard is None else round(t - report.last_heard, 3),
+        )
+
+    def _camera(self, t: float) -> CameraReport | None:
+        camera = self._agent.sight.camera
+        if not camera.exists:
+            return None
+        latest = camera.latest
+        return CameraReport(
+            state=camera.state(t),
+            link_reason=camera.reason,
+            pictures=camera.pictures,
+            bands=0 if latest is None else len(latest.blobs),
+            last_heard=None if latest is None else round(t - latest.t, 3),
+        )
+
+    def _on_border(self, neighbor: Track | None) -> dict[str, Any]:
+        """Return where the neighbor is along and beside the border, and how well that is known."""
+        border = self._agent.border
+        if neighbor is None or border is None:
+            return {}
+        foot = border.project(neighbor.x, neighbor.y)
+        tangent = np.array(foot.tangent)
+        normal = np.array((-tangent[1], tangent[0]))
+        P = neighbor.covariance
+        return {
+            "neighbor_border_distance": foot.distance,
+            "neighbor_abscissa": foot.abscissa,
+            "neighbor_sigma": [
+                math.sqrt(float(normal @ P @ normal)),
+                math.sqrt(float(tangent @ P @ tangent)),
+            ],
+        }
+
+    def _localization(self) -> LocalizationStatus:
+        estimate = self._agent.localizer.estimate
+        if estimate is None:
+            return LocalizationStatus(health=Health.LOST)
+        return LocalizationStatus(
+            health=estimate.health,
+            pose=PlanarPose(*estimate.pose),
+            covariance=estimate.covariance.ravel().tolist(),
+            particle_count=estimate.particle_count,
+            effective_sample_size=estimate.effective_sample_size,
+            likelihood=estimate.likelihood,
+        )
+
+    def _scan(self, scan: Scan) -> Payload:
+        return laser_scan(
+            self._stamp(scan.t), "laser", scan.angle_min, scan.angle_increment, scan.ranges
+        )
+
+    def _tracks(self, stamp: Timestamp) -> Payload:
+        sight = self._agent.sight
+        intruders = {each.track for each in sight.intruders.known} if sight.intruders else set()
+        return SceneUpdate(
+            entities=[
+                track_entity(
+                    stamp,
+                    track.id,
+                    (track.x, track.y),
+                    (track.vx, track.vy),
+                    kind="intruder" if track.id in intruders else track.kind,
+                    probability=max(
+                        track.probabilities.teammate,
+                        track.probabilities.stranger,
+                        track.probabilities.unknown,
+                    ),
+                )
+                for track in sight.tracker.tracks
+            ]
+        )
+
+    def _particles(self, stamp: Timestamp) -> Payload:
+        particles = self._agent.localizer.particles
+        step = math.ceil(len(particles) / PARTICLES_SHOWN)
+        return poses_in_frame(stamp, "map", np.asarray(particles[::step], dtype=np.float64))
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _bearing_pose(pose: Pose, neighbor: Track | None) -> PlanarPose | None:
+    """Return the teammate's place, with the direction it is seen in."""
+    if neighbor is None:
+        return None
+    x, y = neighbor.x, neighbor.y
+    return PlanarPose(x, y, math.atan2(y - pose.y, x - pose.x))
+
+
+def _bumpers(base: BaseState | None) -> int:
+    return 0 if base is None else base.front_bumpers | base.rear_bumpers << 8

@@ -1,0 +1,30 @@
+from __future__ import annotations
+
+import pytest
+
+from drivers.p2os.command_numbers import CommandNumber
+from drivers.p2os.commands import Command
+from drivers.p2os.emulator.streams import EmulatedStreams
+
+N = CommandNumber
+
+
+@pytest.mark.parametrize(
+    ("argument", "due"), [(0, [False] * 3), (1, [True, False, False]), (2, [True] * 3)]
+)
+def test_none_one_or_many_packets_are_sent(argument: int, due: list[bool]) -> None:
+    streams = EmulatedStreams()
+    streams.ask(Command(N.ENCODER, argument))
+    assert [streams.take_due(N.ENCODER) for _ in range(3)] == due
+    assert not streams.take_due(N.IOREQUEST)
+
+
+def test_streams_end_when_asked_and_with_the_session() -> None:
+    streams = EmulatedStreams()
+    for number in (N.ENCODER, N.IOREQUEST):
+        streams.ask(Command(number, 2))
+    streams.ask(Command(N.ENCODER, 0))
+    assert not streams.take_due(N.ENCODER)
+    assert streams.take_due(N.IOREQUEST)
+    streams.stop()
+    assert not streams.take_due(N.IOREQUEST)

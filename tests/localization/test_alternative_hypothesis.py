@@ -1,0 +1,107 @@
+"""The second opinion: look-alike places are told apart by the way there, or not at all."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from localization.alternative_hypothesis import RivalSearch
+from localization.global_search import GlobalSearch
+from localization.health import Health
+from localization.likelihood_field import LikelihoodField
+from localization.localizer import Localizer
+from localization.refinement import Refinement
+from localization.settings import LocalizationSettings
+from maps.pose import Pose
+
+APART = 9.0  # m between the two rooms
+
+
+def rival_search(room, seed: int = 3) -> RivalSearch:
+    settings, rng = LocalizationSettings(), np.random.default_rng(seed)
+    return RivalSearch(
+        settings,
+        settings.samples,
+        LikelihoodField(settings.sensor, room.map),
+        Refinement(settings.refinement, room.map),
+        GlobalSearch(settings.search, room.map),
+        rng,
+    )
+
+
+def walked(rivals: RivalSearch, room, poses: list[Pose]) -> RivalSearch:
+    """Let it see a way; every pose is a scan."""
+    rng = np.random.default_rng(7)
+    rivals.remember(None, room.scan(poses[0], rng))
+    for before, now in itertools.pairwise(poses):
+        rivals.remember(before.between(now), room.scan(now, rng))
+    return rivals
+
+
+def distance(a: Pose, b: Pose) -> float:
+    return math.hypot(a.x - b.x, a.y - b.y)
+
+
+def test_the_true_place_wins_over_its_look_alike_and_it_over_no_other(
+    near_twin_rooms, circle
+) -> None:
+    way = circle[:60]
+    rivals = walked(rival_search(near_twin_rooms), near_twin_rooms, way)
+    truth = way[-1]
+    look_alike = truth._replace(x=truth.x + APART)
+
+    right, wrong = rivals.find(truth), rivals.find(look_alike)
+
+    assert right is not None
+    assert right.odds > 2.0
+    assert right.share > 0.85
+    assert wrong is not None
+    assert wrong.odds < -2.0
+    assert wrong.share < 0.15
+    found = wrong.belief.particles[wrong.belief.weights.argmax()]
+    assert distance(Pose(*found), truth) < 0.3
+
+
+def test_twins_share_the_belief(twin_rooms, circle) -> None:
+    rival = walked(rival_search(twin_rooms), twin_rooms, circle[:60]).find(circle[59])
+    assert rival is not None
+    assert rival.share == pytest.approx(0.5, abs=0.3)
+
+
+def test_the_way_is_forgotten_and_remembered_a_stop_at_a_time(room) -> None:
+    rivals = rival_search(room)
+    step = Pose(LocalizationSettings().search.stop_xy / 4.1, 0.0, 0.0)
+    start = Pose(3.0, 2.0, 0.0)
+    walked(rivals, room, [start.compose(Pose(i * step.x, 0.0, 0.0)) for i in range(11)])
+    assert rivals.stops == 3
+    rivals.forget()
+    assert rivals.stops == 0
+
+
+def test_in_one_of_two_same_rooms_it_never_says_localized(twin_rooms, circle) -> None:
+    localizer = Localizer(LocalizationSettings(), twin_rooms.map, np.random.default_rng(2))
+    localizer.start_anywhere()
+    rng = np.random.default_rng(4)
+    healths = [
+        localizer.update(0.1 * i, pose, twin_rooms.scan(pose, rng)).health
+        for i, pose in enumerate(circle[:200:4])
+    ]
+    assert Health.LOCALIZED not in healths
+    assert healths[-1] is Health.UNSURE
+
+
+def test_in_one_of_two_rooms_alike_it_finds_the_right_one(near_twin_rooms, circle) -> None:
+    for seed in range(2):
+        localizer = Localizer(
+            LocalizationSettings(), near_twin_rooms.map, np.random.default_rng(seed)
+        )
+        localizer.start_anywhere()
+        rng = np.random.default_rng(4)
+        for i, pose in enumerate(circle[:200:4]):
+            estimate = localizer.update(0.1 * i, pose, near_twin_rooms.scan(pose, rng))
+            if estimate.health is Health.LOCALIZED:
+                assert distance(estimate.pose, pose) < 0.3
+        assert estimate.health is Health.LOCALIZED

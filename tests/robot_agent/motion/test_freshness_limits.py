@@ -1,0 +1,61 @@
+"""What is trusted for how long: one table for gate, alarms and README."""
+
+from pathlib import Path
+
+from drivers.lms200.settings import LaserSettings
+from robot_agent.motion.freshness_limits import (
+    BASE,
+    LASER,
+    TRUSTED,
+    TrustWatch,
+    markdown,
+    scan_age_limit,
+)
+from robot_agent.motion.gate_settings import GateSettings
+
+README = Path(__file__).parents[3] / "README.md"
+
+
+def test_readme_has_the_table():
+    assert markdown() in README.read_text()
+
+
+def test_the_gate_has_its_limits_from_the_table():
+    settings = GateSettings()
+    assert settings.max_base_age == BASE.max_age
+    assert settings.scan_age == LASER.max_age
+
+
+def test_the_age_of_a_scan_follows_the_lasers_rate():
+    usual = LaserSettings()
+    assert abs(scan_age_limit(usual.scan_period) - LASER.max_age) < 0.001
+    fast, slow = LaserSettings(baud=500000), LaserSettings(baud=19200)
+    assert scan_age_limit(fast.scan_period) == 0.2
+    assert scan_age_limit(slow.scan_period) == 0.45
+
+
+def test_one_scan_may_be_lost_at_the_usual_rate():
+    """It is a period old when it comes, two when the next one is due, three when that is lost."""
+    slow = LaserSettings(resolution_deg=0.5)
+    for settings in (LaserSettings(), LaserSettings(baud=500000), slow):
+        period = settings.scan_period
+        may_be_lost = settings is not slow
+        assert (scan_age_limit(period) > 3.0 * period) == may_be_lost
+        assert scan_age_limit(period) > 2.0 * period
+
+
+def test_every_stream_may_miss_one_of_its_own():
+    for stream in TRUSTED:
+        assert stream.max_age >= 1.0 / stream.rate
+
+
+def test_a_stream_is_missed_once_and_comes_back_once():
+    watch = TrustWatch()
+    assert watch.changes(0.0) == []
+    watch.well(BASE, 1.0)
+    assert watch.changes(0.99 + BASE.max_age) == []
+    assert watch.changes(1.01 + BASE.max_age) == [(BASE, False)]
+    assert watch.changes(2.0) == []
+    watch.well(BASE, 2.1)
+    assert watch.changes(2.1) == [(BASE, True)]
+    assert watch.changes(2.2) == []

@@ -1,0 +1,68 @@
+"""What stands about the robot, put together."""
+
+import math
+
+import numpy as np
+import pytest
+
+from drivers.lms200.scan import Scan
+from drivers.p2os.model import load_model
+from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap
+from maps.pose import Pose
+from robot_agent.config import AgentConfig
+from robot_agent.obstacles.surroundings import Surroundings
+from robot_agent.perception.unexplained import UnexplainedPoints
+from robot_agent.pose.odometry_history import OdometryHistory
+
+POST = (0.0, 0.3)
+"""(x, y) in the map: left of a robot at the origin, just behind what its laser sees."""
+
+
+@pytest.fixture
+def surroundings() -> Surroundings:
+    cells = np.full((80, 80), FREE, dtype=np.uint8)
+    cells[46, 40] = OCCUPIED  # its near side is at y = 0.3 m
+    occupancy = OccupancyMap(cells, 0.05, Pose(-2.025, -2.0, 0.0))
+    config = AgentConfig()
+    unexplained = UnexplainedPoints(config.perception, occupancy)
+    return Surroundings(config, load_model(config.base.model), occupancy, unexplained)
+
+
+def looked(surroundings: Surroundings, heading: float) -> None:
+    """Take a scan that sees nothing, at the origin with a heading."""
+    scan = Scan(
+        t=1.0,
+        angle_min=-math.pi / 2,
+        angle_increment=math.radians(1.0),
+        ranges=np.full(181, np.inf),
+        status=0x10,
+        turns=1,
+        specials=np.zeros(181, dtype=np.uint8),
+        flags=np.zeros(181, dtype=np.uint8),
+        reflectors=None,
+    )
+    surroundings.see(scan, Pose(0.0, 0.0, heading), OdometryHistory())
+
+
+def around(surroundings: Surroundings, heading: float) -> np.ndarray:
+    pose = Pose(0.0, 0.0, heading)
+    return surroundings.around(1.0, pose, pose, [])
+
+
+def test_a_wall_beside_comes_into_view_only_with_the_next_scan(surroundings: Surroundings) -> None:
+    looked(surroundings, heading=0.0)
+    assert around(surroundings, 0.0) == pytest.approx(np.array([POST]), abs=0.03)
+    # Turned left, the post is where the laser looks now, but it has not looked yet.
+    turned = around(surroundings, 0.4)
+    assert np.hypot(*turned.T) == pytest.approx(0.3, abs=0.01)
+    assert turned[0, 0] > 0.1
+
+
+def test_what_the_latest_scan_looked_at_is_left_to_it(surroundings: Surroundings) -> None:
+    looked(surroundings, heading=0.4)
+    assert not len(around(surroundings, 0.4))
+    assert not len(around(surroundings, 0.0))  # turned back: it has seen that there is nothing
+
+
+def test_without_a_scan_the_map_tells_of_all_sides(surroundings: Surroundings) -> None:
+    assert len(around(surroundings, 0.4)) == 1

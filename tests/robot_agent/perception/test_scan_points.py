@@ -1,0 +1,106 @@
+"""Scans become points in base_link; an asymmetric scene tells mirrored and turned geometry."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from drivers.lms200.measurement import TURN
+from drivers.lms200.scan import Scan, beam_time_offsets
+from maps.pose import Pose
+from robot_agent.obstacles.latest_scan import REACH, Obstacles
+from robot_agent.perception.scan_points import ScanProjector, move_points
+
+
+def scan_of(ranges: list[float], increment: float = math.pi / 2) -> Scan:
+    return Scan(
+        t=0.0,
+        angle_min=-math.pi / 2,
+        angle_increment=increment,
+        ranges=np.array(ranges),
+        status=0x10,
+        turns=1,
+        specials=np.zeros(len(ranges), np.uint8),
+        flags=np.zeros(len(ranges), np.uint8),
+        reflectors=None,
+    )
+
+
+def test_right_ahead_left_are_where_rep_103_says() -> None:
+    points = ScanProjector(Pose(0.0, 0.0, 0.0)).points(scan_of([1.0, 2.0, 3.0]))
+    assert points == pytest.approx(np.array([(0.0, -1.0), (2.0, 0.0), (0.0, 3.0)]))
+
+
+def test_the_mount_moves_and_turns_the_points() -> None:
+    points = ScanProjector(Pose(0.1, 0.2, math.pi / 2)).points(scan_of([1.0, 2.0, 3.0]))
+    assert points == pytest.approx(np.array([(1.1, 0.2), (0.1, 2.2), (-2.9, 0.2)]))
+
+
+def test_beams_without_return_are_left_out() -> None:
+    projector = ScanProjector(Pose(0.0, 0.0, 0.0))
+    assert projector.points(scan_of([math.inf, 2.0, math.inf])) == pytest.approx(
+        np.array([(2.0, 0.0)])
+    )
+    assert projector.points(scan_of([math.inf] * 3)).shape == (0, 2)
+
+
+def test_a_change_of_geometry_is_followed() -> None:
+    projector = ScanProjector(Pose(0.0, 0.0, 0.0))
+    projector.points(scan_of([1.0, 1.0, 1.0]))
+    finer = projector.points(scan_of([1.0] * 5, math.pi / 4))
+    assert finer[1] == pytest.approx((math.sqrt(0.5), -math.sqrt(0.5)))
+
+
+def test_a_scan_looks_between_its_outermost_beams() -> None:
+    projector = ScanProjector(Pose(0.1, 0.0, math.pi))  # looks back
+    places = np.array([(0.0, 0.5), (0.2, 0.5), (-3.0, 0.0), (3.0, 0.0), (0.0, -0.5)])
+    assert not projector.in_view(places).any(), "nothing before the first scan"
+    projector.points(scan_of([1.0, 1.0, 1.0]))
+    assert projector.in_view(places).tolist() == [True, False, True, False, True]
+
+
+def test_beams_are_measured_as_the_mirror_turns() -> None:
+    delays = beam_time_offsets(181, -math.pi / 2, math.radians(1.0), 1)
+    assert delays[90] == pytest.approx(0.0, abs=1e-12)
+    assert (delays[0], delays[180]) == pytest.approx((-TURN / 4, TURN / 4))
+    interlaced = beam_time_offsets(361, -math.pi / 2, math.radians(0.5), 2)
+    assert interlaced[1::2].mean() - interlaced[0::2].mean() == pytest.approx(TURN)
+    assert interlaced.mean() == pytest.approx(0.0, abs=TURN / 300)
+
+
+@pytest.mark.parametrize("increment", [1.0, 0.5])
+def test_a_wall_seen_while_turning_at_1_rad_per_s_does_not_smear(increment: float) -> None:
+    """A wall 3 m ahead, each beam measured from where the robot is at its own moment."""
+    v, w, base_from_laser = 0.3, 1.0, Pose(0.15, 0.0, 0.0)
+    n = round(180.0 / increment) + 1
+    step = math.radians(increment)
+    bearings = -math.pi / 2 + step * np.arange(n)
+    ranges = np.full(n, math.inf)
+    turns = round(1.0 / increment)
+    for index, delay in enumerate(beam_time_offsets(n, -math.pi / 2, step, turns)):
+        turn = w * delay
+        travel = v * delay
+        moved = Pose(travel * math.cos(turn / 2), travel * math.sin(turn / 2), turn)
+        laser = moved.compose(base_from_laser)
+        along = math.cos(laser.theta + bearings[index])
+        if along > 0.5:
+            ranges[index] = (3.0 - laser.x) / along
+    scan = replace(scan_of(ranges.tolist(), step), turns=turns)
+    projector = ScanProjector(base_from_laser)
+    assert np.abs(projector.points(scan, v, w)[:, 0] - 3.0).max() < 1e-6
+    assert np.abs(projector.points(scan)[:, 0] - 3.0).max() > 0.008
+
+
+def test_points_move_with_their_frame() -> None:
+    moved = move_points(np.array([(1.0, 0.0)]), Pose(2.0, 3.0, math.pi / 2))
+    assert moved == pytest.approx(np.array([(2.0, 4.0)]))
+
+
+def test_obstacles_come_nearer_as_the_robot_drives_on() -> None:
+    obstacles = Obstacles()
+    assert obstacles.seen_at is None
+    obstacles.see(1.0, Pose(0.0, 0.0, 0.0), np.array([(1.0, 0.0), (REACH + 1.0, 0.0)]))
+    assert obstacles.seen_at == 1.0
+    around = obstacles.around(Pose(0.4, 0.0, math.pi / 2))
+    assert around == pytest.approx(np.array([(0.0, -0.6)])), "the far point is dropped"

@@ -1,0 +1,54 @@
+"""What the manager of services hears, over a real socket."""
+
+import socket
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from robot_agent.process.service_notifier import ServiceNotifier
+
+
+@pytest.fixture
+def manager(tmp_path: Path) -> Iterator[socket.socket]:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as listener:
+        listener.bind(str(tmp_path / "notify"))
+        listener.setblocking(False)
+        yield listener
+
+
+def heard(manager: socket.socket) -> list[str]:
+    found = []
+    while True:
+        try:
+            found.append(manager.recv(4096).decode())
+        except BlockingIOError:
+            return found
+
+
+def test_tells_that_it_is_ready_alive_and_stopping(manager: socket.socket) -> None:
+    notifier = ServiceNotifier({"NOTIFY_SOCKET": manager.getsockname(), "WATCHDOG_USEC": "3000000"})
+    assert notifier.period == pytest.approx(1.0)
+    notifier.ready()
+    for step in range(61):
+        notifier.alive(0.05 * step)
+    notifier.stopping()
+    messages = heard(manager)
+    assert messages[0].startswith("READY=1")
+    assert messages[1:-1] == ["WATCHDOG=1"] * 3, "three times in its patience, not 20 per second"
+    assert messages[-1] == "STOPPING=1"
+
+
+def test_an_abstract_socket_is_one_too() -> None:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as listener:
+        listener.bind("\0patrol-test-notify")
+        ServiceNotifier({"NOTIFY_SOCKET": "@patrol-test-notify"}).ready()
+        assert listener.recv(100).startswith(b"READY=1")
+
+
+def test_without_a_manager_it_is_silent(tmp_path: Path) -> None:
+    alone = ServiceNotifier({"WATCHDOG_USEC": "3000000"})
+    assert alone.period is None
+    alone.ready()
+    alone.alive(100.0)
+    ServiceNotifier({"NOTIFY_SOCKET": str(tmp_path / "gone")}).stopping()

@@ -1,0 +1,47 @@
+"""The benchmark of the localizer: its table covers what is asked, its map keeps the limit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from maps.map_folder import load_map_folder
+from robot_agent.config import find_map
+from tools.benchmark import localize_benchmark
+from tools.benchmark.localize_benchmark import (
+    BEAMS,
+    PARTICLES,
+    large_map_mb,
+    scans_along,
+    update_costs,
+)
+
+
+def test_table_has_every_number_of_particles_and_beams(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(localize_benchmark, "UPDATES", 8)
+    costs = list(update_costs(find_map("intel_lab", Path.cwd())))
+    assert {(c.particles, c.beams) for c in costs} == {(p, b) for p in PARTICLES for b in BEAMS}
+    for cost in costs:
+        assert cost.filter_ms > 0.0
+        assert cost.products_per_s == pytest.approx(
+            cost.particles * cost.beams / (cost.filter_ms / 1e3)
+        )
+
+
+def test_scans_lie_on_the_map() -> None:
+    folder = load_map_folder(find_map("intel_lab", Path.cwd()))
+    assert folder.border is not None
+    distance = folder.map.distance_field()
+    scans = scans_along(folder.map, folder.border.polyline(1.0)[:10])
+    assert len(scans) == 9
+    for pose, points in scans:
+        c, s = np.cos(pose.theta), np.sin(pose.theta)
+        ends = points @ np.array(((c, s), (-s, c))) + pose[:2]
+        rows, cols = folder.map.cells_at(ends)
+        assert np.median(distance[rows, cols]) <= folder.map.resolution
+
+
+def test_a_large_map_keeps_its_memory_limit() -> None:
+    assert large_map_mb() < 60.0

@@ -1,0 +1,20 @@
+"""In a building without robots of the team nobody is a teammate, and walls do not walk."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from tools.calibration.perceive import perceive
+from tools.localize.localize import log_steps, map_of_log
+from tools.logs.carmen import read_carmen
+
+
+def test_nobody_is_seen_in_a_real_building(data_folder: Path) -> None:
+    log = read_carmen(data_folder / "logs" / "intel-corrected.log.gz")
+    log = replace(log, scans=log.scans[:240])
+    steps = log_steps(log)[1::2]
+    result = perceive("intel", steps, map_of_log(log, 0.05, "even"))
+    assert result.scans > 100
+    assert result.teammates == 0
+    assert result.moving_per_100 < 1.0

@@ -1,0 +1,17 @@
+"""Garbage for whoever dials."""
+
+import socket
+
+from tools.campaign.flood import Flood
+from tools.monitor.endpoint import free_endpoint
+
+
+def test_floods_whoever_connects_and_ends() -> None:
+    endpoint = free_endpoint()
+    host, _, port = endpoint.removeprefix("tcp/").rpartition(":")
+    with Flood(endpoint), socket.create_connection((host, int(port)), timeout=10.0) as victim:
+        received = 0
+        while received < 200_000:
+            received += len(victim.recv(65536))
+    with socket.socket() as late:
+        assert late.connect_ex((host, int(port))) != 0

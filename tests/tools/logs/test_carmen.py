@@ -1,0 +1,219 @@
+"""CARMEN logs: counts, geometry, the raw odometry between corrected poses, and broken files."""
+
+from __future__ import annotations
+
+import gzip
+import math
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from maps.pose import Pose
+from tools.logs.carmen import CarmenLog, LogError, read_carmen
+
+SCANS = {"intel": 910, "aces": 440, "seattle": 241}
+
+
+def flaser(t: float, x: float, y: float, theta: float, readings: list[float]) -> str:
+    words = " ".join(f"{value:g}" for value in readings)
+    return f"FLASER {len(readings)} {words} {x} {y} {theta} {x} {y} {theta} {t} host {t}"
+
+
+def odom(t: float, x: float, y: float, theta: float) -> str:
+    return f"ODOM {x} {y} {theta} 0 0 0 {t} host {t}"
+
+
+# A corrected log: each scan's pose is repeated by the next ODOM, the rest is raw steps onto it.
+CORRECTED = [
+    "# message formats defined: PARAM SYNC ODOM FLASER",
+    "PARAM robot_frontlaser_offset 0.0 nohost 0",
+    odom(1.0, 0.0, 0.0, 0.0),
+    odom(2.0, 1.0, 0.0, 0.0),
+    flaser(2.0, 10.0, 5.0, math.pi / 2, [1.5] * 180),
+    odom(0.0, 10.0, 5.0, math.pi / 2),
+    "NEFF 15",
+    odom(2.9, 10.0, 5.5, math.pi / 2),
+    odom(2.5, 10.0, 6.0, math.pi / 2),
+    odom(3.0, 9.0, 6.0, math.pi),
+    flaser(3.0, 9.3, 6.1, 3.0, [0.0, 50.0, *[2.0] * 178]),
+    odom(0.0, 9.3, 6.1, 3.0),
+    odom(9.0, 9.3, 6.1, 3.0),
+]
+
+
+def write(folder: Path, lines: list[str]) -> Path:
+    path = folder / "made.log"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.fixture(scope="module")
+def logs(data_folder: Path) -> dict[str, CarmenLog]:
+    return {name: read_carmen(data_folder / "logs" / f"{name}-corrected.log.gz") for name in SCANS}
+
+
+def test_known_counts_and_beams(logs: dict[str, CarmenLog]) -> None:
+    assert {name: len(log.scans) for name, log in logs.items()} == SCANS
+    assert {scan.ranges.size for scan in logs["intel"].scans} == {180}
+    assert {scan.ranges.size for scan in logs["seattle"].scans} == {361}
+    last = logs["seattle"].scans[0]
+    assert last.angle_min + 360 * last.angle_increment == pytest.approx(math.pi / 2)
+    assert all(log.truncated is None for log in logs.values())
+
+
+def test_first_scan_is_as_in_the_file(logs: dict[str, CarmenLog]) -> None:
+    scan = logs["intel"].scans[0]
+    assert scan.t == 32.9068
+    assert scan.reference == (0.600266, -0.0320327, -0.354665)
+    assert scan.odometry == (0.698035, -0.0132843, -0.460915)
+    assert scan.angle_min == -math.pi / 2
+    assert scan.angle_increment == pytest.approx(math.radians(1))
+
+
+def test_no_return_is_infinite_and_never_a_wall(logs: dict[str, CarmenLog]) -> None:
+    limits = {"intel": 80.0, "aces": 49.5, "seattle": 80.0}
+    for name, log in logs.items():
+        ranges = np.concatenate([scan.ranges for scan in log.scans])
+        assert 0.97 < np.isfinite(ranges).mean() < 1.0
+        assert ranges[np.isfinite(ranges)].max() < limits[name]
+        assert ranges.min() > 0.1
+
+
+def test_raw_odometry_drifts_by_tens_of_metres(logs: dict[str, CarmenLog]) -> None:
+    for name, least in {"intel": 50.0, "aces": 15.0, "seattle": 45.0}.items():
+        scans = logs[name].scans
+        assert max(math.dist(s.odometry[:2], s.reference[:2]) for s in scans) > least
+
+
+def test_raw_steps_are_close_to_the_true_ones_but_not_corrected(
+    logs: dict[str, CarmenLog],
+) -> None:
+    """Intel's odometry turns left about 3.3 degrees for each metre it travels."""
+    scans = logs["intel"].scans
+    travelled = turned_too_much = 0.0
+    for before, after in pairwise(scans):
+        raw = before.odometry.between(after.odometry)
+        true = before.reference.between(after.reference)
+        assert math.dist(raw[:2], true[:2]) < 0.3
+        travelled += math.hypot(true.x, true.y)
+        turned_too_much += math.remainder(raw.theta - true.theta, math.tau)
+    assert abs(math.degrees(turned_too_much / travelled)) == pytest.approx(3.3, abs=0.3)
+
+
+def test_knots_increase_and_agree_with_the_scans(logs: dict[str, CarmenLog]) -> None:
+    for log in logs.values():
+        times = [t for t, _ in log.odometry]
+        assert all(before < after for before, after in pairwise(times))
+        knots = dict(log.odometry)
+        assert all(knots[scan.t] == scan.odometry for scan in log.scans)
+        assert len(knots) > 8 * len(log.scans)
+        steps = [math.dist(a[:2], b[:2]) for (_, a), (_, b) in pairwise(log.odometry)]
+        assert np.percentile(steps, 99) < 0.5
+
+
+def test_composes_raw_steps_onto_the_first_odometry(tmp_path: Path) -> None:
+    log = read_carmen(write(tmp_path, CORRECTED))
+    first, second = log.scans
+    assert first.reference == (10.0, 5.0, math.pi / 2)
+    assert first.odometry == (1.0, 0.0, 0.0)
+    # From the first scan: 1 m ahead, then 1 m to the left, turned by 90 degrees to the left.
+    assert second.odometry == pytest.approx((2.0, 1.0, math.pi / 2))
+    assert second.ranges[:3].tolist() == [math.inf, math.inf, 2.0]
+    assert [t for t, _ in log.odometry] == [1.0, 2.0, 2.9, 3.0, 9.0]
+    assert log.odometry[2][1] == pytest.approx((1.5, 0.0, 0.0))
+
+
+def test_scans_out_of_order_are_put_in_file_order(tmp_path: Path) -> None:
+    lines = [flaser(t, 0, 0, 0, [1.0] * 181) for t in (5.0, 4.0, 4.5, 6.0)]
+    times = [scan.t for scan in read_carmen(write(tmp_path, lines)).scans]
+    assert times == sorted(times)
+    assert times[0] == 5.0
+    assert times[3] == 6.0
+    assert len(set(times)) == 4
+
+
+def test_uncorrected_log_keeps_its_own_odometry(tmp_path: Path) -> None:
+    def scan(t: float, x: float) -> str:
+        head = f"FLASER 180 {' '.join(['1'] * 180)}"
+        return f"{head} {x + 0.1} 0 0 {x} 0 0 {t} host {t}"
+
+    lines = [scan(1.0, 0.0), odom(1.5, 0.5, 0, 0), scan(2.0, 1.0), odom(2.5, 1.5, 0, 0)]
+    log = read_carmen(write(tmp_path, lines))
+    assert [scan.odometry.x for scan in log.scans] == [0.0, 1.0]
+    assert [scan.reference.x for scan in log.scans] == [0.1, 1.1]
+    assert [(t, pose.x) for t, pose in log.odometry] == [(1, 0), (1.5, 0.5), (2, 1), (2.5, 1.5)]
+
+
+@pytest.mark.parametrize("count", [180, 181, 360, 361])
+def test_beam_counts(tmp_path: Path, count: int) -> None:
+    (scan,) = read_carmen(write(tmp_path, [flaser(1, 0, 0, 0, [2.0] * count)])).scans
+    assert scan.angle_increment == pytest.approx(math.radians(1.0 if count < 200 else 0.5))
+    points = scan.points()
+    assert points.shape == (count, 2)
+    assert points[0] == pytest.approx((0.0, -2.0))
+
+
+def test_robot_laser_line_brings_its_own_geometry(tmp_path: Path) -> None:
+    line = (
+        "ROBOTLASER1 0 -1.5 3.0 0.75 8.0 0.01 0 5 1.0 2.0 8.1 3.0 4.0 2 7 8 "
+        "1.5 2.5 0.5 1.4 2.5 0.5 0.1 0.2 0.3 0.3 0.0 77.5 host 77.25"
+    )
+    (scan,) = read_carmen(write(tmp_path, [line])).scans
+    assert scan.t == 77.25
+    assert scan.ranges.tolist() == [1.0, 2.0, math.inf, 3.0, 4.0]
+    assert (scan.angle_min, scan.angle_increment) == (-1.5, 0.75)
+    assert scan.reference == Pose(1.5, 2.5, 0.5)
+    assert scan.odometry == Pose(1.4, 2.5, 0.5)
+
+
+def test_truncated_gzip_keeps_what_is_whole(tmp_path: Path, data_folder: Path) -> None:
+    whole = (data_folder / "logs" / "aces-corrected.log.gz").read_bytes()
+    path = tmp_path / "cut.log.gz"
+    path.write_bytes(whole[: len(whole) // 2])
+    log = read_carmen(path)
+    assert 150 < len(log.scans) < 300
+    assert log.truncated is not None
+    assert str(path) in log.truncated
+    assert "line" in log.truncated
+
+
+def test_plain_log_cut_within_its_last_line(tmp_path: Path) -> None:
+    path = tmp_path / "cut.log"
+    path.write_text("\n".join(CORRECTED[:11])[:-40])
+    log = read_carmen(path)
+    assert len(log.scans) == 1
+    assert log.truncated is not None
+
+
+@pytest.mark.parametrize(
+    ("content", "line"),
+    [
+        (b"\x00\xff\x01 not a log", 1),
+        (b"", 1),
+        (b"# nothing here\nODOM 0 0 0 0 0 0 1 h 1\n", 1),
+        (b"# ok\nODOM 0 0 zero 0 0 0 1 h 1\n", 2),
+        (b"# ok\n\nFLASER 180 1 2 3 0 0 0 0 0 0 1 h 1\n", 3),
+        (b"FLASER 7 1 1 1 1 1 1 1 0 0 0 0 0 0 1 h 1\n", 1),
+        (b"ODOM 0 nan 0 0 0 0 1 h 1\n", 1),
+        (b"ROBOTLASER1 0 -1.5 3.0 0.75 8.0 0.01 0 5 1.0\n", 1),
+        (gzip.compress(b"hello\n" * 50, mtime=0)[:-20] + b"\xff" * 40, None),
+    ],
+)
+def test_not_a_log_is_refused_with_file_line_and_remedy(
+    tmp_path: Path, content: bytes, line: int | None
+) -> None:
+    path = tmp_path / "wrong.log"
+    path.write_bytes(content)
+    with pytest.raises(LogError) as caught:
+        read_carmen(path)
+    message = str(caught.value)
+    assert "\n" not in message
+    assert message.startswith(f"{path}: line {'' if line is None else line}")
+    assert message.count(":") >= 3
+
+
+def test_missing_file(tmp_path: Path) -> None:
+    with pytest.raises(LogError, match=r"absent\.log"):
+        read_carmen(tmp_path / "absent.log")

@@ -1,0 +1,67 @@
+"""Recordings of earlier layouts are kept here and stay readable."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from robot_agent.config import ConfigError
+from robot_agent.messages.events import BytesReceived
+from robot_agent.recording.run_header import SCHEMA_VERSION, identity
+from tools.logs.recorded_config import changed_config, parse_old_config, recorded_config
+from tools.logs.recording import read_recording
+from tools.logs.recording_upgrades import UPGRADES
+from tools.replay.replay import Replay
+
+LAYOUT_1 = Path(__file__).parent / "recordings" / "layout_1.mcap"
+"""4.6 s of an emulated robot in a room of 8 by 6 m."""
+
+
+def test_there_is_a_step_from_every_earlier_layout() -> None:
+    assert list(UPGRADES) == list(range(1, SCHEMA_VERSION))
+
+
+def test_a_recording_of_layout_1_is_read() -> None:
+    recording = read_recording(LAYOUT_1)
+    assert recording.upgrades == ["1 to 2: identity of map, border and software"]
+    header = recording.header
+    assert header.schema_version == SCHEMA_VERSION
+    assert (header.map_hash, header.border_hash) == identity(header.map_files)
+    assert len(header.map_hash) == len(header.border_hash) == 64
+    items = list(recording.items())
+    assert recording.truncated is None
+    assert sum(isinstance(item, BytesReceived) for item in items) > 50
+
+
+def test_a_recording_of_layout_1_can_be_replayed() -> None:
+    result = Replay(read_recording(LAYOUT_1)).run(check=False)
+    assert result.decisions > 10
+
+
+def test_settings_that_exist_no_more_are_left_out_and_named() -> None:
+    old = b"[gate]\nmax_speed = 0.3\nmagic = 1\n[oracle]\nurl = 'x'\n"
+    old += b"[start]\nx=1\ny=2\ntheta=0\nq=1\n"
+    config, left_out = parse_old_config(old, "old")
+    assert config.gate.max_speed == 0.3
+    assert config.start is not None
+    assert left_out == ["gate.magic", "oracle", "start.q"]
+
+
+def test_the_kept_recording_says_what_it_was_made_with() -> None:
+    config, _left_out = recorded_config(read_recording(LAYOUT_1))
+    assert config.robot.name == "robot1"
+
+
+def test_changes_are_applied_and_checked() -> None:
+    content = b"[gate]\nmax_speed = 0.3\n"
+    config = changed_config(content, "r", ["gate.max_speed=0.1", "robot.name=zoe"])
+    assert (config.gate.max_speed, config.robot.name) == (0.1, "zoe")
+    for change, complaint in (
+        ("gate.max_speed", "SECTION.KEY=VALUE"),
+        ("gate.sped=1", "unknown key"),
+        ("gate.max_speed=-1", "gate.max_speed"),
+        ("gate.max_speed.x=1", "no section"),
+    ):
+        with pytest.raises(ConfigError, match=complaint):
+            changed_config(content, "r", [change])

@@ -1,0 +1,115 @@
+"""One device tried out with its real session, on an emulated one behind a pseudo-terminal."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from drivers.emulation.port import PtyPort
+from drivers.emulation.timed_bytes import TimedBytes
+from drivers.lms200.emulator.emulator import Lms200Emulator
+from drivers.lms200.scan import Scan
+from drivers.lms200.session import Lms200Session
+from drivers.lms200.settings import LaserSettings
+from drivers.lms200.telegrams import Mode
+from drivers.p2os.base_state import BaseState
+from drivers.p2os.emulator.emulator import P2osEmulator
+from drivers.p2os.model import load_model
+from drivers.p2os.session import P2osSession
+from drivers.p2os.settings import BaseSettings
+from tools.preflight.device_trial import DeviceTrial, run_trials
+
+LIMIT = 20.0  # s, generous: nothing waits that long when it works
+
+
+@contextmanager
+def served(port: PtyPort) -> Iterator[str]:
+    """Pump an emulated device's port on a thread; give its URL."""
+    ended = threading.Event()
+
+    def pump() -> None:
+        while not ended.wait(0.002):
+            port.pump(time.monotonic())
+
+    thread = threading.Thread(target=pump)
+    thread.start()
+    try:
+        yield port.url
+    finally:
+        ended.set()
+        thread.join()
+        port.close()
+
+
+def base_trial(url: str, reports: int) -> DeviceTrial[BaseState]:
+    def enough(states: Sequence[tuple[float, BaseState]]) -> bool:
+        return len(states) >= reports
+
+    settings = BaseSettings(url=url)
+    return DeviceTrial(url, settings.baud, P2osSession(settings), enough)
+
+
+def test_base_at_another_rate_is_found_and_left_closed() -> None:
+    emulator = P2osEmulator(load_model("p2dx"), baud=38400)
+    with served(PtyPort(emulator)) as url:
+        trial = base_trial(url, reports=3)
+        run_trials([trial], LIMIT)
+        assert trial.done
+        assert trial.line.opened
+        assert trial.line.bauds_tried == [9600, 38400]
+        assert trial.line.last_bytes_baud == 38400
+        assert trial.line.bytes_heard > 0
+        assert 0 < len(trial.line.last_bytes) <= 8
+        assert len(trial.measurements) >= 3
+        times = [t for t, _ in trial.measurements]
+        assert times == sorted(times)
+        assert emulator.counters.sessions == 1
+        assert not emulator.session_open, "closed at the end"
+        assert not emulator.motors_enabled
+
+
+def test_laser_is_left_without_a_stream() -> None:
+    emulator = Lms200Emulator(scan_source=lambda _t, n, _step: np.full(n, 2.0))
+    settings = LaserSettings(resolution_deg=1.0)
+
+    def enough(scans: Sequence[tuple[float, Scan]]) -> bool:
+        return len(scans) >= 2
+
+    with served(PtyPort(emulator)) as url:
+        trial = DeviceTrial(url, settings.baud, Lms200Session(settings), enough)
+        run_trials([trial], LIMIT)
+        assert len(trial.measurements) >= 2
+        assert emulator.mode == Mode.ON_REQUEST
+
+
+def test_missing_port_ends_the_trial_with_its_reason(tmp_path: Path) -> None:
+    trial = base_trial(str(tmp_path / "nothing"), reports=1)
+    progress: list[float] = []
+    run_trials([trial], LIMIT, progress.append)
+    assert trial.done
+    assert "no such port" in trial.line.lost
+    assert not trial.line.opened
+    assert all(elapsed < LIMIT for elapsed in progress)
+
+
+def test_silent_line_is_given_up_at_the_limit() -> None:
+    class Silence:
+        baud = 9600
+
+        def feed(self, data: bytes, t: float) -> None:
+            pass
+
+        def take_output(self, t: float) -> list[TimedBytes]:
+            return []
+
+    with served(PtyPort(Silence())) as url:
+        trial = base_trial(url, reports=1)
+        run_trials([trial], 0.8)
+        assert not trial.done
+        assert trial.line.bauds_tried[0] == 9600
+        assert (trial.line.bytes_heard, trial.line.last_bytes) == (0, b"")

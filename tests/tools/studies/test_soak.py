@@ -1,0 +1,82 @@
+"""A short soak: random faults, persons who help, recordings that make room."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from maps.map_folder import load_map_folder
+from robot_agent.config import find_map
+from tools.bench.bench_fault import BenchFault, FaultKind
+from tools.studies import soak
+from tools.studies.soak import Soak, SoakHour, SoakLog, random_faults, slope
+
+
+def test_faults_are_of_every_kind_and_reproducible():
+    faults = random_faults(2, 20_000.0, 200.0, seed=3)
+    assert faults == random_faults(2, 20_000.0, 200.0, seed=3)
+    assert {fault.kind for fault in faults} == set(FaultKind)
+    assert {fault.robot for fault in faults} == {"robot1", "robot2"}
+    assert all(60.0 < fault.start < fault.end for fault in faults)
+
+
+def test_slope_of_a_line():
+    assert slope([(1.0, 5.0), (2.0, 7.0), (3.0, 9.0)]) == pytest.approx(2.0)
+    assert slope([(1.0, 5.0)]) is None
+
+
+def test_a_robot_stuck_for_long_is_helped_and_recordings_rotate(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(soak, "HOUR_S", 20.0)
+    monkeypatch.setattr(soak, "KEEP_MB", 0.7)
+    faults = [BenchFault("robot1", FaultKind.STUCK, 14.0, 19.0)]
+    monkeypatch.setattr(soak, "random_faults", lambda *_: faults)
+    folder = load_map_folder(find_map("paper_lab", Path.cwd()))
+    run = Soak(folder, 1, 1, 80.0, 600.0, tmp_path)
+    rows, speeds = [], []
+    for row in run.hours():
+        rows.append(row)
+        speeds.append(run.fleet.robots[0].rig.base.velocity[0])
+    assert [row.contacts for row in rows] == [0, 0, 0, 0]
+    assert rows[-1].latched == 1
+    assert rows[-1].records_lost == 0
+    assert speeds[0] < 0.1 < max(speeds[2:]), "patrols again after the person came"
+    assert "robot1-20000101T000000Z.mcap" not in {path.name for path in tmp_path.iterdir()}
+
+
+def test_an_empty_battery_is_exchanged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(soak, "HOUR_S", 30.0)
+    monkeypatch.setattr(soak, "random_faults", lambda *_: [])
+    folder = load_map_folder(find_map("paper_lab", Path.cwd()))
+    run = Soak(folder, 1, 1, 60.0, 600.0, tmp_path)
+    base = run.fleet.robots[0].rig.base
+    base.battery.volts = 10.9
+    rows, speeds = [], []
+    for row in run.hours():
+        rows.append(row)
+        speeds.append(base.velocity[0])
+    assert [row.batteries for row in rows] == [1, 1]
+    assert base.battery.volts > 12.9
+    assert rows[-1].latched == 0
+    assert max(speeds) > 0.1, "patrols with the full one"
+
+
+def test_what_a_killed_soak_has_shown_is_on_disk(tmp_path: Path) -> None:
+    path = tmp_path / "soak.jsonl"
+    path.write_text("of an earlier run\n")
+    log = SoakLog(path)
+    for hour in (1.0, 2.0, 3.0):
+        log.add(row(hour, memory_mb=100.0 + hour, touched=(f"{hour} s: robot1, a wall",)))
+        lines = [json.loads(line) for line in path.read_text().splitlines()]
+        assert [line["hour"] for line in lines] == [float(n) for n in range(1, len(lines) + 1)]
+        told = json.loads((tmp_path / "soak.summary.json").read_text())
+        assert told["hour"] == hour
+        assert len(told["touched"]) == len(lines)
+    assert told["memory_slope_mb_per_hour"] == pytest.approx(1.0)
+    assert told["times_real_time"] == 14.4
+
+
+def row(hour: float, **changed: object) -> SoakHour:
+    values: dict[str, object] = dict.fromkeys(SoakHour.__dataclass_fields__, 0)
+    return SoakHour(**values | {"hour": hour, "wall_s": 250.0 * hour, "touched": ()} | changed)  # type: ignore[arg-type]

@@ -1,0 +1,151 @@
+"""The load of the drivers' threads at full sensor rate: devices in a process of their own."""
+
+from __future__ import annotations
+
+import threading
+import time
+from multiprocessing.connection import Connection
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.emulation.port import PtyPort
+from drivers.link import Link
+from drivers.lms200.emulator.emulator import Lms200Emulator
+from drivers.lms200.session import Lms200Session
+from drivers.lms200.settings import LaserSettings
+from drivers.p2os.emulator.emulator import P2osEmulator
+from drivers.p2os.model import load_model
+from drivers.p2os.session import P2osSession
+from drivers.p2os.settings import BaseSettings
+from drivers.requests import SetBaud
+from tools.studies.worker_pool import START
+
+LASER_BAUD: Final = 500_000
+TICK_PERIOD = 0.05  # s
+_PUMP_PERIOD = 0.001  # s
+_SET_UP_LIMIT = 20.0  # s
+
+
+class LoadedDriver:
+    """A session on its link, fed in the link's thread and ticked by its owner."""
+
+    def __init__(self, url: str, baud: int, session: Lms200Session | P2osSession) -> None:
+        self.results = 0
+        """Scans or base reports so far."""
+        self._session = session
+        self._lock = threading.Lock()
+        self._link = Link(url, baud, self, time.monotonic)
+        self._ident: int | None = None
+
+    def start(self) -> None:
+        """Open the port."""
+        self._link.start()
+
+    def close(self) -> None:
+        """Close it."""
+        self._link.close()
+
+    def received(self, t: float, data: bytes) -> None:
+        """Decode, in the link's thread."""
+        with self._lock:
+            self.results += len(self._session.feed(data, t))
+            self._carry_out()
+
+    def link_up(self, t: float) -> None:
+        """Begin the session."""
+        self._ident = threading.get_ident()
+        with self._lock:
+            self._session.link_up(t)
+            self._carry_out()
+
+    def link_down(self, t: float, reason: str) -> None:  # noqa: ARG002 - a listener's signature
+        """End the session."""
+        with self._lock:
+            self._session.link_down(t)
+
+    def tick(self) -> None:
+        """Let time pass for the session."""
+        with self._lock:
+            self._session.tick(time.monotonic())
+            self._carry_out()
+
+    def thread_time(self) -> float:
+        """Return the link's thread's time on a core so far, s."""
+        if self._ident is None:
+            return 0.0
+        return time.clock_gettime(time.pthread_getcpuclockid(self._ident))
+
+    def _carry_out(self) -> None:
+        for request in self._session.take_requests():
+            if isinstance(request, SetBaud):
+                self._link.set_baud(request.baud)
+            else:
+                self._link.write(request.data)
+
+
+def driver_load(duration: float) -> tuple[float, float, float]:
+    """Run base and laser drivers for a time, s, after their set-up.
+
+    Return (share of one core of all driver threads and their ticks, scans/s, base reports/s).
+    """
+    ours, theirs = START.Pipe()
+    process = START.Process(target=_emulate_devices, args=(theirs,), daemon=True)
+    process.start()
+    laser_url, base_url = ours.recv()
+    laser = LaserSettings(baud=LASER_BAUD, resolution_deg=0.5)
+    drivers = [
+        LoadedDriver(laser_url, LASER_BAUD, Lms200Session(laser)),
+        LoadedDriver(base_url, 38400, P2osSession(BaseSettings(baud=38400))),
+    ]
+    try:
+        for driver in drivers:
+            driver.start()
+        _tick_until(drivers, time.monotonic() + _SET_UP_LIMIT, at_once_when_heard=True)
+        before, heard = _spent(drivers), [driver.results for driver in drivers]
+        begin = time.monotonic()
+        _tick_until(drivers, begin + duration)
+        elapsed = time.monotonic() - begin
+        rates = [(d.results - h) / elapsed for d, h in zip(drivers, heard, strict=True)]
+        return (_spent(drivers) - before) / elapsed, rates[0], rates[1]
+    finally:
+        for driver in drivers:
+            driver.close()
+        ours.send(None)
+        process.join()
+
+
+def _tick_until(
+    drivers: list[LoadedDriver], end: float, *, at_once_when_heard: bool = False
+) -> None:
+    while time.monotonic() < end:
+        if at_once_when_heard and all(driver.results > 0 for driver in drivers):
+            return
+        for driver in drivers:
+            driver.tick()
+        time.sleep(TICK_PERIOD)
+
+
+def _spent(drivers: list[LoadedDriver]) -> float:
+    return time.thread_time() + sum(driver.thread_time() for driver in drivers)
+
+
+def _emulate_devices(pipe: Connection) -> None:
+    """Be a laser and a base on ptys until told to end."""
+
+    def scene(_t: float, n: int, _increment: float) -> NDArray[np.float64]:
+        return np.linspace(1.0, 7.0, n)
+
+    laser = Lms200Emulator(baud=LASER_BAUD, scan_source=scene)
+    base = P2osEmulator(load_model("p2dx"), baud=38400)
+    ports = [PtyPort(laser), PtyPort(base)]
+    pipe.send(tuple(port.url for port in ports))
+    begin = time.monotonic()
+    while not pipe.poll(_PUMP_PERIOD):
+        t = time.monotonic() - begin
+        base.turn_odometer(*base.advance(t))
+        for port in ports:
+            port.pump(t)
+    for port in ports:
+        port.close()

@@ -1,0 +1,150 @@
+"""What the localizer costs: time of an update by particles and beams, memory of a large map."""
+
+from __future__ import annotations
+
+import itertools
+import time
+import tracemalloc
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from localization.cluster import best_cluster
+from localization.filter import ParticleFilter
+from localization.likelihood_field import LikelihoodField
+from localization.localizer import Localizer
+from localization.settings import LocalizationSettings, SampleSettings, SensorSettings
+from maps.map_folder import load_map_folder
+from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap
+from maps.pose import Pose
+from tools.simulation.raycast import RayCaster
+
+PARTICLES = (500, 2000, 5000)
+BEAMS = (60, 180)
+UPDATES = 120
+PASSES = 3
+STEP = 0.3  # m between two scans
+SEED = 1
+LARGE_MAP = 100.0
+"""Side, m, of the map whose memory is measured, in cells of 0.05 m."""
+
+Scans = list[tuple[Pose, NDArray[np.float64]]]
+"""Poses (map_from_base) and end points (n, 2), base_link, m."""
+
+
+@dataclass(frozen=True, slots=True)
+class UpdateCost:
+    """Median times of one scan's work on one thread."""
+
+    particles: int
+    beams: int
+    filter_ms: float
+    """Motion, weights, estimate, KLD bins, resampling: what the peers' figures count."""
+    whole_ms: float
+    """All of ``Localizer.update``: refinement and scan check besides."""
+
+    @property
+    def products_per_s(self) -> float:
+        """Particle-beam products of the filter, 1/s."""
+        return 1e3 * self.particles * self.beams / self.filter_ms
+
+
+def update_costs(folder_path: Path) -> Iterator[UpdateCost]:
+    """Time updates along the border of a map folder, for every number of particles and beams."""
+    folder = load_map_folder(folder_path)
+    if folder.border is None:
+        raise ValueError(f"{folder_path} has no border to drive along")
+    scans = scans_along(folder.map, folder.border.polyline(STEP)[:UPDATES])
+    for beams in BEAMS:
+        for particles in PARTICLES:
+            settings = LocalizationSettings(
+                samples=SampleSettings(minimum=particles, maximum=particles),
+                sensor=SensorSettings(beams=beams),
+            )
+            yield UpdateCost(
+                particles,
+                beams,
+                1e3 * _best_median(_filter_update, settings, folder.map, scans),
+                1e3 * _best_median(_whole_update, settings, folder.map, scans),
+            )
+
+
+def scans_along(occupancy: OccupancyMap, path: NDArray[np.float64]) -> Scans:
+    """Take scans of 181 beams over the half turn ahead, along a path (n, 2), m."""
+    caster, rng = RayCaster(occupancy), np.random.default_rng(SEED)
+    bearings = np.radians(np.arange(-90.0, 91.0))
+    scans: Scans = []
+    for (x, y), (next_x, next_y) in itertools.pairwise(path):
+        pose = Pose(float(x), float(y), float(np.arctan2(next_y - y, next_x - x)))
+        ranges = caster.cast(pose.x, pose.y, pose.theta + bearings, 32.0)
+        ranges += rng.normal(0.0, 0.01, ranges.size)
+        hit = np.isfinite(ranges)
+        points = np.column_stack((np.cos(bearings), np.sin(bearings))) * ranges[:, np.newaxis]
+        scans.append((pose, points[hit]))
+    return scans
+
+
+def _filter_update(
+    settings: LocalizationSettings, occupancy: OccupancyMap, scans: Scans
+) -> Callable[[int], object]:
+    rng = np.random.default_rng(SEED)
+    field = LikelihoodField(settings.sensor, occupancy)
+    particles = ParticleFilter(settings.motion, field, rng)
+    cloud = rng.standard_normal((settings.samples.minimum, 3)) * (0.1, 0.1, 0.05)
+    particles.restart(np.array(scans[0][0]) + cloud)
+
+    def update(number: int) -> None:
+        pose, points = scans[number]
+        particles.predict(scans[max(number - 1, 0)][0].between(pose))
+        particles.weigh(points, settings.sensor.independent_beams)
+        best_cluster(particles.particles, particles.weights)
+        particles.resample(settings.samples)
+
+    return update
+
+
+def _whole_update(
+    settings: LocalizationSettings, occupancy: OccupancyMap, scans: Scans
+) -> Callable[[int], object]:
+    localizer = Localizer(settings, occupancy, np.random.default_rng(SEED))
+    localizer.start_at(scans[0][0], 0.1, 0.05)
+    return lambda number: localizer.update(float(number), *scans[number])
+
+
+def _best_median(
+    start: Callable[[LocalizationSettings, OccupancyMap, Scans], Callable[[int], object]],
+    settings: LocalizationSettings,
+    occupancy: OccupancyMap,
+    scans: Scans,
+) -> float:
+    """Return the median time of an update over all scans, s of its thread (all of it is one).
+
+    The best of some passes: what else the machine does can only slow a pass down.
+    """
+    return min(_median(start(settings, occupancy, scans), scans) for _ in range(PASSES))
+
+
+def _median(update: Callable[[int], object], scans: Scans) -> float:
+    times = []
+    for number in range(len(scans)):
+        started = time.thread_time()
+        update(number)
+        times.append(time.thread_time() - started)
+    return float(np.median(times))
+
+
+def large_map_mb() -> float:
+    """Return what a map of 100 x 100 m at 0.05 m and its localizer hold in memory, MB."""
+    tracemalloc.start()
+    try:
+        cells = np.full((round(LARGE_MAP / 0.05),) * 2, FREE, dtype=np.uint8)
+        cells[::200] = OCCUPIED
+        occupancy = OccupancyMap(cells, 0.05, Pose(0.0, 0.0, 0.0))
+        localizer = Localizer(LocalizationSettings(), occupancy, np.random.default_rng(SEED))
+        localizer.start_at(Pose(50.0, 5.0, 0.0), 0.1, 0.05)
+        return tracemalloc.get_traced_memory()[0] / 2**20
+    finally:
+        tracemalloc.stop()

@@ -1,0 +1,205 @@
+"""Does telemetry ever hold the control loop up? One robot, the network in every state of repair."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+import numpy as np
+
+from robot_agent.messages.streams import ProcessPayload
+from robot_agent.process.telemetry import Telemetry, TelemetrySettings
+from tools.campaign.agent_stage import AgentStage
+from tools.logs.recording import read_recording
+from tools.monitor.endpoint import free_endpoint
+from tools.monitor.operator import Operator
+
+SEED = 1
+SETTLED_S = 7.0
+"""An agent has connected, localized and set off by then."""
+
+
+@dataclass(frozen=True)
+class LoopTiming:
+    """How one robot's control loop fared; times from last report byte to first command byte, s."""
+
+    trouble: str
+    median: float
+    p99: float
+    longest: float
+    memory_mb: float
+    dropped: int
+    """Payloads that had to make room for newer ones."""
+
+
+@contextmanager
+def _process(*words: str) -> Iterator[subprocess.Popen[bytes]]:
+    command = [sys.executable, "-m", *words]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL) as process:
+        try:
+            yield process
+        finally:
+            process.send_signal(signal.SIGCONT)
+            process.kill()
+
+
+def _port(endpoint: str) -> str:
+    return endpoint.rpartition(":")[2]
+
+
+class Network:
+    """What lies beyond the robot's telemetry: the operator's processes, as a trouble wants them."""
+
+    def __init__(self, stack: ExitStack) -> None:
+        self._stack = stack
+        self.endpoint = free_endpoint()
+        """What the robot dials."""
+
+    def seat_operator(self, endpoint: str | None = None) -> subprocess.Popen[bytes]:
+        """Start an operator, where the robot dials by default."""
+        words = ("tools.cli", "monitor", "--text", "--listen", endpoint or self.endpoint)
+        return self._stack.enter_context(_process(*words))
+
+    def spoil_link(self) -> None:
+        """Put a bad link between the robot and an operator."""
+        behind = free_endpoint()
+        self.seat_operator(behind)
+        words = ("tools.benchmark.bad_link", _port(self.endpoint), _port(behind))
+        self._stack.enter_context(_process(*words))
+
+
+Disturbance = Callable[[Network, float], None]
+"""Called all the time while the robot is measured, with the time since the start, s."""
+
+
+def _nothing(_network: Network, _t: float) -> None:
+    """Leave the network as it is."""
+
+
+class _Freezer:
+    """Freezes the operator in mid-message for good."""
+
+    def __init__(self, operator: subprocess.Popen[bytes]) -> None:
+        self._operator = operator
+        self._frozen = False
+
+    def __call__(self, _network: Network, t: float) -> None:
+        if not self._frozen and t > SETTLED_S - 1.0:
+            self._frozen = True
+            self._operator.send_signal(signal.SIGSTOP)
+
+
+class _Restarter:
+    """Kills the operator and starts another, again and again."""
+
+    PERIOD_S = 3.0
+
+    def __init__(self, operator: subprocess.Popen[bytes]) -> None:
+        self._operator: subprocess.Popen[bytes] | None = operator
+        self._next = SETTLED_S
+
+    def __call__(self, network: Network, t: float) -> None:
+        if t < self._next:
+            return
+        self._next += self.PERIOD_S
+        if self._operator is not None:
+            self._operator.kill()
+            self._operator = None
+        else:
+            self._operator = network.seat_operator()
+
+
+def _spoiled(network: Network) -> Disturbance:
+    network.spoil_link()
+    return _nothing
+
+
+TROUBLES: dict[str, Callable[[Network], Disturbance] | None] = {
+    "no telemetry": None,
+    "operator absent": lambda _network: _nothing,
+    "operator hears": lambda network: _kept(network.seat_operator()),
+    "operator frozen in mid-message": lambda network: _Freezer(network.seat_operator()),
+    "operator killed and restarted": lambda network: _Restarter(network.seat_operator()),
+    "bad link: 0.5 s late, 1 % stalls": _spoiled,
+}
+
+
+def _kept(_operator: subprocess.Popen[bytes]) -> Disturbance:
+    return _nothing
+
+
+def loop_timings(measured: float, rounds: int = 3) -> Iterator[LoopTiming]:
+    """Measure every trouble for ``measured`` s of real time, several times in turn.
+
+    Of each figure the best is kept: what others do on the machine meanwhile only adds.
+    """
+    timings: dict[str, list[LoopTiming]] = {trouble: [] for trouble in TROUBLES}
+    for _ in range(rounds):
+        for trouble, found in timings.items():
+            with tempfile.TemporaryDirectory() as folder:
+                found.append(_timing(trouble, Path(folder), measured))
+    for trouble, found in timings.items():
+        yield LoopTiming(
+            trouble,
+            min(timing.median for timing in found),
+            min(timing.p99 for timing in found),
+            min(timing.longest for timing in found),
+            max(timing.memory_mb for timing in found),
+            max(timing.dropped for timing in found),
+        )
+
+
+def _timing(trouble: str, folder: Path, measured: float) -> LoopTiming:
+    with ExitStack() as stack:
+        network = Network(stack)
+        prepare = TROUBLES[trouble]
+        disturb = _nothing if prepare is None else prepare(network)
+        operator = "" if prepare is None else network.endpoint
+        stage = stack.enter_context(AgentStage(folder, SEED, operator))
+        stage.start_agent()
+        started = time.monotonic()
+        while (t := time.monotonic() - started) < SETTLED_S + measured:
+            disturb(network, t)
+            stage.step()
+            if t < SETTLED_S:
+                stage.tap.response_times.clear()
+        stage.end_agent()
+        times = np.array(stage.tap.response_times)
+        process = _last_word(stage.recordings[-1])
+    return LoopTiming(
+        trouble,
+        float(np.median(times)),
+        float(np.percentile(times, 99)),
+        float(times.max()),
+        process.memory_mb,
+        process.telemetry_dropped,
+    )
+
+
+def _last_word(recording: Path) -> ProcessPayload:
+    """Return what the process said of itself last."""
+    *_, (_, _, payload) = read_recording(recording).messages({"process"})
+    return msgspec.json.decode(payload, type=ProcessPayload)
+
+
+def reconnection_time(absence: float) -> float:
+    """Return how long after an operator is back (s) a robot is heard, having been absent (s)."""
+    endpoint = free_endpoint()
+    robot = Telemetry(TelemetrySettings(operator=endpoint), robot="robot1", team="faults")
+    try:
+        time.sleep(absence)
+        with Operator(endpoint) as operator:
+            back = time.monotonic()
+            while not any(state.online for state in operator.team.snapshot()):
+                time.sleep(0.01)
+            return time.monotonic() - back
+    finally:
+        robot.close()

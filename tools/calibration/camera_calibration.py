@@ -1,0 +1,111 @@
+"""Fits the camera's direction and focal length to robots that laser and camera saw at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from drivers.camera_source import CameraSettings
+from maps.map_folder import map_folder_from_files
+from maps.pose import Pose
+from robot_agent.agent import Agent
+from robot_agent.config import parse_config
+from robot_agent.messages.events import BlobsSeen, Event
+from tools.calibration.color_calibration import CalibrationError
+from tools.logs.recording import Recording
+
+LEAST_PAIRS = 20
+LEAST_SPREAD = 0.15  # rad, one sigma of the bearings: a focal length shows at the sides only
+_FARTHEST = 0.5  # rad between a band and the only robot, whatever the mount may be
+_ALONE = 0.6  # a band of less confidence is no witness
+_FRESH = 0.3  # s
+_OUTLIER = 4.0  # pixels
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """bearing: rad of a robot about the lens, in base_link. across: pixels from the picture's
+    middle, right positive, of its band."""
+
+    bearing: float
+    across: float
+
+
+@dataclass(frozen=True, slots=True)
+class CameraFit:
+    """theta: rad the camera looks to the left of ahead. focal_length: pixels. rms: pixels left."""
+
+    theta: float
+    focal_length: float
+    rms: float
+    pairs: int
+
+
+def pairs_of(recording: Recording) -> tuple[list[Pair], CameraSettings]:
+    """Return the moments at which one robot was seen by the laser and one band by the camera.
+
+    The recording's own agent is run again to know where it saw robots.
+    """
+    header = recording.header
+    config = parse_config(header.configuration, f"{recording.path} (configuration)")
+    folder = map_folder_from_files(config.map.folder, header.map_files, config.map.border)
+    agent = Agent(config, folder, header.start_wall_ns)
+    pairs = []
+    for item in recording.items():
+        if not isinstance(item, Event):
+            continue
+        agent.handle(item)
+        if isinstance(item, BlobsSeen):
+            pairs += _pair(agent, item, config.camera)
+    return pairs, config.camera
+
+
+def _pair(agent: Agent, event: BlobsSeen, camera: CameraSettings) -> list[Pair]:
+    pose = agent.whereabouts.localized_pose_at(event.taken)
+    if pose is None or len(event.blobs) != 1 or event.blobs[0].confidence < _ALONE:
+        return []
+    lens = pose.compose(Pose(camera.mount[0], camera.mount[1], 0.0))
+    bearings = [
+        math.remainder(math.atan2(track.y - lens.y, track.x - lens.x) - lens.theta, math.tau)
+        for track in agent.sight.tracker.tracks
+        if track.robot_sized and event.taken - track.last_seen < _FRESH
+    ]
+    seen_at = event.blobs[0].bearing + camera.mount[2]
+    near = [bearing for bearing in bearings if abs(bearing - seen_at) < _FARTHEST]
+    if len(near) != 1:
+        return []
+    return [Pair(near[0], -camera.focal_length * math.tan(event.blobs[0].bearing))]
+
+
+def fit_camera(pairs: Sequence[Pair], camera: CameraSettings) -> CameraFit:
+    """Fit direction and focal length; odd pairs count little.
+
+    Raises CalibrationError for too few pairs, or all in one direction.
+    """
+    if len(pairs) < LEAST_PAIRS:
+        raise CalibrationError(
+            f"{len(pairs)} moments with one robot before laser and camera, {LEAST_PAIRS} are "
+            "needed: record a robot with its band that drives about before this one"
+        )
+    bearings = np.array([pair.bearing for pair in pairs])
+    across = np.array([pair.across for pair in pairs])
+    if bearings.std() < LEAST_SPREAD:
+        raise CalibrationError(
+            f"the robot stayed within {math.degrees(bearings.std()):.1f} degrees (one sigma) of "
+            "one direction: let it cross the whole picture"
+        )
+    found = least_squares(
+        lambda p: -p[1] * np.tan(bearings - p[0]) - across,
+        x0=(camera.mount[2], camera.focal_length),
+        loss="soft_l1",
+        f_scale=_OUTLIER,
+        x_scale=(0.01, 10.0),
+    )
+    residuals = -found.x[1] * np.tan(bearings - found.x[0]) - across
+    good = residuals[np.abs(residuals) < 3.0 * _OUTLIER]
+    rms = float(np.sqrt(np.mean(good**2))) if good.size else math.inf
+    return CameraFit(float(found.x[0]), float(found.x[1]), rms, len(pairs))

@@ -1,0 +1,1 @@
+"""The fault campaign: one patrolling robot, every fault, and how it reacts."""

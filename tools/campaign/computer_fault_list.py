@@ -1,0 +1,139 @@
+"""Faults of the robot's computer, of the agent's process, and of the network."""
+
+from __future__ import annotations
+
+import resource
+import signal
+
+from tools.campaign.agent_stage import AgentStage
+from tools.campaign.fault import (
+    IN_SESSION_LIMIT_S,
+    NEW_AGENT_LIMIT_S,
+    Expected,
+    Fault,
+    do_nothing,
+    sending,
+)
+
+
+def _fill_disk(stage: AgentStage) -> None:
+    stage.limit_agent(resource.RLIMIT_FSIZE, stage.recordings[-1].stat().st_size)
+
+
+def _free_disk(stage: AgentStage) -> None:
+    stage.limit_agent(resource.RLIMIT_FSIZE, resource.RLIM_INFINITY)
+
+
+def _take_memory(stage: AgentStage) -> None:
+    stage.limit_agent(resource.RLIMIT_AS, 1)
+
+
+def _hog(stage: AgentStage) -> None:
+    """Let the agent run a fifth of the time, in pieces: 0.4 s not, 0.1 s on."""
+    freeze, go_on = sending(signal.SIGSTOP), sending(signal.SIGCONT)
+    stage.later(
+        *(
+            (0.5 * turn + at, lambda do=do: do(stage))
+            for turn in range(8)
+            for at, do in ((0.0, freeze), (0.4, go_on))
+        )
+    )
+
+
+def _flood(stage: AgentStage) -> None:
+    stage.dismiss_operator()
+    stage.flood()
+
+
+def _end_flood(stage: AgentStage) -> None:
+    stage.end_flood()
+    stage.seat_operator()
+
+
+def _thread_dies(thread: str, what: str, expected: Expected) -> Fault:
+    name = thread.strip("/") + "-thread"
+    begin = sending(signal.SIGUSR1)
+    return Fault(
+        *(name, what, begin, lambda stage: stage.start_agent(), expected),
+        recover_within=NEW_AGENT_LIMIT_S,
+        traitor=thread,
+    )
+
+
+COMPUTER_FAULTS: tuple[Fault, ...] = (
+    Fault(
+        "agent-frozen",
+        "agent gets SIGSTOP, then SIGCONT",
+        sending(signal.SIGSTOP),
+        sending(signal.SIGCONT),
+        Expected.BASE_STOPS,
+        back_within=IN_SESSION_LIMIT_S,
+    ),
+    Fault(
+        "agent-killed",
+        "agent gets SIGKILL, is started again",
+        sending(signal.SIGKILL),
+        lambda stage: stage.start_agent(),
+        Expected.BASE_STOPS,
+        recover_within=NEW_AGENT_LIMIT_S,
+    ),
+    Fault(
+        "agent-ended",
+        "agent gets SIGTERM, is started again",
+        sending(signal.SIGTERM),
+        lambda stage: stage.start_agent(),
+        Expected.AGENT_STOPS,
+        recover_within=NEW_AGENT_LIMIT_S,
+    ),
+    Fault(
+        "operator-absent",
+        "operator's machine leaves the network, comes back",
+        lambda stage: stage.dismiss_operator(),
+        lambda stage: stage.seat_operator(),
+        Expected.MAY_PATROL,
+    ),
+    Fault(
+        "disk-full",
+        "disk takes no more of the recording",
+        _fill_disk,
+        _free_disk,
+        Expected.MAY_PATROL,
+    ),
+    Fault(
+        "memory-gone",
+        "agent gets no more memory; is started again",
+        _take_memory,
+        lambda stage: stage.start_agent(),
+        Expected.MAY_PATROL,
+        recover_within=NEW_AGENT_LIMIT_S,
+    ),
+    Fault(
+        "cpu-hogged",
+        "agent runs 0.1 s of every 0.5 s",
+        _hog,
+        do_nothing,
+        Expected.AGENT_STOPS,
+        lasts=4.5,
+        order_within=0.6,  # it is held for the first 0.4 s
+    ),
+    Fault(
+        "clock-jump",
+        "wall clock jumps back nine years",
+        sending(signal.SIGUSR1),
+        do_nothing,
+        Expected.MAY_PATROL,
+        traitor="clock",
+    ),
+    Fault(
+        "operator-floods",
+        "garbage from the operator's place, as fast as it goes",
+        _flood,
+        _end_flood,
+        Expected.MAY_PATROL,
+    ),
+    _thread_dies("/base", "base's link thread dies; agent started again", Expected.BASE_STOPS),
+    _thread_dies("/laser", "laser's link thread dies; agent started again", Expected.AGENT_STOPS),
+    _thread_dies("camera", "camera's thread dies; agent started again", Expected.MAY_PATROL),
+    _thread_dies("recorder", "recorder's thread dies; agent started again", Expected.MAY_PATROL),
+    _thread_dies("telemetry", "telemetry's thread dies; agent started again", Expected.MAY_PATROL),
+)

@@ -1,0 +1,26 @@
+"""All faults, in the order of the table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tools.campaign.computer_fault_list import COMPUTER_FAULTS
+from tools.campaign.fault import Expected, Fault, FaultError, do_nothing
+from tools.campaign.line_fault_list import LINE_FAULTS
+from tools.campaign.robot_fault_list import ROBOT_FAULTS
+
+FAULTS: tuple[Fault, ...] = (
+    Fault("none", "nothing at all", do_nothing, do_nothing, Expected.MAY_PATROL),
+    *LINE_FAULTS,
+    *ROBOT_FAULTS,
+    *COMPUTER_FAULTS,
+)
+
+
+def chosen_faults(names: Sequence[str]) -> list[Fault]:
+    """Return the faults of these names, all of them if there is none; raises FaultError."""
+    known = {fault.name: fault for fault in FAULTS}
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise FaultError(f"no fault {unknown[0]!r}; faults are {', '.join(known)}")
+    return [known[name] for name in names] or list(FAULTS)

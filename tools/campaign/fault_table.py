@@ -1,0 +1,188 @@
+"""The table of faults and reactions: detected, stopped, back, patrolling again.
+
+Each fault gets an emulated robot of its own in a small room, driven by the shipped agent process
+over pseudo-terminals. All that decides is measured on the robot's side of the line: which order it
+was under, how its wheels turned. Only detection and the laser's return come from the recording.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from tools.campaign.agent_stage import AgentStage, Moment
+from tools.campaign.fault import Fault, FaultError
+from tools.campaign.reaction import (
+    AGENT_LIMIT_S,
+    RECOVERY_LIMIT_S,
+    STOP_LIMIT_S,
+    WATCHDOG_LIMIT_S,
+    Reaction,
+    complaints,
+    data_lost,
+    first_scan,
+    measure_stop,
+    new_reaction,
+    note_detection,
+    patrols,
+    steady_since,
+)
+from tools.preflight.watchdog_trial import ADVISED_WATCHDOG_S
+
+START_LIMIT_S = 25.0
+"""How long an agent may take from its start until the robot patrols."""
+WATCHED_S = 15.0
+"""How long a robot is given to recover."""
+
+
+def run_fault(fault: Fault, folder: Path, watchdog: float = ADVISED_WATCHDOG_S) -> Reaction:
+    """Run one fault on a robot of its own in an empty folder; takes about 15 s.
+
+    watchdog: s, what is set in its base's FLASH.
+
+    Raises FaultError if the robot does not come to patrol in the first place.
+    """
+    reaction = new_reaction(fault)
+    with AgentStage(folder, watchdog=watchdog) as stage:
+        stage.traitor = fault.traitor
+        if fault.name.startswith("operator"):
+            stage.seat_operator()
+        if fault.with_camera:
+            stage.mount_camera()
+        stage.start_agent()
+        _wait_for_patrol(stage)
+        begun = time.monotonic()
+        fault.begin(stage)
+        _watch(stage, fault.lasts)
+        stands, sessions = stage.tap.told_to_stand, stage.tap.sessions
+        stage.tap.forget()
+        ended = time.monotonic()
+        fault.end(stage)
+        after = _watch(
+            *(stage, max(WATCHED_S, reaction.recover_within)),
+            until=lambda seen: patrols(seen) and not (fault.to_border and stage.off_border > 0.15),
+        )
+        stage.traitor = ""
+        stage.end_agent()
+    watched = [moment for moment in stage.trace if begun <= moment.t <= after[-1].t]
+    measure_stop(reaction, begun, watched)
+    note_detection(reaction, begun, after[-1].t, stage.recordings[0])
+    if patrols(after) and not (fault.to_border and stage.off_border > 0.15):
+        since = after[-1].t if fault.to_border else steady_since(after)
+        reaction.recovered = max(0.0, since - ended)
+    reaction.data_lost = data_lost(stage.ends, stage.recordings)
+    if fault.of_laser:
+        reaction.back = first_scan(ended, stage.recordings[0])
+    elif stage.tap.first_order:
+        reaction.back = stage.tap.first_at - ended
+    # Who stands under orders in a session that goes on needs no order to stand.
+    held_on = stands and stage.tap.sessions == sessions
+    reaction.first_order = "" if held_on else stage.tap.first_order
+    reaction.contacts = stage.world.contacts
+    reaction.complaints = complaints(reaction)
+    return reaction
+
+
+def _wait_for_patrol(stage: AgentStage) -> None:
+    """Step until the robot patrols at speed."""
+    moments = _watch(stage, START_LIMIT_S, until=lambda seen: patrols(seen) and seen[-1].v > 0.25)
+    if not patrols(moments):
+        raise FaultError(f"the robot did not begin to patrol: {stage.agent_log()}")
+
+
+def _watch(
+    stage: AgentStage,
+    duration: float,
+    until: Callable[[Sequence[Moment]], bool] = lambda _: False,
+) -> list[Moment]:
+    """Step for a duration, s, or until something is so; return every moment, one at least."""
+    moments = [stage.step()]
+    while moments[-1].t - moments[0].t < duration and not until(moments):
+        moments.append(stage.step())
+    return moments
+
+
+def run_faults(
+    faults: Sequence[Fault],
+    tell: Callable[[Reaction], None] = lambda _: None,
+    keep: Path | None = None,
+    watchdog: float = ADVISED_WATCHDOG_S,
+) -> list[Reaction]:
+    """Run faults one after the other; ``tell`` hears of each as it is done.
+
+    With ``keep`` each fault's recordings stay in a folder of its name there.
+    """
+    reactions = []
+    for fault in faults:
+        with tempfile.TemporaryDirectory(prefix="patrol-fault-") as folder:
+            reactions.append(run_fault(fault, Path(folder), watchdog))
+            if keep is not None:
+                _keep_recordings(Path(folder), keep / fault.name)
+        tell(reactions[-1])
+    return reactions
+
+
+def _keep_recordings(source: Path, target: Path) -> None:
+    target.mkdir(parents=True, exist_ok=True)
+    for recording in sorted(source.glob("*.mcap")):
+        shutil.copy(recording, target)
+
+
+HEADINGS = (
+    "fault",
+    "detected s",
+    "by",
+    "ordered to stand s",
+    "by",
+    "at rest s",
+    "back s",
+    "first order",
+    "patrolling again s",
+    "contacts",
+    "data lost s",
+    "verdict",
+)
+
+
+def row(reaction: Reaction) -> tuple[str, ...]:
+    """Return a reaction as the cells below ``HEADINGS``."""
+    return (
+        reaction.what,
+        _seconds(reaction.detected),
+        reaction.detected_by,
+        _seconds(reaction.ordered),
+        reaction.ordered_by,
+        _seconds(reaction.stopped),
+        _seconds(reaction.back),
+        reaction.first_order,
+        _seconds(reaction.recovered),
+        str(reaction.contacts),
+        f"{reaction.data_lost:.2f}",
+        "; ".join(reaction.complaints) or "ok",
+    )
+
+
+def _seconds(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}"
+
+
+def markdown(reactions: Sequence[Reaction]) -> str:
+    """Return the table in Markdown."""
+    lines = [HEADINGS, tuple("---" for _ in HEADINGS), *map(row, reactions)]
+    table = "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+    return f"{table}\n\n{NOTE}\n"
+
+
+NOTE = (
+    "Detected, ordered, at rest: since the fault began. Back (base commanded again, or a scan "
+    "understood again), patrolling again: since it ended, which is the cable's return or the "
+    "agent's new start. First order: of those that move or stop. Limits: ordered to stand within "
+    f"{AGENT_LIMIT_S:g} s where the agent sees the fault and can still command, else within the "
+    f"base's watchdog of {WATCHDOG_LIMIT_S:g} s; at rest within {STOP_LIMIT_S:g} s; back "
+    "within 1 s where the robot is still in session, 2 s after any "
+    f"other return of a cable; patrolling again within {RECOVERY_LIMIT_S:g} s; first order to "
+    "stand; no contact."
+)

@@ -1,0 +1,208 @@
+"""How a robot took a fault: when it noticed, when it stood, when it was back; and how well."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from robot_agent.messages.effects import Publish
+from robot_agent.messages.events import Shutdown
+from robot_agent.messages.foxglove import Log
+from robot_agent.messages.streams import StatusPayload, decode
+from tools.campaign.agent_stage import Moment
+from tools.campaign.fault import Expected, Fault
+from tools.logs.recording import read_recording
+
+STEADY_S = 0.7
+"""A robot that has moved this long without a break patrols."""
+STANDING_S = 0.3
+"""Wheels at rest this long have stopped; in a turn they pass zero for less."""
+AGENT_LIMIT_S = 0.3
+"""Within this the agent must have ordered a stop where it can see the fault and still command."""
+WATCHDOG_LIMIT_S = 2.0
+"""Within this the base must have begun to stop by itself where the agent cannot."""
+STOP_LIMIT_S = 2.0
+"""Within this the wheels must be at rest, whoever stops them."""
+RECOVERY_LIMIT_S = 10.0
+BORDER_LIMIT_S = 60.0
+"""Within this a robot that was put elsewhere must be back on its border."""
+SAMPLING_S = 0.05
+"""Of the emulator's steps and its watchdog, on a loaded machine."""
+
+_DEVICES = ("base", "laser", "camera")
+_WELL = ("port open", "pictures come")
+STANDING_FIRST = ("", "STOP", "VEL 0", "RVEL 0", "CLOSE", "ENABLE 0")
+
+
+@dataclass(slots=True)
+class Reaction:
+    """How the robot took a fault; times in s since the fault began, None: did not happen."""
+
+    fault: str
+    what: str
+    expected: Expected
+    back_within: float | None
+    """Limit of ``back``, s."""
+    order_within: float | None = None
+    """Limit of ``ordered``, s, where it is not the usual one."""
+    recover_within: float = 10.0
+    """Limit of ``recovered``, s."""
+    detected: float | None = None
+    """First event, status or standing order."""
+    detected_by: str = ""
+    ordered: float | None = None
+    """Under orders to stand."""
+    ordered_by: str = ""
+    speed: float = 0.0
+    """m/s, at that moment."""
+    stopped: float | None = None
+    """Wheels at rest."""
+    back: float | None = None
+    """Base commanded again, or scans understood again; since the fault's end."""
+    recovered: float | None = None
+    """Moving again, since the fault's end."""
+    first_order: str = ""
+    """First motion order after the fault's end, of the new session where there is one."""
+    contacts: int = 0
+    data_lost: float = 0.0
+    """s of the runs that their recordings lack, at their ends."""
+    complaints: list[str] = field(default_factory=list)
+
+
+def new_reaction(fault: Fault) -> Reaction:
+    """Return a reaction of which nothing is known yet."""
+    return Reaction(
+        *(fault.name, fault.what, fault.expected, fault.back_within, fault.order_within),
+        fault.recover_within or (BORDER_LIMIT_S if fault.to_border else RECOVERY_LIMIT_S),
+    )
+
+
+def steady_since(moments: Sequence[Moment]) -> float:
+    """Return since when (s) the robot has been moving without a break, up to the last moment."""
+    since = math.inf
+    for moment in reversed(moments):
+        if not moment.moving:
+            break
+        since = moment.t
+    return since
+
+
+def patrols(moments: Sequence[Moment]) -> bool:
+    """Tell whether the robot has been moving for a while now."""
+    return moments[-1].t - steady_since(moments) >= STEADY_S
+
+
+def measure_stop(reaction: Reaction, begun: float, moments: Sequence[Moment]) -> None:
+    """Find the first standing order and when the wheels came to rest."""
+    for number, moment in enumerate(moments):
+        if reaction.ordered is None and moment.order:
+            reaction.ordered, reaction.ordered_by = moment.t - begun, moment.order
+            reaction.speed = moments[max(0, number - 1)].v
+        stands = reaction.stopped is None and moment.standing
+        if stands and _stays_standing(moments[number:]):
+            reaction.stopped = moment.t - begun
+        if reaction.stopped is not None and reaction.ordered is not None:
+            return
+
+
+def _stays_standing(moments: Sequence[Moment]) -> bool:
+    for moment in moments:
+        if not moment.standing:
+            return False
+        if moment.t - moments[0].t >= STANDING_S:
+            return True
+    return False
+
+
+def note_detection(reaction: Reaction, begun: float, until: float, recording: Path) -> None:
+    """Take the first thing the agent said of the fault, else the first standing order."""
+    for t, item in _published(recording, begun):
+        if t <= until and (said := _alarm(item)):
+            reaction.detected, reaction.detected_by = t - begun, said
+            break
+    if reaction.ordered is not None and (
+        reaction.detected is None or reaction.ordered < reaction.detected
+    ):
+        reaction.detected, reaction.detected_by = reaction.ordered, reaction.ordered_by
+
+
+def first_scan(ended: float, recording: Path) -> float | None:
+    """Return how long after the fault's end, s, the agent took in a scan."""
+    times = (t for t, item in _published(recording, ended) if item.stream == "scan")
+    first = next(times, None)
+    return None if first is None else first - ended
+
+
+def data_lost(ends: Sequence[float], recordings: Sequence[Path]) -> float:
+    """Return how much of the ends of runs, s, is not in their recordings."""
+    return sum(_lost_at_end(end, path) for end, path in zip(ends, recordings, strict=True))
+
+
+def _lost_at_end(end: float, path: Path) -> float:
+    """Return how long before its process's end, s, monotonic, a recording ends."""
+    recording = read_recording(path)
+    last = 0.0
+    for item in recording.items():
+        if isinstance(item, Shutdown):
+            return 0.0  # the run had come to its end; what followed was no part of it
+        last = getattr(item, "t", last)
+    return max(0.0, end - 1e-9 * recording.header.start_monotonic_ns - last)
+
+
+def _published(path: Path, since: float) -> list[tuple[float, Publish]]:
+    """Return what the agent has told from a time on (s, monotonic), with the times."""
+    recording = read_recording(path)
+    start = 1e-9 * recording.header.start_monotonic_ns
+    told = []
+    t = 0.0
+    for item in recording.items():
+        if not isinstance(item, Publish):
+            t = getattr(item, "t", t)
+        elif start + t > since:
+            told.append((start + t, item))
+    return told
+
+
+def _alarm(item: Publish) -> str:
+    """Return what an event or a status says of a fault, if it does."""
+    if item.stream == "status":
+        status = decode("status", item.payload)
+        assert isinstance(status, StatusPayload)
+        return "" if status.health == "ok" else f"status: {status.health}"
+    if item.stream != "event":
+        return ""
+    log = decode("event", item.payload)
+    assert isinstance(log, Log)
+    if log.name in _DEVICES and log.message not in _WELL:
+        return f"event: {log.name}"
+    held = log.name == "gate" and log.message.startswith("holds the robot")
+    return f"event: {log.message}" if held else ""
+
+
+def complaints(reaction: Reaction) -> list[str]:
+    """Return in what the reaction falls short."""
+    found = []
+    if reaction.contacts:
+        found.append(f"{reaction.contacts} contacts")
+    if reaction.recovered is None or reaction.recovered > reaction.recover_within:
+        found.append(f"not patrolling within {reaction.recover_within:g} s")
+    if reaction.expected is Expected.MAY_PATROL:
+        return found
+    by_agent = reaction.expected is Expected.AGENT_STOPS
+    order_limit = reaction.order_within or (AGENT_LIMIT_S if by_agent else WATCHDOG_LIMIT_S)
+    if not _within(reaction.ordered, order_limit):
+        found.append(f"no standing order within {order_limit:g} s")
+    stop_limit = STOP_LIMIT_S + (max(0.0, order_limit - AGENT_LIMIT_S) if by_agent else 0.0)
+    if not _within(reaction.stopped, stop_limit):
+        found.append(f"not at rest within {stop_limit:.2f} s")
+    if reaction.back_within is not None and not _within(reaction.back, reaction.back_within):
+        found.append(f"not back within {reaction.back_within:g} s")
+    if reaction.first_order not in STANDING_FIRST:
+        found.append(f"first order after it was {reaction.first_order}")
+    return found
+
+
+def _within(time: float | None, limit: float) -> bool:
+    return time is not None and time <= limit + SAMPLING_S

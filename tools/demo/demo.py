@@ -1,0 +1,219 @@
+"""Emulated robots as processes: one world, one unmodified agent per robot, one operator."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from maps.pose import Pose
+from robot_agent.config import (
+    AgentConfig,
+    MapSettings,
+    RobotSettings,
+    StartSettings,
+    format_config,
+)
+from tools.monitor.monitor import Monitor, MonitorOptions, until
+from tools.monitor.site import Site
+from tools.monitor.text_view import show_team
+from tools.progress import Progress
+
+POLL_S = 0.2
+STOP_S = 5.0
+"""How long a process may take to end in good order before it is killed."""
+
+
+class DemoError(ValueError):
+    """The demo could not be started."""
+
+
+@dataclass(frozen=True)
+class EmulatedRobot:
+    """What the world process says of one robot."""
+
+    name: str
+    base_url: str
+    laser_url: str
+    camera_url: str
+    """Empty: it has none."""
+    start: Pose
+    """True starting pose, map_from_base."""
+
+
+@dataclass(frozen=True)
+class DemoOptions:
+    """What a demo run is made of."""
+
+    map_folder: Path
+    border: str
+    robots: int
+    seed: int
+    operator: str
+    """Zenoh endpoint the agents connect to."""
+    record: Path
+    """Folder of recordings, configurations and the true positions."""
+    strangers: int = 0
+    """How many people and carts walk about."""
+    cameras: bool = False
+    """Whether the robots have cameras."""
+
+
+class Demo:
+    """The processes of a demo; stops them in order, robots first, whatever happens."""
+
+    def __init__(self, options: DemoOptions) -> None:
+        """Nothing is started before the context is entered."""
+        self.options = options
+        self.robots: list[EmulatedRobot] = []
+        self.exit_statuses: dict[str, int] = {}
+        self._agents: dict[str, subprocess.Popen[bytes]] = {}
+        self._world: subprocess.Popen[str] | None = None
+
+    @property
+    def truth_path(self) -> Path:
+        """Where the world process writes the true positions."""
+        return self.options.record / "truth.jsonl"
+
+    def recording_path(self, robot: str) -> Path:
+        """Where a robot's agent writes its recording."""
+        return self.options.record / f"{robot}.mcap"
+
+    def __enter__(self) -> Demo:
+        """Start the world, then one agent per robot."""
+        self.options.record.mkdir(parents=True, exist_ok=True)
+        try:
+            self._start_world()
+            for number, robot in enumerate(self.robots):
+                self._start_agent(robot, self.options.seed + number)
+        except BaseException:
+            self.stop()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Stop everything."""
+        self.stop()
+
+    def watch(
+        self, duration: float | None, site: Site, *, http: str | None, headless: bool
+    ) -> bool:
+        """Run the demo with its monitor until the duration (s) is over or Ctrl-C.
+
+        Returns whether every process was still running at the end; raises DemoError when the demo
+        cannot be started, WebError when the page cannot be served at ``http``.
+        """
+        with Monitor(MonitorOptions(self.options.operator, http, site)) as monitor, self:
+            going_on = until(duration)
+            if monitor.url:
+                print(f"patrol demo: the team is shown at {monitor.url}", file=sys.stderr)
+            try:
+                if headless:
+                    self._wait_while(going_on)
+                else:
+                    show_team(monitor.watch, lambda: self.alive() and going_on())
+            except KeyboardInterrupt:
+                print("patrol demo: stopping the robots", file=sys.stderr)
+            return self.alive()
+
+    def _wait_while(self, going_on: Callable[[], bool]) -> None:
+        with Progress("demo", None, "s") as progress:
+            started = time.monotonic()
+            while self.alive() and going_on():
+                time.sleep(POLL_S)
+                progress(time.monotonic() - started)
+
+    def alive(self) -> bool:
+        """Tell whether every process still runs."""
+        processes = [self._world, *self._agents.values()]
+        return all(process is not None and process.poll() is None for process in processes)
+
+    def agent_pids(self) -> list[int]:
+        """Process numbers of the agents."""
+        return [process.pid for process in self._agents.values()]
+
+    def stop(self) -> None:
+        """End the agents (they stop their robots), then the world."""
+        for process in self._agents.values():
+            if process.poll() is None:
+                process.send_signal(signal.SIGTERM)
+        for name, process in self._agents.items():
+            self.exit_statuses[name] = _wait(process)
+        if self._world is not None:
+            self._world.send_signal(signal.SIGTERM)
+            self.exit_statuses["world"] = _wait(self._world)
+            assert self._world.stdout is not None
+            self._world.stdout.close()
+            self._world = None
+        self._agents.clear()
+
+    def _start_world(self) -> None:
+        options = self.options
+        self._world = subprocess.Popen(
+            [
+                *(sys.executable, "-m", "tools.demo.world_server", str(options.map_folder)),
+                *("--border", options.border, "--robots", str(options.robots)),
+                *("--seed", str(options.seed), "--truth", str(self.truth_path)),
+                *("--strangers", str(options.strangers)),
+                *(("--cameras",) if options.cameras else ()),
+            ],
+            stdout=subprocess.PIPE,
+            text=True,
+            start_new_session=True,  # Ctrl-C reaches us only; we stop robots before the world
+        )
+        assert self._world.stdout is not None
+        line = self._world.stdout.readline()
+        if not line:
+            raise DemoError("the world process did not start; its messages are above")
+        self.robots = [
+            EmulatedRobot(
+                robot["name"],
+                robot["base"],
+                robot["laser"],
+                robot["camera"],
+                Pose(*robot["start"]),
+            )
+            for robot in json.loads(line)
+        ]
+
+    def _start_agent(self, robot: EmulatedRobot, seed: int) -> None:
+        config_path = self.options.record / f"{robot.name}.toml"
+        config_path.write_text(format_config(self._configure(robot, seed)))
+        self._agents[robot.name] = subprocess.Popen(
+            [
+                *(sys.executable, "-m", "tools.cli", "agent", str(config_path)),
+                *("--record", str(self.recording_path(robot.name))),
+            ],
+            start_new_session=True,
+        )
+
+    def _configure(self, robot: EmulatedRobot, seed: int) -> AgentConfig:
+        """Return a robot's configuration: the shipped defaults, its ports, about where it is."""
+        defaults = AgentConfig()
+        return AgentConfig(
+            robot=RobotSettings(name=robot.name, team="demo", seed=seed),
+            map=MapSettings(
+                folder=str(self.options.map_folder.resolve()), border=self.options.border
+            ),
+            start=StartSettings(x=robot.start.x, y=robot.start.y, theta=robot.start.theta),
+            base=msgspec.structs.replace(defaults.base, url=robot.base_url),
+            laser=msgspec.structs.replace(defaults.laser, url=robot.laser_url),
+            camera=msgspec.structs.replace(defaults.camera, url=robot.camera_url),
+            telemetry=msgspec.structs.replace(defaults.telemetry, operator=self.options.operator),
+        )
+
+
+def _wait(process: subprocess.Popen[bytes] | subprocess.Popen[str]) -> int:
+    """Wait for a process to end; kill it when it does not."""
+    try:
+        return process.wait(STOP_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        return process.wait()

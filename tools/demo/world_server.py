@@ -1,0 +1,146 @@
+"""The world of a demo as a process: bodies, lasers and bases in real time, on pseudo-terminals;
+cameras, if wanted, as MJPEG streams.
+
+Prints one JSON line naming each robot's ports and start, then runs until SIGTERM, writing the true
+positions as JSON lines.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import signal
+import sys
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+
+from drivers.emulation.port import PtyPort
+from maps.map_folder import load_map_folder
+from tools.simulation.emulated_camera import CameraServer, EmulatedCamera
+from tools.simulation.rig import RobotRig, make_rigs
+from tools.simulation.start_poses import free_start_poses
+from tools.simulation.stranger import Stranger, make_strangers
+from tools.simulation.world import World
+
+STEP_S = 0.01
+TRUTH_PERIOD_S = 0.1
+MAX_LAG_S = 0.05
+"""A world held up longer than this lets the lost time go instead of racing to catch up."""
+
+
+class WorldServer:
+    """Steps the world with the clock and pumps the ports."""
+
+    def __init__(
+        self,
+        world: World,
+        rigs: list[RobotRig],
+        truth: IO[str],
+        strangers: Sequence[Stranger] = (),
+        *,
+        cameras: bool = False,
+    ) -> None:
+        """Open two ports per robot, and a camera's stream if wanted."""
+        self._world = world
+        self._rigs = rigs
+        self._truth = truth
+        self._strangers = strangers
+        self.cameras = {
+            rig.name: CameraServer(EmulatedCamera(world, rig.body).take) for rig in rigs if cameras
+        }
+        self._ended = False
+        self.ports = {rig.name: (PtyPort(rig.base), PtyPort(rig.laser)) for rig in rigs}
+
+    def describe(self) -> str:
+        """One JSON line: every robot's name, port URLs and true start pose."""
+        return json.dumps(
+            [
+                {
+                    "name": rig.name,
+                    "base": self.ports[rig.name][0].url,
+                    "laser": self.ports[rig.name][1].url,
+                    "camera": self.cameras[rig.name].url if self.cameras else "",
+                    "start": list(rig.body.pose),
+                }
+                for rig in self._rigs
+            ]
+        )
+
+    def end(self) -> None:
+        """Make ``run`` return after the present step."""
+        self._ended = True
+
+    def run(self) -> None:
+        """Step at a fixed rate in real time until ended."""
+        next_step = time.monotonic()
+        next_truth = next_step
+        last = next_step
+        while not self._ended:
+            now = time.monotonic()
+            if now - next_step > MAX_LAG_S:
+                next_step = now
+            for stranger in self._strangers:
+                stranger.advance(now - last)
+            last = now
+            for camera in self.cameras.values():
+                camera.pump(now)
+            for rig in self._rigs:
+                for port in self.ports[rig.name]:
+                    port.pump(now)
+                rig.advance(now)
+            if now >= next_truth:
+                self._write_truth(now)
+                next_truth = max(next_truth + TRUTH_PERIOD_S, now)
+            next_step += STEP_S
+            time.sleep(max(0.0, next_step - time.monotonic()))
+
+    def _write_truth(self, now: float) -> None:
+        """Write one line: monotonic time, contacts so far, each robot's true pose."""
+        row = {
+            "t": now,
+            "contacts": self._world.contacts,
+            "poses": {rig.name: list(rig.body.pose) for rig in self._rigs},
+        }
+        self._truth.write(json.dumps(row) + "\n")
+        self._truth.flush()
+
+
+def main() -> None:
+    """Run one world."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("map", type=Path)
+    parser.add_argument("--border", required=True)
+    parser.add_argument("--robots", type=int, required=True)
+    parser.add_argument("--seed", type=int, required=True)
+    parser.add_argument("--strangers", type=int, default=0)
+    parser.add_argument("--cameras", action="store_true")
+    parser.add_argument("--truth", type=Path, required=True)
+    options = parser.parse_args()
+    folder = load_map_folder(options.map, options.border)
+    assert folder.border is not None
+    rng = np.random.default_rng(options.seed)
+    world = World(folder.map, rng)
+    starts = free_start_poses(folder.map, folder.border, options.robots, rng)
+    rigs = make_rigs(world, starts, time.monotonic())
+    with ExitStack() as stack:
+        truth = stack.enter_context(options.truth.open("w"))
+        strangers = make_strangers(world, folder.border, options.strangers, options.seed)
+        server = WorldServer(world, rigs, truth, strangers, cameras=options.cameras)
+        for camera in server.cameras.values():
+            stack.callback(camera.close)
+        for ports in server.ports.values():
+            for port in ports:
+                stack.callback(port.close)
+        signal.signal(signal.SIGTERM, lambda *_: server.end())
+        print(server.describe(), flush=True)
+        sys.stdout.close()  # nothing more will be said
+        server.run()
+
+
+if __name__ == "__main__":
+    main()

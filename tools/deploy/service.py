@@ -1,0 +1,149 @@
+"""Makes a machine a robot: a service that starts at boot, names for its ports, its configuration.
+
+Files go below a root, so that an installation can be looked at before it is made.
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from robot_agent.config import find_map, load_config, load_map
+from tools.preflight.finding import Finding, Verdict, failed, ok, warning
+
+DEPLOY = Path(__file__).parent
+UNIT = Path("etc/systemd/system/patrol@.service")
+RULES = Path("etc/udev/rules.d/60-patrol.rules")
+USER = Path("etc/sysusers.d/patrol.conf")
+CONFIGS = Path("etc/patrol")
+MOST_EXPOSED = 3.0
+"""Of 10: what `systemd-analyze security` may give the unit at most."""
+
+
+class DeploymentError(ValueError):
+    """Something cannot be installed; the message names it and a remedy."""
+
+
+@dataclass(slots=True)
+class Deployment:
+    """What was written, and what the checks say of it."""
+
+    written: list[Path] = field(default_factory=list)
+    kept: list[Path] = field(default_factory=list)
+    findings: list[Finding] = field(default_factory=list)
+
+    @property
+    def fit(self) -> bool:
+        """Whether no check has failed."""
+        return not any(finding.verdict is Verdict.FAILED for finding in self.findings)
+
+
+def deploy(root: Path, configs: Sequence[Path], user: str, program: Path) -> Deployment:
+    """Write unit, udev rules, user and configurations below ``root``, and check them.
+
+    Rules that are there already are kept: they name this robot's adapters. Raises DeploymentError
+    and what ``load_config`` and ``load_map`` raise, before anything is written.
+    """
+    for config in configs:
+        _check_config(config)
+    done = Deployment()
+    text = (DEPLOY / UNIT.name).read_text()
+    text = text.replace("@PATROL@", str(program)).replace("@USER@", user)
+    _write(done, root / UNIT, text)
+    _write(done, root / USER, f'u {user} - "Border patrol" /var/lib/patrol\nm {user} dialout\n')
+    if (root / RULES).exists():
+        done.kept.append(root / RULES)
+    else:
+        _write(done, root / RULES, (DEPLOY / RULES.name).read_text())
+    for config in configs:
+        _write(done, root / CONFIGS / config.name, config.read_text())
+    done.findings += [_program(program), *check_unit(root / UNIT)]
+    return done
+
+
+def _write(done: Deployment, path: Path, text: str) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+    done.written.append(path)
+
+
+def _check_config(path: Path) -> None:
+    """Refuse a configuration that would not start from where it is going to be."""
+    config = load_config(path)
+    load_map(config, path.parent)
+    folder = find_map(config.map.folder, path.parent)
+    shipped = find_map(config.map.folder, Path("/nowhere")).is_dir()
+    if not shipped and not Path(config.map.folder).is_absolute():
+        raise DeploymentError(
+            f"{path}: map.folder: {config.map.folder!r} is relative to this file, which will be "
+            f"elsewhere; write {str(folder.resolve())!r}"
+        )
+
+
+def _program(program: Path) -> Finding:
+    if not program.is_file():
+        return failed("program", f"{program}: not there", "install the package, give --program")
+    return ok("program", str(program))
+
+
+def check_unit(unit: Path) -> list[Finding]:
+    """Let systemd judge a unit file: is it right, and how exposed is the service?"""
+    if shutil.which("systemd-analyze") is None:
+        return [
+            warning("unit", "systemd-analyze is not there to check it", "check it on the robot")
+        ]
+    # A template is checked as one of its instances, which needs the name of one.
+    instance = unit.with_name(unit.name.replace("@.", "@robot1."))
+    shutil.copyfile(unit, instance)
+    try:
+        return [_verify(instance, unit), _exposure(instance)]
+    finally:
+        instance.unlink()
+
+
+def _verify(instance: Path, unit: Path) -> Finding:
+    said = _analyze("verify", "--man=no", "--recursive-errors=no", str(instance))
+    complaints = [line for line in said.stderr.splitlines() if line.strip()]
+    if said.returncode:
+        return failed("unit", " | ".join(complaints) or "refused", f"correct {unit}")
+    return ok("unit", "systemd-analyze verify accepts it")
+
+
+def _exposure(instance: Path) -> Finding:
+    said = _analyze(
+        *("security", "--offline=true", f"--threshold={MOST_EXPOSED * 10:.0f}", "--no-pager"),
+        str(instance),
+    )
+    last = next(
+        (line for line in reversed(said.stdout.splitlines()) if "exposure level" in line), ""
+    )
+    words = last.partition(":")[2].strip() or said.stderr.strip()
+    if said.returncode:
+        return failed("exposure", words, f"harden the unit to {MOST_EXPOSED:g} or less of 10")
+    return ok("exposure", f"{words.split()[0]} of 10")
+
+
+def _analyze(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        ["systemd-analyze", *arguments], capture_output=True, text=True, check=False, timeout=60
+    )
+
+
+def this_program() -> Path:
+    """Return the ``patrol`` of the environment this runs in."""
+    return Path(sys.executable).with_name("patrol")
+
+
+def next_steps(names: Sequence[str]) -> list[str]:
+    """Return the commands that bring an installation to life."""
+    return [
+        "systemd-sysusers && systemctl daemon-reload",
+        "udevadm control --reload && udevadm trigger --subsystem-match=tty",
+        *(f"patrol doctor /etc/patrol/{name}.toml" for name in names or ["robot1"]),
+        *(f"systemctl enable --now patrol@{name}" for name in names or ["robot1"]),
+        *(f"journalctl -fu patrol@{name}" for name in names or ["robot1"]),
+    ]

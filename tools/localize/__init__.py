@@ -1,0 +1,1 @@
+"""Localization alone on logs and recordings, judged against their reference poses."""

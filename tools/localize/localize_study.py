@@ -1,0 +1,178 @@
+"""Localization studied on real logs: accuracy over seeds, hold-out, starts, kidnaps, bad odometry.
+
+Every study builds its maps itself, from the logs' reference poses, and every trial is a run of
+``tools.localize.localize`` on a sequence of scans with its own seed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from localization.settings import LocalizationSettings
+from maps.map_folder import MapFolder
+from tools.localize.localize import LocalizeOptions, Progress, localize_steps, log_steps, map_of_log
+from tools.localize.localize_result import LocalizeResult
+from tools.logs.carmen import LogError, read_carmen
+from tools.logs.log_step import LogStep
+
+RESOLUTION = 0.05
+"""m; of the maps built."""
+
+Table = list[dict[str, object]]
+"""Rows of a table: column name to value."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StudyLog:
+    """A log to localize on, with the map of all its scans and the map of every second one."""
+
+    name: str
+    steps: list[LogStep]
+    """From the first usable scan on."""
+    map: MapFolder
+    """Of all scans."""
+    even_map: MapFolder
+    """Of the scans 0, 2, 4..."""
+    odd_steps: list[LogStep]
+    """The scans that ``even_map`` has not seen."""
+
+
+def read_study_log(path: Path, first_scan: int = 0) -> StudyLog:
+    """Read a log, leave out the scans before ``first_scan``, and build its maps.
+
+    Raises LogError or MapError if there is nothing to localize on.
+    """
+    log = read_carmen(path)
+    steps = log_steps(log)
+    if not steps[first_scan:]:
+        raise LogError(f"{path}: no scan from scan {first_scan} on: start with an earlier one")
+    name = path.name.split(".")[0].removesuffix("-corrected")
+    return StudyLog(
+        name=name,
+        steps=steps[first_scan:],
+        map=map_of_log(log, RESOLUTION, "all"),
+        even_map=map_of_log(log, RESOLUTION, "even"),
+        odd_steps=[
+            step for number, step in enumerate(steps) if number % 2 and number >= first_scan
+        ],
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunScore:
+    """What one run over a log is judged by."""
+
+    rmse: float
+    """Of the position, m."""
+    p95: float
+    """Of the position error, m."""
+    heading_rmse: float
+    """Degrees."""
+    lost_share: float
+    inside_xy: float
+    """Share of references inside the stated 95 % ellipse of the position."""
+    inside: float
+    """Likewise of x, y and heading together."""
+    update_ms: float
+    """Median of an update."""
+
+
+def accuracy(
+    logs: Sequence[StudyLog],
+    seeds: int,
+    *,
+    hold_out: bool = False,
+    settings: LocalizationSettings | None = None,
+    progress: Progress = lambda _: None,
+) -> Table:
+    """Run every log with every seed from its true start; one row per log: median and worst seed.
+
+    hold_out: on the map of every second scan, localize only the scans between.
+    """
+    table, done = [], 0
+    for log in logs:
+        scores = []
+        for seed in range(seeds):
+            steps, folder = (log.odd_steps, log.even_map) if hold_out else (log.steps, log.map)
+            scores.append(_score(log.name, steps, folder, seed, settings))
+            done += 1
+            progress(done)
+        table.append(_accuracy_row(log.name, scores))
+    return table
+
+
+def _score(
+    name: str,
+    steps: Sequence[LogStep],
+    folder: MapFolder,
+    seed: int,
+    settings: LocalizationSettings | None,
+) -> RunScore:
+    options = LocalizeOptions(seed=seed, settings=settings or LocalizationSettings())
+    result = localize_steps(name, steps, folder, options)
+    position = np.array([row.position_error_m for row in result.rows], dtype=np.float64)
+    heading = np.array([row.heading_error_deg for row in result.rows], dtype=np.float64)
+    inside = result.coverage()
+    return RunScore(
+        rmse=float(np.sqrt(np.mean(position**2))),
+        p95=float(np.percentile(position, 95)),
+        heading_rmse=float(np.sqrt(np.mean(heading**2))),
+        lost_share=result.lost_share,
+        inside_xy=math.nan if inside is None else inside.xy,
+        inside=math.nan if inside is None else inside.pose,
+        update_ms=float(np.median([row.update_ms for row in result.rows])),
+    )
+
+
+def _accuracy_row(name: str, scores: Sequence[RunScore]) -> dict[str, object]:
+    def median(of: Callable[[RunScore], float]) -> float:
+        return float(np.median([of(score) for score in scores]))
+
+    worst = max(scores, key=lambda score: score.rmse)
+    return {
+        "log": name,
+        "seeds": len(scores),
+        "rmse_m": median(lambda score: score.rmse),
+        "worst_rmse_m": worst.rmse,
+        "p95_m": median(lambda score: score.p95),
+        "worst_p95_m": max(score.p95 for score in scores),
+        "heading_rmse_deg": median(lambda score: score.heading_rmse),
+        "worst_heading_deg": max(score.heading_rmse for score in scores),
+        "lost": max(score.lost_share for score in scores),
+        "inside_xy_95": float(np.mean([score.inside_xy for score in scores])),
+        "inside_pose_95": float(np.mean([score.inside for score in scores])),
+        "update_ms": median(lambda score: score.update_ms),
+    }
+
+
+def travel_along(steps: Sequence[LogStep]) -> NDArray[np.float64]:
+    """Return (n,) m travelled up to each step, by the references."""
+    places = np.array([reference_of(step)[:2] for step in steps])
+    return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))))
+
+
+def reference_of(step: LogStep) -> NDArray[np.float64]:
+    """Return (3,) the step's reference; a study needs one at every scan."""
+    if step.reference is None:
+        raise LogError("a study needs a reference pose at every scan: take a corrected log")
+    return np.array(step.reference)
+
+
+def run_trial(log: StudyLog, steps: Sequence[LogStep], options: LocalizeOptions) -> LocalizeResult:
+    """Localize one trial's scans on the log's map."""
+    return localize_steps(log.name, steps, log.map, options)
+
+
+def spread(count: int, sizes: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """Yield ``count`` pairs (which, index) spread evenly over sequences of these sizes."""
+    ends = np.cumsum(sizes)
+    for number in range(count):
+        place = int((number + 0.5) * ends[-1] / count)
+        which = int(np.searchsorted(ends, place, side="right"))
+        yield which, place - int(ends[which] - sizes[which])

@@ -1,0 +1,1 @@
+"""Recordings and CARMEN logs: reading, upgrading, converting."""

@@ -1,0 +1,82 @@
+"""The configuration a recording carries, read by a program that may know other settings."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import Any, get_args, get_type_hints
+
+import msgspec
+import tomli_w
+
+from robot_agent.config import AgentConfig, ConfigError, parse_config
+from tools.logs.recording import Recording
+
+
+def recorded_config(recording: Recording) -> tuple[AgentConfig, list[str]]:
+    """Return a recording's configuration and the settings in it that exist no more (left out).
+
+    Raises ConfigError for a configuration that cannot be used.
+    """
+    return parse_old_config(recording.header.configuration, f"{recording.path} (configuration)")
+
+
+def parse_old_config(content: bytes, source: str) -> tuple[AgentConfig, list[str]]:
+    """Decode a configuration as ``parse_config`` does, but leave out keys nobody knows any more."""
+    try:
+        table = tomllib.loads(content.decode())
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ConfigError(f"{source}: is not TOML: {error}; the recording is damaged") from error
+    left_out: list[str] = []
+    known = _known(table, AgentConfig, "", left_out)
+    return parse_config(tomli_w.dumps(known).encode(), source), left_out
+
+
+def changed_config(content: bytes, source: str, changes: list[str]) -> AgentConfig:
+    """Return a configuration with ``section.key=value`` changes, each value as TOML has it.
+
+    Raises ConfigError naming the change.
+    """
+    table = tomllib.loads(content.decode())
+    for change in changes:
+        _apply(table, change)
+    return parse_config(tomli_w.dumps(table).encode(), f"{source} with {', '.join(changes)}")
+
+
+def _apply(table: dict[str, Any], change: str) -> None:
+    key, equals, text = change.partition("=")
+    *sections, name = key.strip().split(".")
+    if not equals or not sections or not name:
+        raise ConfigError(f"--set {change}: is not SECTION.KEY=VALUE; e.g. gate.max_speed=0.2")
+    try:
+        value = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = text  # a word needs no quotes
+    for section in sections:
+        table = table.setdefault(section, {})
+        if not isinstance(table, dict):
+            raise ConfigError(f"--set {change}: {section} is no section; see --print-config")
+    table[name] = value
+
+
+def _known(table: dict[str, Any], shape: type, place: str, left_out: list[str]) -> dict[str, Any]:
+    """Return the part of a table that a settings struct has fields for."""
+    hints = get_type_hints(shape)
+    kept: dict[str, Any] = {}
+    for key, value in table.items():
+        if key not in hints:
+            left_out.append(place + key)
+            continue
+        inner = _struct_of(hints[key])
+        if inner is not None and isinstance(value, dict):
+            kept[key] = _known(value, inner, f"{place}{key}.", left_out)
+        else:
+            kept[key] = value
+    return kept
+
+
+def _struct_of(hint: Any) -> type | None:
+    """Return the settings struct a field holds, if it holds one."""
+    for candidate in (hint, *get_args(hint)):
+        if isinstance(candidate, type) and issubclass(candidate, msgspec.Struct):
+            return candidate
+    return None

@@ -1,0 +1,40 @@
+"""Recordings of earlier layouts, brought to the present one: one named step per layout."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from robot_agent.recording.run_header import SCHEMA_VERSION, identity
+
+Fields = dict[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Upgrade:
+    """From one layout to the next. ``step`` takes the header's fields and the map's files."""
+
+    name: str
+    step: Callable[[Fields, Mapping[str, bytes]], Fields]
+
+
+def _identify(fields: Fields, map_files: Mapping[str, bytes]) -> Fields:
+    """Layout 1 knew its map and border only by content, and not what it ran on."""
+    map_hash, border_hash = identity(map_files)
+    return {**fields, "map_hash": map_hash, "border_hash": border_hash, "versions": "", "boot": ""}
+
+
+UPGRADES: dict[int, Upgrade] = {
+    1: Upgrade("identity of map, border and software", _identify),
+}
+"""By the layout they start from."""
+
+
+def upgraded(fields: Fields, map_files: Mapping[str, bytes]) -> tuple[Fields, list[str]]:
+    """Return a header's fields in the present layout, and the names of the steps taken."""
+    taken = []
+    for layout in range(int(fields["schema_version"]), SCHEMA_VERSION):
+        upgrade = UPGRADES[layout]
+        fields = upgrade.step(fields, map_files)
+        taken.append(f"{layout} to {layout + 1}: {upgrade.name}")
+    return {**fields, "schema_version": str(SCHEMA_VERSION)}, taken

@@ -1,0 +1,116 @@
+"""CARMEN logs and recordings as one kind of log: what a map is built from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.p2os.model import load_model
+from maps.pose import Pose
+from robot_agent.config import AgentConfig, parse_config
+from robot_agent.perception.scan_points import move_points
+from tools.logs.carmen import CarmenScan, LogError, read_carmen
+from tools.logs.log_step import LogStep
+from tools.logs.recorded_scans import recorded_scans
+from tools.logs.recording import read_recording
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RecordedScan:
+    """One scan of a recording, as a log's scans are."""
+
+    t: float
+    """Time, s."""
+    end_points: NDArray[np.float64]
+    """(n, 2) m, laser frame."""
+    reference: Pose
+    """map_from_laser; where the recording has none, the raw odometry stands for it."""
+    odometry: Pose
+    """odom_from_laser."""
+
+    def points(self) -> NDArray[np.float64]:
+        """Return (n, 2) the points of the beams that returned, m, laser frame."""
+        return self.end_points
+
+    def beams(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return (n,) ranges, m, and (n,) directions in the laser's frame, rad."""
+        x, y = self.end_points.T
+        return np.hypot(x, y), np.arctan2(y, x)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ScanLog:
+    """Scans with raw odometry, and reference poses if there are any."""
+
+    path: Path
+    scans: Sequence[CarmenScan | RecordedScan]
+    odometry: list[tuple[float, Pose]]
+    """Raw odometry of the laser in the order of motion; the stamps may be out of order."""
+    scan_lines: list[int]
+    """Each scan's own place in the odometry."""
+    referenced: bool
+    """Whether every scan has a reference pose of its own, not just its odometry."""
+    truncated: str | None
+    """What was lost when the file ends early; None for a whole file."""
+
+    def from_scan(self, first: int) -> ScanLog:
+        """Return the log without the scans before one; LogError if none is left."""
+        if not 0 <= first < len(self.scans):
+            raise LogError(
+                f"{self.path}: no scan from scan {first} on: the log has {len(self.scans)}, "
+                "start with an earlier one"
+            )
+        return replace(self, scans=self.scans[first:], scan_lines=self.scan_lines[first:])
+
+    def with_references(self, poses: Sequence[Pose]) -> ScanLog:
+        """Return the log with other reference poses, one per scan."""
+        placed = [
+            replace(scan, reference=pose) for scan, pose in zip(self.scans, poses, strict=True)
+        ]
+        return replace(self, scans=placed, referenced=True)
+
+
+def read_scan_log(path: Path) -> ScanLog:
+    """Read a CARMEN log, plain or gzip, or a recording (.mcap).
+
+    Raises LogError, or RecordingError, naming file and remedy.
+    """
+    if path.suffix == ".mcap":
+        return _read_recorded(path)
+    log = read_carmen(path)
+    # In a log that nobody corrected the pose of a scan is its odometry.
+    referenced = any(scan.reference != scan.odometry for scan in log.scans)
+    return ScanLog(path, log.scans, log.lines, log.scan_lines, referenced, log.truncated)
+
+
+def _read_recorded(path: Path) -> ScanLog:
+    recording = read_recording(path)
+    config = parse_config(recording.header.configuration, f"{path} (configuration)")
+    mount = _laser_mount(config)
+    steps = list(recorded_scans(recording, config))
+    if not steps:
+        raise LogError(f"{path}: no scan with odometry in the recording: record some driving")
+    scans = [_of_laser(step, mount) for step in steps]
+    return ScanLog(
+        path=path,
+        scans=scans,
+        odometry=[(scan.t, scan.odometry) for scan in scans],
+        scan_lines=list(range(len(scans))),
+        referenced=all(step.reference is not None for step in steps),
+        truncated=recording.truncated,
+    )
+
+
+def _laser_mount(config: AgentConfig) -> Pose:
+    """Return base_from_laser."""
+    return Pose(*(config.laser.mount or load_model(config.base.model).laser_mount))
+
+
+def _of_laser(step: LogStep, mount: Pose) -> RecordedScan:
+    odometry = step.odometry.compose(mount)
+    reference = odometry if step.reference is None else step.reference.compose(mount)
+    return RecordedScan(step.t, move_points(step.points, mount.inverse()), reference, odometry)

@@ -1,0 +1,53 @@
+"""Any topic of a recording as CSV: one row per message, nested fields by dotted names."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from tools.logs.recording import Recording, RecordingError
+
+
+def stream_to_csv(recording: Recording, topic: str, target: Path) -> int:
+    """Write a topic's messages; return how many.
+
+    The first column is ``t``, agent time in s. Bytes of a link are in hexadecimal. Raises
+    RecordingError, naming the topics there are, for one that has no message.
+    """
+    rows = [{"t": t, **_fields(topic, data)} for _topic, t, data in recording.messages((topic,))]
+    if not rows:
+        raise RecordingError(
+            f"{recording.path}: has no message of {topic!r}; topics with messages are "
+            f"{', '.join(_topics(recording))}"
+        )
+    columns = list(dict.fromkeys(name for row in rows for name in row))
+    with target.open("w", newline="") as file:
+        writer = csv.DictWriter(file, columns, restval="", lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    return len(rows)
+
+
+def _topics(recording: Recording) -> list[str]:
+    return sorted({topic for topic, _t, _data in recording.messages(None)})
+
+
+def _fields(topic: str, data: bytes) -> dict[str, Any]:
+    if topic.endswith(("/rx", "/tx")):
+        return {"hex": data.hex()}
+    return dict(_flat("", msgspec.json.decode(data)))
+
+
+def _flat(name: str, value: Any) -> list[tuple[str, Any]]:
+    """Return the leaves of a JSON value with their dotted names."""
+    if isinstance(value, dict):
+        children = list(value.items())
+    elif isinstance(value, list):
+        children = [(str(index), item) for index, item in enumerate(value)]
+    else:
+        return [(name, value)]
+    prefix = f"{name}." if name else ""
+    return [leaf for key, item in children for leaf in _flat(prefix + key, item)]

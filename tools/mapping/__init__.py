@@ -1,0 +1,1 @@
+"""Pre-built maps: built from logs or floor plans, checked, drawn."""

@@ -1,0 +1,98 @@
+"""Checks a map folder before a patrol."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from maps.border import Border, BorderError
+from maps.clearance import NEEDED_CLEARANCE, border_clearance
+from maps.map_folder import DEFAULT_BORDER, load_map_folder
+from maps.occupancy_map import OCCUPIED, UNKNOWN, MapError, OccupancyMap
+from robot_agent.patrol.settings import PatrolSettings
+
+_LEAST_TURNING_RADIUS = PatrolSettings().turning_radius  # m
+_LEAST_KNOWN_SHARE = 0.05  # of a map's cells
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One line of a map check."""
+
+    subject: str
+    ok: bool
+    text: str
+
+    def __str__(self) -> str:
+        return f"{'ok' if self.ok else 'FAIL':<5}{self.subject}: {self.text}"
+
+
+@dataclass(frozen=True, slots=True)
+class MapReport:
+    """What a map check found."""
+
+    findings: tuple[Finding, ...]
+
+    @property
+    def ok(self) -> bool:
+        """Whether the map can be patrolled."""
+        return all(finding.ok for finding in self.findings)
+
+    def __str__(self) -> str:
+        return "\n".join(str(finding) for finding in self.findings)
+
+
+def check_map(folder: Path, border: str = DEFAULT_BORDER) -> MapReport:
+    """Check that a map folder can be patrolled along one of its borders."""
+    try:
+        content = load_map_folder(folder, border)
+    except (MapError, BorderError) as error:
+        subject = "map" if isinstance(error, MapError) else "border"
+        return MapReport((Finding(subject, ok=False, text=str(error)),))
+    findings = _map_findings(content.map)
+    if content.border is None:
+        missing = f"{folder / border}.toml is missing, draw one (see maps/border_file.py)"
+        return MapReport((*findings, Finding("border", ok=False, text=missing)))
+    return MapReport((*findings, *_border_findings(content.map, content.border)))
+
+
+def _map_findings(occupancy: OccupancyMap) -> list[Finding]:
+    rows, cols = occupancy.cells.shape
+    known = float(np.mean(occupancy.cells != UNKNOWN))
+    walls = int(np.count_nonzero(occupancy.cells == OCCUPIED))
+    return [
+        Finding("map", ok=True, text=f"{cols} x {rows} cells of {occupancy.resolution:g} m"),
+        Finding("known cells", known >= _LEAST_KNOWN_SHARE, f"{100.0 * known:.1f} %"),
+        Finding("occupied cells", walls > 0, f"{walls}, a robot finds its place by them"),
+    ]
+
+
+def _border_findings(occupancy: OccupancyMap, border: Border) -> list[Finding]:
+    room = border_clearance(occupancy, border)
+    radius = border.tightest_radius
+    turning = "no turns" if math.isinf(radius) else f"tightest {radius:.2f} m"
+    kind = "closed" if border.closed else "open"
+    findings = [
+        Finding("border", ok=True, text=f"{border.length:.2f} m, {kind}"),
+        Finding(
+            "turning radius",
+            radius >= _LEAST_TURNING_RADIUS,
+            f"{turning}, at least {_LEAST_TURNING_RADIUS:g} m needed",
+        ),
+        Finding(
+            "clearance",
+            room.minimum >= NEEDED_CLEARANCE,
+            f"{room.minimum:.2f} m at {room.narrowest}, at least {NEEDED_CLEARANCE:g} m needed",
+        ),
+    ]
+    for where, what in (
+        (room.first_outside, "leaves the map"),
+        (room.first_unknown, "enters unknown space"),
+        (room.first_occupied, "runs through a wall"),
+    ):
+        if where is not None:
+            findings.append(Finding("border", ok=False, text=f"{what} at {where}"))
+    return findings

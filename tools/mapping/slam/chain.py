@@ -1,0 +1,80 @@
+"""The chain: each keyframe placed by matching it with those just before it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maps.pose import Pose
+from tools.mapping.slam.alignment import align
+from tools.mapping.slam.cloud import join
+from tools.mapping.slam.correlation import search
+from tools.mapping.slam.keyframe import Keyframe
+from tools.mapping.slam.pose_graph import Edge
+
+_BEFORE = 8  # keyframes matched with together
+_LEAST_SCORE = 0.4  # of a search worth following
+_LEAST_SHARE = 0.25  # of points on surfaces, for an alignment worth believing
+_NEAR_PEAK = (0.3, math.radians(5.0))  # m, rad; farther from the search's peak it has slid away
+_LARGEST_TURN = math.radians(45.0)
+_LARGEST_STEP = 1.5  # m
+
+
+def odometry_edge(start: int, end: int, frames: Sequence[Keyframe]) -> Edge:
+    """Return what the odometry says of two successive keyframes, with room for slipping wheels."""
+    pose = frames[start].odometry.between(frames[end].odometry)
+    way, turn = math.hypot(pose.x, pose.y), abs(pose.theta)
+    return Edge(start, end, pose, _information(way, turn), robust=False)
+
+
+def _information(way: float, turn: float) -> NDArray[np.float64]:
+    along = 0.03 + 0.08 * way + 0.03 * turn
+    theta = 0.02 + 0.08 * way + 0.10 * turn
+    return np.diag([along**-2, along**-2, theta**-2])
+
+
+def build_chain(
+    frames: Sequence[Keyframe], progress: Callable[[float], None]
+) -> tuple[list[Pose], list[Edge]]:
+    """Return the keyframes' poses, the first at its odometry, and an edge between each two."""
+    poses, edges = [frames[0].odometry], []
+    for index in range(1, len(frames)):
+        guess = poses[-1].compose(frames[index - 1].odometry.between(frames[index].odometry))
+        edge = _match(frames, poses, guess)
+        edges.append(odometry_edge(index - 1, index, frames))
+        if edge is not None:
+            edges.append(edge)
+            guess = poses[-1].compose(edge.pose)
+        poses.append(guess)
+        progress(index)
+    return poses, edges
+
+
+def _match(frames: Sequence[Keyframe], poses: Sequence[Pose], guess: Pose) -> Edge | None:
+    """Match the keyframe after the last pose with those before; None if nothing fits."""
+    index = len(poses)
+    points = frames[index].points
+    if not len(points):
+        return None
+    last = poses[-1]
+    first = max(0, index - _BEFORE)
+    target = join((last.between(poses[i]), frames[i]) for i in range(first, index))
+    expected = last.between(guess)
+    way, turn = math.hypot(expected.x, expected.y), abs(expected.theta)
+    window = min(0.2 + 0.25 * way + 0.1 * turn, _LARGEST_STEP)
+    turn_window = min(0.06 + 0.15 * way + 0.2 * turn, _LARGEST_TURN)
+    peak = search(points, target.points, expected, window, turn_window)
+    start = peak.pose if peak.score > _LEAST_SCORE else expected
+    found = align(points, target, start)
+    if found is None or found.share < _LEAST_SHARE or not close(start, found.pose, _NEAR_PEAK):
+        return None
+    return Edge(index - 1, index, found.pose, found.information)
+
+
+def close(one: Pose, other: Pose, limits: tuple[float, float]) -> bool:
+    """Tell whether two poses are at most so many m and rad apart."""
+    off = one.between(other)
+    return math.hypot(off.x, off.y) <= limits[0] and abs(off.theta) <= limits[1]

@@ -1,0 +1,103 @@
+"""Poses of a log's scans from raw odometry and the scans alone.
+
+1. Each keyframe is matched with those before it (``chain``).
+2. Places seen again are found and close loops (``loop_closer``).
+3. All scans near each other are aligned pairwise, in one graph (``refinement``).
+4. The odometry carries the keyframes' poses to all scans (``trajectory``).
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from maps.pose import Pose
+from tools.logs.scan_log import ScanLog
+from tools.mapping.slam.chain import build_chain
+from tools.mapping.slam.keyframe import choose_keyframes, make_keyframe
+from tools.mapping.slam.loop_closer import LoopCloser
+from tools.mapping.slam.refinement import refine
+from tools.mapping.slam.rigid_fit import fit
+from tools.mapping.slam.trajectory import Trajectory
+from tools.progress import Progress
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mapping:
+    """Where the scans were taken, and how well that is known."""
+
+    log: ScanLog
+    """The log, its references the poses found."""
+    trajectory: Trajectory
+    keyframes: int
+    loops: int
+    """Loops closed."""
+    loop_correction: float
+    """The farthest that closing the loops moved a keyframe, m."""
+    pairs: int
+    """Pairs of scans that the poses rest on."""
+    disagreement: float
+    """Median distance between a pair's own measure and the poses, m."""
+    off_references: float | None
+    """Mean distance from the log's own reference poses, m; None if it has none."""
+    seconds: float
+    """Time it took."""
+
+    def summary(self) -> str:
+        """Return two lines: what was done, how well it fits."""
+        off = (
+            ""
+            if self.off_references is None
+            else f", {self.off_references:.3f} m mean off the log's own poses"
+        )
+        return (
+            f"{self.keyframes} keyframes, {self.loops} loops closed that moved them up to "
+            f"{self.loop_correction:.2f} m in {self.seconds:.1f} s\n"
+            f"{self.pairs} pairs of scans, {self.disagreement:.3f} m median off the poses{off}"
+        )
+
+
+def map_odometry(log: ScanLog) -> Mapping:
+    """Find the poses of all scans from raw odometry; the log's references are not used.
+
+    The frame is then laid over the log's references, if it has any, so that the two can be
+    compared: the map is moved as a whole, its shape is its own.
+    """
+    started = time.perf_counter()
+    chosen = choose_keyframes(log.scans)
+    frames = [make_keyframe(log.scans[index]) for index in chosen]
+    with Progress("chain", len(frames), "keyframes") as progress:
+        chain, edges = build_chain(frames, progress)
+    closer = LoopCloser(frames, chain, edges)
+    with Progress("loops", len(frames), "keyframes") as progress:
+        closer.close(progress)
+    with Progress("refine", len(frames), "keyframes") as progress:
+        refined = refine(frames, closer.poses, edges + closer.loops, progress)
+    moved = [math.dist(a[:2], b[:2]) for a, b in zip(chain, closer.poses, strict=True)]
+
+    poses, off = refined.poses, None
+    if log.referenced:
+        references = [log.scans[index].reference for index in chosen]
+        frame = fit(poses, references)
+        poses = [frame.compose(pose) for pose in poses]
+        off = _mean_distance(poses, references)
+    marks = {log.scan_lines[index]: pose for index, pose in zip(chosen, poses, strict=True)}
+    trajectory = Trajectory(log.odometry, marks)
+    return Mapping(
+        log=log.with_references([trajectory.poses[line] for line in log.scan_lines]),
+        trajectory=trajectory,
+        keyframes=len(frames),
+        loops=len(closer.loops),
+        loop_correction=max(moved),
+        pairs=len(refined.pairs),
+        disagreement=refined.disagreement(),
+        off_references=off,
+        seconds=time.perf_counter() - started,
+    )
+
+
+def _mean_distance(poses: list[Pose], references: list[Pose]) -> float:
+    return float(np.mean([math.dist(a[:2], b[:2]) for a, b in zip(poses, references, strict=True)]))

@@ -1,0 +1,1 @@
+"""Figures of a run from true positions: distance, contacts, meetings, idleness, wrecks."""

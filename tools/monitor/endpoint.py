@@ -1,0 +1,11 @@
+"""A place for robots and operator to meet on this machine."""
+
+from __future__ import annotations
+
+import socket
+
+
+def free_endpoint() -> str:
+    """Return a Zenoh endpoint on a free loopback port."""
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return f"tcp/127.0.0.1:{server.getsockname()[1]}"

@@ -1,0 +1,1 @@
+"""Preflight of one robot: devices, ports, power and map, each finding with its remedy."""

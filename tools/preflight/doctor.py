@@ -1,0 +1,186 @@
+"""Preflight of one robot: everything that can keep it from patrolling, with a remedy for each.
+
+Base and laser are tried with their real sessions over their real lines. Nothing moves: the motors
+are never switched on, and both sessions are closed afterwards.
+"""
+
+from __future__ import annotations
+
+import datetime
+import os
+import shutil
+import socket
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import numpy as np
+
+from drivers.p2os.model import UnknownModelError, load_model
+from maps.map_folder import MapFolder
+from maps.occupancy_map import FREE
+from robot_agent.config import AgentConfig, ConfigError, find_map, load_config, load_map
+from robot_agent.patrol.patrol import Patrol
+from robot_agent.patrol.rules import RulesError
+from tools.mapping.map_check import check_map
+from tools.preflight.device_trial import run_trials
+from tools.preflight.doctor_base import BaseExamination
+from tools.preflight.doctor_camera import CameraExamination
+from tools.preflight.doctor_laser import LaserExamination
+from tools.preflight.finding import Finding, Verdict, failed, ok, skipped, warning
+
+TRIAL_LIMIT_S = 10.0
+"""How long silent devices are waited for: once through all their rates."""
+LEAST_DISK_BYTES = 500_000_000
+EARLIEST_YEAR = 2025
+"""A clock before this program was written is wrong."""
+OPERATOR_LIMIT_S = 1.0
+
+
+def examine(
+    path: Path,
+    limit: float = TRIAL_LIMIT_S,
+    progress: Callable[[float], None] = lambda _: None,
+) -> list[Finding]:
+    """Check the robot that a configuration file describes; ``limit`` is for the devices, s."""
+    try:
+        config = load_config(path)
+    except ConfigError as error:
+        return [failed("configuration", str(error), "correct the file, then run this again")]
+    return [
+        examine_config(config),
+        *examine_map(config, path.parent),
+        *examine_devices(config, limit, progress),
+        examine_clock(),
+        examine_recorder(config.recorder.folder),
+        examine_operator(config.telemetry.operator),
+    ]
+
+
+def is_fit(findings: list[Finding]) -> bool:
+    """Tell whether a robot may patrol: nothing failed."""
+    return all(finding.verdict is not Verdict.FAILED for finding in findings)
+
+
+def examine_config(config: AgentConfig) -> Finding:
+    """Check what the configuration's types cannot."""
+    try:
+        load_model(config.base.model)
+    except UnknownModelError as error:
+        return failed("configuration", str(error), "correct base.model")
+    return ok("configuration", f"{config.robot.name} of team {config.robot.team}")
+
+
+def examine_map(config: AgentConfig, relative_to: Path) -> list[Finding]:
+    """Check map, border, the start on it, and the rules for that border."""
+    folder = find_map(config.map.folder, relative_to)
+    report = check_map(folder, config.map.border)
+    wrong = [
+        str(finding).removeprefix("FAIL").strip() for finding in report.findings if not finding.ok
+    ]
+    if wrong:
+        remedy = f"correct it; `patrol map show {folder} -o map.png` draws it"
+        return [failed("map and border", "; ".join(wrong), remedy)]
+    content = load_map(config, relative_to)
+    assert content.border is not None, "the check has seen it"
+    summary = f"{content.name}, {config.map.border}: {content.border.length:.1f} m"
+    return [
+        ok("map and border", summary),
+        examine_start(config, content),
+        _examine_rules(config, content),
+    ]
+
+
+def examine_start(config: AgentConfig, content: MapFolder) -> Finding:
+    """Check that the start lies on free ground."""
+    start = config.start
+    if start is None:
+        remedy = "set start, if you know where the robot stands"
+        return warning("start", "unknown: the robot must first find itself in the map", remedy)
+    rows, cols = content.map.cells_at(np.array([[start.x, start.y]]))
+    inside = bool(content.map.inside(rows, cols)[0])
+    text = f"{start.x:g}, {start.y:g} m"
+    if not inside or content.map.cells[rows[0], cols[0]] != FREE:
+        where = "not on free ground" if inside else "outside the map"
+        return failed("start", f"{text}: {where}", "correct start, m in the map frame")
+    return ok("start", text)
+
+
+def _examine_rules(config: AgentConfig, content: MapFolder) -> Finding:
+    assert content.border is not None
+    try:
+        Patrol(config.patrol, content.border, np.random.default_rng(0))
+    except RulesError as error:
+        return failed("rules", str(error), "correct the rule file")
+    return ok("rules", config.patrol.rules_file or "the shipped ones")
+
+
+def examine_devices(
+    config: AgentConfig, limit: float, progress: Callable[[float], None] = lambda _: None
+) -> list[Finding]:
+    """Try base, laser and camera side by side, base and laser for at most ``limit`` s."""
+    base, laser = BaseExamination(config.base), LaserExamination(config.laser)
+    trials = [trial for trial in (base.trial, laser.trial) if trial is not None]
+    camera = CameraExamination(config.camera)
+    run_trials(trials, limit, progress)
+    return [*base.findings(), *laser.findings(), *camera.findings()]
+
+
+def examine_clock(
+    wall: Callable[[], float] = time.time, monotonic: Callable[[], float] = time.monotonic
+) -> Finding:
+    """Check that the wall clock can label a recording, and that the monotonic one runs."""
+    now = datetime.datetime.fromtimestamp(wall(), datetime.UTC)
+    before = monotonic()
+    time.sleep(0.01)
+    if not 0.005 < monotonic() - before < 5.0:
+        remedy = "choose another clocksource: see /sys/devices/system/clocksource"
+        return failed("clock", "the monotonic clock does not run evenly", remedy)
+    text = f"{now:%Y-%m-%d %H:%M} UTC"
+    if now.year < EARLIEST_YEAR:
+        remedy = "`sudo date -s ...`, or let the operator's machine serve the time"
+        return failed("clock", f"{text}: not set", remedy)
+    return ok("clock", text)
+
+
+def examine_recorder(folder: str, least: int = LEAST_DISK_BYTES) -> Finding:
+    """Check that recordings can be written and have room, bytes."""
+    if not folder:
+        return skipped("disk", "recorder.folder is not set: nothing is recorded")
+    path = Path(folder)
+    try:
+        place = _nearest_existing(path)
+        with tempfile.TemporaryFile(dir=place):
+            free = shutil.disk_usage(place).free
+    except OSError as error:
+        remedy = f"make {path} a folder that user {_user()} may write, or set recorder.folder"
+        return failed("disk", f"{path}: cannot be written ({error.strerror})", remedy)
+    text = f"{path}: {free / 1e9:.1f} GB free"
+    if free < least:
+        remedy = "delete or move old recordings"
+        return failed("disk", f"{text}, {least / 1e9:.1f} GB needed", remedy)
+    return ok("disk", text)
+
+
+def _nearest_existing(path: Path) -> Path:
+    """Return the folder itself, or the one in which it would be made."""
+    return next(place for place in (path.absolute(), *path.absolute().parents) if place.exists())
+
+
+def _user() -> str:
+    return os.environ.get("USER") or str(os.getuid())
+
+
+def examine_operator(endpoint: str) -> Finding:
+    """See whether the operator answers; a robot patrols without, so this never fails."""
+    if not endpoint:
+        return skipped("operator", "telemetry.operator is not set: nobody is told")
+    address = urlsplit(endpoint.replace("/", "://", 1))
+    try:
+        with socket.create_connection((address.hostname, address.port), OPERATOR_LIMIT_S):
+            return ok("operator", f"{endpoint} answers")
+    except (OSError, ValueError) as error:
+        remedy = "start `patrol monitor` there, or check the Wi-Fi; the robot patrols without"
+        return warning("operator", f"{endpoint}: {error}", remedy)

@@ -1,0 +1,185 @@
+"""Preflight of the robot base: found, itself, powered, free to move. Motors stay off."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from drivers.p2os.base_state import BaseState
+from drivers.p2os.model import UnknownModelError, load_model
+from drivers.p2os.session import P2osSession, SessionState
+from drivers.p2os.settings import BaseSettings
+from tools.preflight.device_trial import DeviceTrial
+from tools.preflight.doctor_port import describe_line, examine_line, examine_opening, examine_port
+from tools.preflight.finding import Finding, failed, ok, skipped, warning
+from tools.preflight.watchdog_trial import ADVISED_WATCHDOG_S
+
+BATTERY_LOW = 11.75  # V
+BATTERY_EMPTY = 11.0  # V; near it the controller shuts down
+LISTENING_S = 1.0  # with the session open
+WATCHDOG_LIMIT_MS = 2000  # a robot cut off must stop within this
+
+
+class BaseExamination:
+    """The base's part of a preflight: make it, run its ``trial`` if any, read ``findings``."""
+
+    def __init__(self, settings: BaseSettings) -> None:
+        self._settings = settings
+        self._session = P2osSession(settings)
+        self._reached = SessionState.DOWN
+        self._trouble: str | None = None
+        self._port = examine_port("base port", settings.url)
+        self.trial: DeviceTrial[BaseState] | None = None
+        if not self._port.remedy:
+            self.trial = DeviceTrial(settings.url, settings.baud, self._session, self._enough)
+
+    def _enough(self, states: Sequence[tuple[float, BaseState]]) -> bool:
+        """Listen for a while once the robot could be driven."""
+        if self._session.state is SessionState.READY:
+            self._reached = SessionState.READY
+            self._trouble = self._session.trouble
+            return bool(states) and states[-1][0] - self._session.state_since >= LISTENING_S
+        return False
+
+    def findings(self) -> list[Finding]:
+        """Return what there is to say; after the trial."""
+        if self.trial is None:
+            return [self._port]
+        not_open = examine_opening("base port", self.trial.line)
+        if not_open is not None:
+            return [not_open]
+        states = [state for _, state in self.trial.measurements]
+        if self._reached is not SessionState.READY or not states:
+            return [self._port, self._no_session()]
+        return [
+            self._port,
+            self._identity(),
+            self._line(),
+            self._limits(),
+            self._watchdog(),
+            examine_battery(states[-1].battery),
+            examine_motors(states[-1]),
+            examine_contacts(states[-1]),
+        ]
+
+    def _no_session(self) -> Finding:
+        assert self.trial is not None
+        line = self.trial.line
+        trouble = ""
+        if not line.bytes_heard:
+            remedy = "switch the robot on; check that the cable leads to its HOST port"
+        elif self._session.framer.counters.good:
+            trouble = (self._session.handshake.trouble or "").partition(";")[0]
+            remedy = "press the robot's RESET button; end whatever else talks to it"
+        else:
+            remedy = "set its HOST port to one of these rates; check the cable: bytes come garbled"
+        parts = filter(None, (trouble, describe_line(line)))
+        return failed("base", f"no session: {'; '.join(parts)}", remedy)
+
+    def _identity(self) -> Finding:
+        identity = self._session.identity
+        assert identity is not None, "there is no session without"
+        text = f"{identity.name}, {identity.robot_class} {identity.subclass}"
+        text += f", at {self._session.baud} baud"
+        try:
+            load_model(identity.subclass)
+        except UnknownModelError as error:
+            return warning(
+                "base",
+                f"{text}: no model file, driven as {self._settings.model}",
+                f"add drivers/p2os/models/{identity.subclass.lower()}.toml ({error})",
+            )
+        return ok("base", text)
+
+    def _line(self) -> Finding:
+        assert self.trial is not None
+        counters = self._session.framer.counters
+        return examine_line("base line", "packets", counters, self.trial.line)
+
+    def _limits(self) -> Finding:
+        config, settings = self._session.config, self._settings
+        if config is None:
+            return warning(
+                "base limits",
+                "no CONFIG answer: the model file's limits are taken",
+                "none needed; some controllers never answer it rightly",
+            )
+        top_speed, top_turn_rate = 0.001 * config.speed_top, math.radians(config.turn_rate_top)
+        text = f"firmware allows {top_speed:g} m/s, {config.turn_rate_top} deg/s"
+        if config.firmware_version:
+            text = (
+                f"firmware {config.firmware_version} allows{text.removeprefix('firmware allows')}"
+            )
+        if top_speed < settings.max_speed or top_turn_rate < settings.max_turn_rate:
+            return warning(
+                "base limits",
+                f"{text}; {settings.max_speed:g} m/s, "
+                f"{math.degrees(settings.max_turn_rate):.0f} deg/s configured",
+                "lower base.max_speed and base.max_turn_rate, or raise the controller's own",
+            )
+        if self._trouble and "keeps" in self._trouble:
+            return warning("base limits", f"{text}; {self._trouble}", "adapt the base settings")
+        return ok("base limits", text)
+
+    def _watchdog(self) -> Finding:
+        config = self._session.config
+        if config is None or not config.is_whole:
+            return skipped("base watchdog", "unknown: no CONFIG answer; 2 s from the factory")
+        milliseconds = config.watchdog_ms
+        remedy = f"set the controller's watchdog to {ADVISED_WATCHDOG_S:g} s with its FLASH tool"
+        if 0 < milliseconds <= WATCHDOG_LIMIT_MS:
+            text = f"stops the robot {0.001 * milliseconds:g} s after silence"
+            if milliseconds <= 1000.0 * ADVISED_WATCHDOG_S:
+                return ok("base watchdog", text)
+            return warning("base watchdog", f"{text}, then its ramp", remedy)
+        text = f"{0.001 * milliseconds:g} s" if milliseconds else "off"
+        return failed(
+            "base watchdog",
+            f"{text}: a robot that is cut off would drive on",
+            remedy,
+        )
+
+
+def examine_battery(volts: float) -> Finding:
+    """Judge a battery's voltage, V."""
+    text = f"{volts:.1f} V"
+    if volts < BATTERY_EMPTY:
+        return failed(
+            "battery", f"{text}, empty below {BATTERY_EMPTY:g} V", "charge or swap it now"
+        )
+    if volts < BATTERY_LOW:
+        return warning(
+            "battery", f"{text}, low below {BATTERY_LOW:g} V", "charge it before a patrol"
+        )
+    return ok("battery", text)
+
+
+def examine_motors(state: BaseState) -> Finding:
+    """Judge whether the agent will be able to switch the motors on."""
+    if state.stop_button:
+        return failed("motors", "the STOP button is pressed", "release the STOP button")
+    if state.motors_enabled:
+        return warning(
+            "motors",
+            "on, though nobody has enabled them",
+            "press the MOTORS button once, and end whatever else drives the robot",
+        )
+    return ok("motors", "off, as after every connect; the agent switches them on")
+
+
+def examine_contacts(state: BaseState) -> Finding:
+    """Judge stalled wheels and pressed bumpers."""
+    sides = [
+        side for side, stall in (("left", state.stall_left), ("right", state.stall_right)) if stall
+    ]
+    pressed = [
+        f"{ring} {segment + 1}"
+        for ring, mask in (("front", state.front_bumpers), ("rear", state.rear_bumpers))
+        for segment in range(7)
+        if mask >> segment & 1
+    ]
+    parts = [f"{' and '.join(sides)} wheel stalled"] if sides else []
+    parts += [f"bumper pressed: {', '.join(pressed)}"] if pressed else []
+    if parts:
+        return failed("contacts", "; ".join(parts), "push the robot clear of what it touches")
+    return ok("contacts", "no wheel stalled, no bumper pressed")

@@ -1,0 +1,127 @@
+"""Preflight of the laser: found, healthy, streaming as fast as its line allows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from drivers.lms200.health import LaserHealth, health_of
+from drivers.lms200.measurement import TURN
+from drivers.lms200.scan import Scan
+from drivers.lms200.session import Lms200Session, SessionState
+from drivers.lms200.settings import LaserSettings
+from tools.preflight.device_trial import DeviceTrial
+from tools.preflight.doctor_port import describe_line, examine_line, examine_opening, examine_port
+from tools.preflight.finding import Finding, failed, ok, warning
+
+LISTENING_S = 1.0  # to the stream
+LEAST_SHARE = 0.8  # of the scans the line could carry
+LEAST_RETURNS = 0.1  # of a scan's beams: fewer see nothing, or a cover
+
+_BITS_PER_BYTE = 10
+_SCAN_OVERHEAD = 10  # bytes of a scan's telegram besides its values
+
+
+class LaserExamination:
+    """The laser's part of a preflight: make it, run its ``trial`` if any, read ``findings``."""
+
+    def __init__(self, settings: LaserSettings) -> None:
+        self._settings = settings
+        self._session = Lms200Session(settings)
+        self._state = self._session.state
+        self._port = examine_port("laser port", settings.url)
+        self.trial: DeviceTrial[Scan] | None = None
+        if not self._port.remedy:
+            self.trial = DeviceTrial(settings.url, settings.baud, self._session, self._enough)
+
+    def _enough(self, scans: Sequence[tuple[float, Scan]]) -> bool:
+        """Listen to the stream for a while."""
+        self._state = self._session.state
+        return len(scans) > 2 and scans[-1][0] - scans[0][0] >= LISTENING_S
+
+    def findings(self) -> list[Finding]:
+        """Return what there is to say; after the trial."""
+        if self.trial is None:
+            return [self._port]
+        not_open = examine_opening("laser port", self.trial.line)
+        if not_open is not None:
+            return [not_open]
+        if not self.trial.measurements:
+            return [self._port, self._no_stream()]
+        last = self.trial.measurements[-1][1]
+        health = self._session.health or health_of(last.status, (), defective=False)
+        return [
+            self._port,
+            self._identity(),
+            examine_health(health),
+            self._scans(last),
+            self._line(),
+        ]
+
+    def _no_stream(self) -> Finding:
+        assert self.trial is not None
+        line = self.trial.line
+        if self._session.framer.counters.good and self._session.trouble:
+            return failed(
+                "laser",
+                f"no scans: {self._session.trouble}",
+                "switch the laser off and on; if that does not help, have it mended",
+            )
+        where = "" if self._state is SessionState.DOWN else f", stuck at «{self._state}»"
+        remedy = (
+            "switch the laser off and on: it then listens at 9600 baud; check its cable"
+            if line.bytes_heard
+            else "switch the laser on (it needs up to a minute) and check its cable; if it is on, "
+            "switch it off and on: it then listens at 9600 baud"
+        )
+        return failed("laser", f"no scans{where}: {describe_line(line)}", remedy)
+
+    def _identity(self) -> Finding:
+        text = f"{self._session.identity}, at {self._session.baud} baud"
+        if self._session.trouble:
+            return warning("laser", f"{text}; {self._session.trouble}", "see the laser's manual")
+        return ok("laser", text)
+
+    def _scans(self, last: Scan) -> Finding:
+        assert self.trial is not None
+        times = [t for t, _ in self.trial.measurements]
+        rate = (len(times) - 1) / max(times[-1] - times[0], TURN)
+        best = best_rate(last.ranges.size, last.turns, self._session.baud)
+        step = math.degrees(last.angle_increment)
+        seen = sum(map(math.isfinite, last.ranges.tolist())) / last.ranges.size
+        text = (
+            f"{rate:.1f} scans/s of {last.ranges.size} beams every {step:.2g} deg "
+            f"({best:.1f} possible), {100 * seen:.0f} % of the beams return"
+        )
+        if rate < LEAST_SHARE * best:
+            return warning(
+                "laser scans", text, "see the counters of its line; ease the computer's load"
+            )
+        if seen < LEAST_RETURNS:
+            return failed(
+                "laser scans", text, "take the cover off; turn the robot to see its walls"
+            )
+        return ok("laser scans", text)
+
+    def _line(self) -> Finding:
+        assert self.trial is not None
+        counters = self._session.framer.counters
+        return examine_line("laser line", "telegrams", counters, self.trial.line)
+
+
+def best_rate(beams: int, turns: int, baud: int) -> float:
+    """Return the scans per second that a line can carry: whole sweeps, one telegram at a time."""
+    wire_time = (_SCAN_OVERHEAD + 2 * beams) * _BITS_PER_BYTE / baud
+    sweep = turns * TURN
+    return 1.0 / (sweep * max(1, math.ceil(wire_time / sweep - 1e-6)))
+
+
+def examine_health(health: LaserHealth) -> Finding:
+    """Judge what the laser says of itself."""
+    if health.ok:
+        return ok("laser status", "ok, no errors present, window clean")
+    if health.pollution:
+        remedy = "wipe the front window with a soft, damp cloth"
+    else:
+        remedy = "switch the laser off and on; if the error stays, have it mended"
+    return failed("laser status", health.text, remedy)

@@ -1,0 +1,1 @@
+"""Checks of the code itself: mutants of the safety gate, decisions kept as regression."""

@@ -1,0 +1,1 @@
+"""Recordings fed to an agent again, or to a driver as devices; logs made into recordings."""

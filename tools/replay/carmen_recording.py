@@ -1,0 +1,109 @@
+"""Turns a CARMEN log into a recording of real device bytes, as if an agent had been on board."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from maps.map_folder import MapFolder
+from robot_agent.agent import Agent
+from robot_agent.config import AgentConfig, MapSettings, RobotSettings, StartSettings
+from robot_agent.messages.effects import Effect
+from robot_agent.messages.events import Event
+from robot_agent.recording.recording_writer import RecordingWriter
+from robot_agent.recording.run_header import header_of_run
+from tools.logs.carmen import CarmenLog
+from tools.replay.carmen_devices import BASE_BAUD, LASER_BAUD, LogRig, Moment, play
+from tools.simulation.lockstep import LockstepAgent
+
+FLUSH_S = 5.0
+SPARSE_SCANS_S = 3600.0
+"""Logs are thinned to a scan every few seconds: the laser's silence in between means nothing."""
+
+
+@dataclass(frozen=True)
+class Conversion:
+    """What a conversion wrote."""
+
+    scans: int
+    base_reports: int
+    duration: float
+    """s"""
+
+
+class RecordingObserver:
+    """Writes a lockstep agent's events and effects as the live recorder does."""
+
+    def __init__(self, writer: RecordingWriter) -> None:
+        """Write to ``writer``."""
+        self._writer = writer
+        self._next_flush = FLUSH_S
+
+    def record_event(self, event: Event) -> None:
+        """Write an event; now and then finish a chunk, so that a cut file loses little."""
+        if event.t >= self._next_flush:
+            self._next_flush = event.t + FLUSH_S
+            self._writer.flush()
+        self._writer.write_event(event)
+
+    def record_effect(self, t: float, effect: Effect) -> None:
+        """Write an effect of the event at t."""
+        self._writer.write_effect(t, effect)
+
+
+def convert(
+    log: CarmenLog,
+    folder: MapFolder,
+    path: Path,
+    progress: Callable[[float], None] = lambda _: None,
+) -> Conversion:
+    """Write the recording of an agent on the log's robot; the map is ``folder``'s.
+
+    The agent starts at the log's first reference pose. Reference poses are recorded beside.
+    """
+    config = configuration_for(log, folder)
+    start_wall_ns = time.time_ns()
+    header = header_of_run(config, folder, source=log.path.name, start_wall_ns=start_wall_ns)
+    rig = LogRig(config.robot.name)
+    with path.open("wb") as file:
+        writer = RecordingWriter(file, header)
+        lockstep = LockstepAgent(
+            Agent(config, folder, start_wall_ns),
+            {"base": rig.base, "laser": rig.laser},
+            RecordingObserver(writer),
+        )
+
+        def write_reference(moment: Moment) -> None:
+            assert moment.scan is not None
+            writer.write_reference(round(moment.t, 6), moment.scan.reference)
+
+        duration = play(log, rig, lockstep, write_reference, progress)
+        writer.finish()
+    return Conversion(
+        scans=len(log.scans),
+        base_reports=lockstep.agent.base.counters.sips,
+        duration=duration,
+    )
+
+
+def configuration_for(log: CarmenLog, folder: MapFolder) -> AgentConfig:
+    """Return the configuration of an agent on the log's robot: its laser, its start, its map."""
+    defaults = AgentConfig()
+    first = log.scans[0]
+    return AgentConfig(
+        robot=RobotSettings(name=log.path.name.split(".")[0], team="log"),
+        map=MapSettings(folder=folder.name),
+        start=StartSettings(x=first.reference.x, y=first.reference.y, theta=first.reference.theta),
+        base=msgspec.structs.replace(defaults.base, baud=BASE_BAUD),
+        laser=msgspec.structs.replace(
+            defaults.laser,
+            baud=LASER_BAUD,
+            resolution_deg=1.0 if first.ranges.size <= 181 else 0.5,
+            mount=(0.0, 0.0, 0.0),  # a log's poses are the laser's
+            silence=SPARSE_SCANS_S,
+        ),
+    )

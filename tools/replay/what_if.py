@@ -1,0 +1,114 @@
+"""What an agent would have decided differently: its decisions beside the recorded ones.
+
+Only decisions are compared: the robot of the recording went where it was sent then, so what
+would have followed from other decisions is not known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from robot_agent.messages.effects import Effect, Publish
+from robot_agent.messages.streams import DecisionPayload, decode
+
+ANOTHER_COMMAND = 0.01
+"""m/s or rad/s; commands nearer to each other than this count as the same."""
+EPISODE_PAUSE_S = 1.0
+"""Differences nearer in time than this are one episode."""
+
+
+@dataclass
+class Episode:
+    """A stretch of time in which something was decided differently."""
+
+    start: float
+    """Agent time, s."""
+    end: float
+    recorded: str
+    now: str
+
+
+@dataclass
+class WhatIf:
+    """Collects the differences between recorded and present decisions."""
+
+    decisions: int = 0
+    """Compared, or made on one side only."""
+    other_action: int = 0
+    other_command: int = 0
+    other_gate: int = 0
+    one_sided: int = 0
+    """Decisions that were made only then, or are made only now."""
+    largest_v: float = 0.0
+    """Largest difference of the commanded speed, m/s."""
+    largest_w: float = 0.0
+    """rad/s"""
+    episodes: list[Episode] = field(default_factory=list)
+
+    def compare(self, t: float, recorded: Iterable[Effect], now: Iterable[Effect]) -> None:
+        """Compare the decisions about one event at t, s."""
+        before, after = _decision(recorded), _decision(now)
+        if before is None and after is None:
+            return
+        self.decisions += 1
+        if before is None or after is None:
+            self.one_sided += 1
+            self._note(t, _words(before), _words(after))
+            return
+        dv = abs(before.command.v - after.command.v)
+        dw = abs(before.command.w - after.command.w)
+        self.largest_v, self.largest_w = max(self.largest_v, dv), max(self.largest_w, dw)
+        self.other_command += max(dv, dw) > ANOTHER_COMMAND
+        self.other_action += before.action != after.action
+        self.other_gate += before.gate_reason != after.gate_reason
+        if before.action != after.action or before.gate_reason != after.gate_reason:
+            self._note(t, _words(before), _words(after))
+
+    def _note(self, t: float, recorded: str, now: str) -> None:
+        last = self.episodes[-1] if self.episodes else None
+        if (
+            last is not None
+            and (last.recorded, last.now) == (recorded, now)
+            and t - last.end <= EPISODE_PAUSE_S
+        ):
+            last.end = t
+        else:
+            self.episodes.append(Episode(t, t, recorded, now))
+
+    def lines(self, shown: int = 40) -> list[str]:
+        """Return the comparison for people, at most so many episodes of it."""
+        lines = [
+            f"{self.decisions} decisions compared on the recorded inputs: "
+            f"{self.other_action} another action, {self.other_gate} another word of the gate, "
+            f"{self.other_command} another command "
+            f"(by up to {self.largest_v:.3f} m/s, {self.largest_w:.3f} rad/s)"
+        ]
+        if self.one_sided:
+            lines.append(f"{self.one_sided} decisions made only then or only now")
+        lines += [
+            f"  {episode.start:9.2f} to {episode.end:9.2f} s: {episode.recorded} -> {episode.now}"
+            for episode in self.episodes[:shown]
+        ]
+        if len(self.episodes) > shown:
+            lines.append(f"  and {len(self.episodes) - shown} more times")
+        return lines
+
+
+def _decision(effects: Iterable[Effect]) -> DecisionPayload | None:
+    """Return the last decision among effects."""
+    found = None
+    for effect in effects:
+        if isinstance(effect, Publish) and effect.stream == "decision":
+            found = effect.payload
+    if found is None:
+        return None
+    payload = decode("decision", found)
+    assert isinstance(payload, DecisionPayload)
+    return payload
+
+
+def _words(decision: DecisionPayload | None) -> str:
+    if decision is None:
+        return "no decision"
+    return decision.action + (f" ({decision.gate_reason})" if decision.gate_reason else "")

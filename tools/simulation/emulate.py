@@ -1,0 +1,174 @@
+"""One emulated robot in a map, for any client of a Pioneer's base and of its laser."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+
+from drivers.emulation.fault_plan import parse_faults
+from drivers.emulation.line_faults import LineFaults
+from drivers.emulation.port import EmulatedDevice, PtyPort, TcpPort
+from drivers.p2os.emulator.base import FACTORY_WATCHDOG
+from drivers.p2os.model import load_model
+from maps.map_folder import MapFolder
+from maps.pose import Pose
+from tools.simulation.emulated_camera import CameraServer, EmulatedCamera
+from tools.simulation.real_time_rig import Pumped, RealTimeRig
+from tools.simulation.rig import RobotRig
+from tools.simulation.robot_body import Outline, RobotBody
+from tools.simulation.start_poses import free_start_poses
+from tools.simulation.world import World
+
+
+class EmulateError(ValueError):
+    """The robot cannot be emulated as asked; the message names the option and a remedy."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EmulateOptions:
+    """What to emulate, and where clients find it."""
+
+    model: str = "p2dx"
+    p2os: str = "pty"
+    """``pty`` or ``tcp:PORT``; port 0 takes any free one."""
+    lms200: str = "pty"
+    p2os_faults: str = ""
+    """What goes wrong on the base's line, as ``parse_faults`` reads it."""
+    lms200_faults: str = ""
+    camera: int | None = None
+    """TCP port of an MJPEG stream; 0 takes any free one, None serves none."""
+    pose: Pose | None = None
+    """True starting pose, map_from_base; None chooses a free place near the border."""
+    watchdog: float = FACTORY_WATCHDOG
+    """s, what is set in the base's FLASH."""
+    seed: int = 1
+
+
+class Emulation:
+    """The robot behind its ports, from entering the context until leaving it.
+
+    Raises EmulateError, FaultSpecError or UnknownModelError when it cannot be set up.
+    """
+
+    def __init__(self, folder: MapFolder, options: EmulateOptions) -> None:
+        rng = np.random.default_rng(options.seed)
+        pose = options.pose or _free_pose(folder, rng)
+        model = load_model(options.model)
+        world = World(folder.map, rng)
+        outline = Outline(
+            model.body.front, model.body.rear, model.body.width / 2, 2.0 / model.conversion.turn
+        )
+        try:
+            body = world.add_body(pose, outline)
+        except ValueError as error:
+            raise EmulateError(f"--pose: {error}") from error
+        self.rig = RobotRig(
+            "Emulated", world, body, time.monotonic(), options.model, watchdog=options.watchdog
+        )
+        self.urls: dict[str, str] = {}
+        with ExitStack() as stack:
+            names = Path(stack.enter_context(TemporaryDirectory(prefix="patrol-emulate-")))
+            base = LineFaults(self.rig.base, parse_faults(options.p2os_faults), rng.spawn(1)[0])
+            base.on_reset = lambda t: self.rig.base.reset(t, notify=False)  # P2OS does not tell
+            laser = LineFaults(self.rig.laser, parse_faults(options.lms200_faults), rng.spawn(1)[0])
+            laser.on_reset = self.rig.laser.power_on
+            ports: list[Pumped] = []
+            for name, place, line in (
+                ("p2os", options.p2os, base),
+                ("lms200", options.lms200, laser),
+            ):
+                port = open_emulated_port(f"--{name}", place, line, names / name)
+                stack.callback(port.close)
+                self.urls[name] = port.url
+                ports.append(port)
+            if options.camera is not None:
+                camera = open_camera(options.camera, world, body)
+                stack.callback(camera.close)
+                self.urls["camera"] = camera.url
+                ports.append(camera)
+            self._closing = stack.pop_all()
+        self._real_time = RealTimeRig(self.rig, ports)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._closing.close()
+
+    def run(self, going_on: Callable[[], bool]) -> None:
+        """Serve clients in real time for as long as ``going_on``."""
+        while going_on():
+            self._real_time.step()
+
+
+def open_emulated_port(option: str, place: str, line: LineFaults, name: Path) -> PtyPort | TcpPort:
+    """Put a device's line behind ``pty`` or ``tcp:PORT``, where its plan may cut it.
+
+    A pty that is to be cut gets a name that outlives it. Raises EmulateError naming ``option``.
+    """
+    port = open_port(option, place, line, name if line.plan.cuts else None)
+    line.on_cut = lambda _: port.unplug()
+    line.on_restored = lambda _: port.plug_in()
+    return port
+
+
+def open_port(
+    option: str, place: str, device: EmulatedDevice, name: Path | None
+) -> PtyPort | TcpPort:
+    """Put a device behind ``pty`` or ``tcp:PORT``; a pty gets the ``name``, if any.
+
+    Raises EmulateError naming ``option``.
+    """
+    if place == "pty":
+        return PtyPort(device, name)
+    kind, _, number = place.partition(":")
+    if kind != "tcp" or not number.isdecimal() or int(number) > 65535:
+        raise EmulateError(f"{option} {place}: is neither pty nor tcp:PORT; use e.g. tcp:8101")
+    try:
+        return TcpPort(device, int(number))
+    except OSError as error:
+        raise EmulateError(
+            f"{option} {place}: cannot listen there ({error.strerror}); choose another port, "
+            "or tcp:0 for any free one"
+        ) from error
+
+
+def open_camera(port: int, world: World, body: RobotBody) -> CameraServer:
+    """Serve what a robot sees; raises EmulateError if the port cannot be had."""
+    try:
+        return CameraServer(EmulatedCamera(world, body).take, port)
+    except (OSError, OverflowError) as error:
+        raise EmulateError(
+            f"--camera {port}: cannot listen there ({error}); choose another port, or 0 for any"
+        ) from error
+
+
+def parse_pose(text: str) -> Pose:
+    """Read X,Y,DEG as a pose in the map frame; raises EmulateError."""
+    try:
+        x, y, degrees = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise EmulateError(f"--pose {text}: is not X,Y,DEG; use e.g. 4.0,3.7,90") from error
+    if not all(map(math.isfinite, (x, y, degrees))):
+        raise EmulateError(f"--pose {text}: is not a place; use e.g. 4.0,3.7,90")
+    return Pose(x, y, math.remainder(math.radians(degrees), math.tau))
+
+
+def _free_pose(folder: MapFolder, rng: np.random.Generator) -> Pose:
+    if folder.border is None:
+        raise EmulateError(f"map {folder.name} has no border to stand near: give a place by --pose")
+    return free_start_poses(folder.map, folder.border, 1, rng)[0]

@@ -1,0 +1,180 @@
+"""The camera of an emulated robot as an MJPEG stream: what it sees, in a light that changes."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.camera_source import CameraSettings
+from maps.pose import Pose
+from robot_agent.perception.color_settings import ColorSettings
+from tools.simulation.camera_light import Light, LitCamera
+from tools.simulation.camera_view import CameraView, posters_on_walls
+from tools.simulation.robot_body import RobotBody
+from tools.simulation.world import World
+
+PICTURE_PERIOD_S = 0.2
+PATH = "/camera.mjpeg"
+_BOUNDARY = "picture"
+_DAYLIGHT_PERIOD_S = 240.0
+_STRENGTHS = (60.0, 1200.0)  # lux, darkest and brightest of a period
+_LAMPS = (3200.0, 6200.0)  # K, likewise
+
+
+class EmulatedCamera:
+    """Takes pictures from a robot; light and noise are deterministic under a seed."""
+
+    def __init__(
+        self,
+        world: World,
+        body: RobotBody,
+        camera: CameraSettings | None = None,
+        color: ColorSettings | None = None,
+        seed: int = 0,
+    ) -> None:
+        posters = posters_on_walls(world)
+        self._body = body
+        self._view = CameraView(
+            world, camera or CameraSettings(), color or ColorSettings(), posters
+        )
+        self._lit = LitCamera(np.random.default_rng((seed, body.index)))
+
+    def take(self, t: float, pose: Pose | None = None) -> NDArray[np.uint8]:
+        """Return the picture (height, width, 3; blue, green, red) taken at t, s.
+
+        pose: map_from_base then, instead of the body's present one.
+        """
+        scene = self._view.scene(pose or self._body.pose, self._body)
+        return self._lit.expose(scene, light_at(t))
+
+
+def light_at(t: float) -> Light:
+    """Return the light in the building at t, s: clouds pass and lamps are switched."""
+    phase = 0.5 - 0.5 * math.cos(math.tau * t / _DAYLIGHT_PERIOD_S)
+    darkest, brightest = _STRENGTHS
+    return Light(
+        lux=darkest * (brightest / darkest) ** phase,
+        kelvin=_LAMPS[0] + (_LAMPS[1] - _LAMPS[0]) * phase,
+        exposure=1.0 + 0.2 * math.sin(math.tau * t / 17.0),
+    )
+
+
+class Feed:
+    """The newest picture, for any number of watchers."""
+
+    def __init__(self) -> None:
+        self.ended = False
+        self.watchers = 0
+        self._changed = threading.Condition()
+        self._jpeg = b""
+        self._number = 0
+
+    def show(self, jpeg: bytes) -> None:
+        """Put up a new picture."""
+        with self._changed:
+            self._jpeg = jpeg
+            self._number += 1
+            self._changed.notify_all()
+
+    def end(self) -> None:
+        """Send everybody home."""
+        with self._changed:
+            self.ended = True
+            self._changed.notify_all()
+
+    def enter(self, *, leaving: bool = False) -> None:
+        """Count a watcher who comes or leaves."""
+        with self._changed:
+            self.watchers += -1 if leaving else 1
+
+    def picture_after(self, number: int) -> tuple[int, bytes]:
+        """Wait for one newer than ``number``; return its number and JPEG, empty at the end."""
+        with self._changed:
+            self._changed.wait_for(lambda: self.ended or self._number > number)
+            return self._number, b"" if self.ended else self._jpeg
+
+
+class _Server(ThreadingHTTPServer):
+    """An HTTP server that hands its handlers the feed."""
+
+    daemon_threads = True
+
+    def __init__(self, address: tuple[str, int], feed: Feed) -> None:
+        super().__init__(address, _Handler)
+        self.feed = feed
+
+
+class _Handler(BaseHTTPRequestHandler):
+    """Answers one watcher with pictures until either leaves."""
+
+    server: _Server
+
+    def do_GET(self) -> None:
+        """Serve the stream at PATH."""
+        if self.path != PATH:
+            self.send_error(HTTPStatus.NOT_FOUND, f"the pictures are at {PATH}")
+            return
+        self.send_response(HTTPStatus.OK)
+        self.send_header("Content-Type", f"multipart/x-mixed-replace; boundary={_BOUNDARY}")
+        self.end_headers()
+        self.server.feed.enter()
+        try:
+            self._stream()
+        except ConnectionError:
+            pass  # the watcher has left
+        finally:
+            self.server.feed.enter(leaving=True)
+
+    def _stream(self) -> None:
+        number = 0
+        while True:
+            number, jpeg = self.server.feed.picture_after(number)
+            if not jpeg:
+                return
+            head = (
+                f"--{_BOUNDARY}\r\nContent-Type: image/jpeg\r\nContent-Length: {len(jpeg)}\r\n\r\n"
+            )
+            self.wfile.write(head.encode() + jpeg + b"\r\n")
+
+    def log_message(self, *_: object) -> None:
+        """Say nothing: a request is no news."""
+
+
+class CameraServer:
+    """Serves pictures as an MJPEG stream on this machine; ``port`` 0 takes any free one.
+
+    ``pump`` takes a picture when one is due and somebody watches. Raises OSError if the port is
+    taken.
+    """
+
+    def __init__(self, take: Callable[[float], NDArray[np.uint8]], port: int = 0) -> None:
+        self._take = take
+        self._feed = Feed()
+        self._next = -math.inf
+        self._server = _Server(("127.0.0.1", port), self._feed)
+        self.url = f"http://127.0.0.1:{self._server.server_address[1]}{PATH}"
+        self._thread = threading.Thread(target=self._server.serve_forever, args=(0.1,), daemon=True)
+        self._thread.start()
+
+    def pump(self, t: float) -> None:
+        """Show what the camera sees at time ``t`` (s)."""
+        if t < self._next or not self._feed.watchers:
+            return
+        self._next = t + PICTURE_PERIOD_S
+        done, jpeg = cv2.imencode(".jpg", self._take(t))
+        assert done, "a picture of ours can be coded"
+        self._feed.show(jpeg.tobytes())
+
+    def close(self) -> None:
+        """Hang up on all who watch."""
+        self._feed.end()
+        self._server.shutdown()
+        self._server.server_close()
+        self._thread.join()

@@ -1,0 +1,150 @@
+"""One emulated robot: two devices on the wire and a body in the world."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.lms200.emulator.emulator import Lms200Emulator
+from drivers.lms200.scan import beam_time_offsets
+from drivers.p2os.emulator.base import FACTORY_WATCHDOG
+from drivers.p2os.emulator.emulator import P2osEmulator
+from drivers.p2os.model import load_model
+from maps.pose import Pose, wrap_angle
+from tools.simulation.robot_body import RobotBody
+from tools.simulation.world import Fan, World, laser_fan
+
+SONAR_PERIOD_S = 0.1
+
+
+class RobotRig:
+    """Moves a body as its base's wheels turn; the laser and the sonars see from where it is."""
+
+    def __init__(
+        self,
+        name: str,
+        world: World,
+        body: RobotBody,
+        t: float,
+        model: str = "p2dx",
+        *,
+        later_firmware: bool = False,
+        watchdog: float = FACTORY_WATCHDOG,
+    ) -> None:
+        """Put the robot into the world at time t, both devices just powered; with
+        ``later_firmware`` its base reports what AROS does, the stop button among it.
+        ``watchdog``: s, what is set in its FLASH."""
+        self.name = name
+        self.world = world
+        self.body = body
+        self.model = load_model(model)
+        self.base = P2osEmulator(
+            self.model, name=name, later_firmware=later_firmware, watchdog=watchdog
+        )
+        self.laser = Lms200Emulator(scan_source=self._scan)
+        self.stuck = False
+        """Whether something holds the wheels."""
+        self.blind = False
+        """Whether no beam of the laser returns."""
+        self.bumped = 0
+        """Segments of the front bumper that somebody presses, besides what the world touches."""
+        self._next_sonar = t
+        self._seen: NDArray[np.float64] | None = None
+        self._t = self._previous_t = t
+        self._previous_pose = body.pose
+
+    def advance(self, t: float) -> None:
+        """Let time pass to t: wheels turn, the body moves or bumps, the sensors see."""
+        self.move(t)
+        sense([self], t)
+
+    def move(self, t: float) -> None:
+        """Let time pass to t: wheels turn, the body moves or bumps. Then let it ``sense``."""
+        distance, rotation = self.base.advance(t)
+        self._previous_t, self._t = self._t, t
+        self._previous_pose = self.body.pose
+        motion = self.world.move(self.body, *((0.0, 0.0) if self.stuck else (distance, rotation)))
+        self.base.turn_odometer(motion.odometer_distance, motion.odometer_rotation)
+        self.base.set_contact(
+            stalled=motion.blocked or (self.stuck and (distance, rotation) != (0.0, 0.0)),
+            front_bumpers=motion.front_bumpers | self.bumped,
+            rear_bumpers=motion.rear_bumpers,
+        )
+
+    def listens(self, t: float) -> bool:
+        """Tell whether it is time for the sonars; counts as done when it is."""
+        if t < self._next_sonar:
+            return False
+        self._next_sonar += SONAR_PERIOD_S
+        return True
+
+    def looks(self, t: float) -> Fan | None:
+        """Return the rays of the mirror turn that is due by t, if any, for ``see``."""
+        turn = self.laser.turn_due(t)
+        return None if turn is None else self._fan(*turn[:3])
+
+    def see(self, t: float, ranges: NDArray[np.float64] | None) -> None:
+        """Let the laser run to t; ranges (n,) m: what the rays that ``looks`` returned met."""
+        self._seen = ranges
+        self.laser.advance(t)
+
+    def put(self, pose: Pose) -> None:
+        """Put the robot down at a true pose, map_from_base; its wheels do not turn."""
+        self.body.pose = self._previous_pose = pose
+
+    def _scan(self, t: float, n: int, increment: float) -> NDArray[np.float64]:
+        """Measure one mirror turn about time t, which lies within the present step."""
+        seen, self._seen = self._seen, None
+        if self.blind:
+            return np.full(n, np.inf)
+        return self.world.scans([self._fan(t, n, increment)])[0] if seen is None else seen
+
+    def _fan(self, t: float, n: int, increment: float) -> Fan:
+        """Return the rays of a mirror turn.
+
+        The base turns on while the mirror sweeps, so that each beam looks a little elsewhere.
+        """
+        pose = self._pose_at(t)
+        step = self._t - self._previous_t
+        turn = math.remainder(self.body.pose.theta - self._previous_pose.theta, math.tau)
+        rate = turn / step if step > 0 else 0.0
+        swept = rate * beam_time_offsets(n, -0.5 * (n - 1) * increment, increment, 1)
+        return laser_fan(self.body, pose, n, increment, self.model.laser_mount, swept)
+
+    def _pose_at(self, t: float) -> Pose:
+        """Interpolate the true pose within the last step."""
+        step = self._t - self._previous_t
+        share = min(max((t - self._previous_t) / step, 0.0), 1.0) if step > 0 else 1.0
+        a, b = self._previous_pose, self.body.pose
+        turn = math.remainder(b.theta - a.theta, math.tau)
+        return Pose(
+            a.x + share * (b.x - a.x),
+            a.y + share * (b.y - a.y),
+            wrap_angle(a.theta + share * turn),
+        )
+
+
+def sense(rigs: Sequence[RobotRig], t: float) -> None:
+    """Let robots that have moved to t in one world, all of one model, hear and see, all at once."""
+    listening = [rig for rig in rigs if rig.listens(t)]
+    if listening:
+        world, ring = listening[0].world, listening[0].model.sonar
+        echoes = world.sonars([rig.body for rig in listening], ring)
+        for rig, ranges in zip(listening, echoes, strict=True):
+            rig.base.set_sonar(ranges)
+    fans = [rig.looks(t) for rig in rigs]
+    looking = [fan for fan in fans if fan is not None]
+    scans = iter(rigs[0].world.scans(looking) if looking else ())
+    for rig, fan in zip(rigs, fans, strict=True):
+        rig.see(t, None if fan is None else next(scans))
+
+
+def make_rigs(world: World, starts: Sequence[Pose], t: float) -> list[RobotRig]:
+    """Add one robot per start pose to the world: robot1, robot2, ..."""
+    return [
+        RobotRig(f"robot{number}", world, world.add_body(start), t)
+        for number, start in enumerate(starts, start=1)
+    ]

@@ -1,0 +1,387 @@
+"""The simulated world: a map, the robots in it, what their wheels and sensors make of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drivers.p2os.model import SonarMount
+from maps.occupancy_map import OCCUPIED, OccupancyMap
+from maps.pose import Pose, wrap_angle
+from tools.simulation.noise import WorldNoise
+from tools.simulation.raycast import RayCaster, cast_bodies
+from tools.simulation.robot_body import Outline, RobotBody, bumper_masks, meeting_points, overlap
+
+TOUCH = 0.005  # m; nearer than this is touching
+_PART = 0.02  # m; a contact is over when the two are farther apart than this
+_SONAR_CONE = np.radians((-15.0, 0.0, 15.0))
+_SONAR_RANGE = 5.0  # m; also told when there is no echo
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """What came of a robot's wheel motion, and what it feels.
+
+    odometer_distance, odometer_rotation: what its encoders counted, m and rad. blocked: something
+    was in its way. front_bumpers, rear_bumpers: bit masks of the segments pressed. touching: it
+    touches a wall or another robot, anywhere on its outline.
+    """
+
+    odometer_distance: float
+    odometer_rotation: float
+    blocked: bool
+    front_bumpers: int
+    rear_bumpers: int
+    touching: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """Two bodies, or a body and a wall (other is None), came to touch; bodies by index."""
+
+    body: int
+    other: int | None
+
+
+class Fan(NamedTuple):
+    """Rays that leave a body: origins x and y (n,), m, and directions (n,), rad, map frame."""
+
+    body: RobotBody
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    angles: NDArray[np.float64]
+
+
+def laser_fan(
+    body: RobotBody,
+    pose: Pose,
+    n: int,
+    increment: float,
+    mount: tuple[float, float, float],
+    swept: NDArray[np.float64] | float = 0.0,
+) -> Fan:
+    """Return the rays of a laser scan; the arguments are those of ``World.scan``."""
+    laser = pose.compose(Pose(*mount))
+    beams = np.arange(n, dtype=np.float64)
+    angles = laser.theta + (beams - (n - 1) / 2) * increment + swept
+    return Fan(body, np.full(n, laser.x), np.full(n, laser.y), angles)
+
+
+def _sonar_fan(body: RobotBody, ring: Sequence[SonarMount]) -> Fan:
+    """Return three rays for each transducer, over its cone."""
+    c, s = math.cos(body.pose.theta), math.sin(body.pose.theta)
+    x = [body.pose.x + c * mount.x - s * mount.y for mount in ring]
+    y = [body.pose.y + s * mount.x + c * mount.y for mount in ring]
+    heading = [body.pose.theta + math.radians(mount.heading_deg) for mount in ring]
+    angles = (np.array(heading)[:, None] + _SONAR_CONE).ravel()
+    return Fan(body, np.repeat(x, 3), np.repeat(y, 3), angles)
+
+
+@dataclass(slots=True, eq=False)
+class World:
+    """Everything true in a simulation; deterministic under a seeded generator.
+
+    contact_log: all contacts so far, each noted once from touching to parting.
+    """
+
+    occupancy: OccupancyMap
+    rng: np.random.Generator
+    noise: WorldNoise = field(default_factory=WorldNoise)
+    laser_max_range: float = 32.0  # m
+    bodies: list[RobotBody] = field(default_factory=list)
+    contact_log: list[Contact] = field(default_factory=list)
+    _caster: RayCaster = field(init=False)
+    _wall_distance: NDArray[np.float64] = field(init=False)
+    _solid: NDArray[np.bool_] = field(init=False)
+    _in_touch: set[Contact] = field(init=False, default_factory=set)
+
+    def __post_init__(self) -> None:
+        self._caster = RayCaster(self.occupancy)
+        self._wall_distance = _distance_to_walls_and_rim(self.occupancy)
+        self._solid = np.pad(self.occupancy.cells == OCCUPIED, 1, constant_values=True)
+
+    @property
+    def contacts(self) -> int:
+        """How many contacts there were so far."""
+        return len(self.contact_log)
+
+    def add_body(self, pose: Pose, outline: Outline | None = None) -> RobotBody:
+        """Put a robot at a true pose (map_from_base); its odometer's scale errors are drawn here.
+
+        Raises ValueError if it would stand in a wall or in another robot.
+        """
+        left, right = (1.0 + self.rng.normal(0.0, self.noise.wheel_scale, 2)).tolist()
+        body = RobotBody(len(self.bodies), pose, outline or Outline(), (left, right))
+        if self._blocked(body, pose):
+            raise ValueError(
+                f"robot {body.index} at ({pose.x:.2f}, {pose.y:.2f}) stands in a wall or in "
+                "another robot: choose another start pose"
+            )
+        self.bodies.append(body)
+        return body
+
+    def move(self, body: RobotBody, distance: float, rotation: float) -> Motion:
+        """Turn a robot's wheels by a motion of distance, m, and rotation, rad.
+
+        Call it for every small step (0.1 s or less), also with 0, 0: what is touched may have
+        moved by itself. A blocked robot goes as far as it can, and its wheels stop there.
+        """
+        draws = self.rng.standard_normal(5).tolist()
+        slipped = self._slip(distance, rotation, draws[:3])
+        wanted = _moved(body.pose, *slipped)
+        if self._in_the_open(body, wanted):
+            body.pose = wanted
+            self._part_from_all(body)
+            return Motion(*self._odometer(body, distance, rotation, draws[3:]), False, 0, 0, False)
+        share = self._free_share(body, *slipped)
+        body.pose = _moved(body.pose, slipped[0] * share, slipped[1] * share)
+        touched = self._touched(body)
+        front, rear = bumper_masks(touched, body.outline) if len(touched) else (0, 0)
+        counted = self._odometer(body, distance * share, rotation * share, draws[3:])
+        return Motion(*counted, share < 1.0, front, rear, touching=len(touched) > 0)
+
+    def place(self, body: RobotBody, pose: Pose) -> bool:
+        """Put a body that moves by itself at a pose near its present one, if nothing is there."""
+        if self._blocked(body, pose):
+            return False
+        body.pose = pose
+        return True
+
+    def scan(
+        self,
+        body: RobotBody,
+        pose: Pose,
+        n: int,
+        increment: float,
+        mount: tuple[float, float, float],
+        swept: NDArray[np.float64] | float = 0.0,
+    ) -> NDArray[np.float64]:
+        """Return (n,) laser ranges, m; inf where no return.
+
+        pose: true map_from_base at the time of the scan, which may lie between two moves. Beams
+        are symmetric about the laser's axis, the first one right-most, increment rad apart.
+        mount: the laser's (x, y, theta) in base_link, m and rad. swept (n,): rad turned by the
+        body from then until each beam was measured.
+        """
+        return self.scans([laser_fan(body, pose, n, increment, mount, swept)])[0]
+
+    def scans(self, fans: Sequence[Fan]) -> list[NDArray[np.float64]]:
+        """Return the ranges of the laser for each fan: many at once cost little more than one."""
+        ranges = self._cast(fans, self.laser_max_range)
+        n = len(ranges)
+        ranges += self.rng.normal(0.0, self.noise.laser_range, n)
+        ranges[self.rng.random(n) < self.noise.laser_dropouts] = np.inf
+        ranges[ranges > self.laser_max_range] = np.inf
+        np.maximum(ranges, 0.0, out=ranges)
+        ends = np.cumsum([len(fan.angles) for fan in fans])
+        return np.split(ranges, ends[:-1])
+
+    def free_way(self, x: float, y: float, direction: float) -> float:
+        """Return the distance, m, from a place to the next wall in a direction, rad."""
+        return float(self.free_ways(x, y, np.array([direction]))[0])
+
+    def free_ways(self, x: float, y: float, directions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return (n,) distances, m, from a place to the next walls in directions (n,), rad."""
+        return self._caster.cast(x, y, directions, self.laser_max_range)
+
+    def sonar(self, body: RobotBody, ring: Sequence[SonarMount]) -> list[float]:
+        """Return each transducer's range, m: the nearest of three rays over its cone, 5 m at most.
+
+        Taken from the body's present pose.
+        """
+        return self.sonars([body], ring)[0]
+
+    def sonars(self, bodies: Sequence[RobotBody], ring: Sequence[SonarMount]) -> list[list[float]]:
+        """Return the ranges of ``sonar`` for each of several bodies."""
+        rays = self._cast([_sonar_fan(body, ring) for body in bodies], _SONAR_RANGE)
+        echoes = rays.reshape(len(bodies), -1, 3).min(axis=2)
+        echoes += self.rng.normal(0.0, self.noise.sonar_range, echoes.shape)
+        ranges: list[list[float]] = np.clip(echoes, 0.0, _SONAR_RANGE).tolist()
+        return ranges
+
+    def _cast(self, fans: Sequence[Fan], max_range: float) -> NDArray[np.float64]:
+        """Return the ranges of all fans, one after another, to walls and to the other robots."""
+        angles = np.concatenate([fan.angles for fan in fans])
+        x = np.concatenate([fan.x for fan in fans])
+        y = np.concatenate([fan.y for fan in fans])
+        ranges = self._caster.cast(x, y, angles, max_range)
+        if len(self.bodies) < 2:
+            return ranges
+        own = np.repeat([fan.body.index for fan in fans], [len(fan.angles) for fan in fans])
+        rectangles = np.array([body.rectangle() for body in self.bodies])
+        return np.minimum(ranges, cast_bodies(x, y, angles, rectangles, max_range, own))
+
+    def _slip(
+        self, distance: float, rotation: float, draws: Sequence[float]
+    ) -> tuple[float, float]:
+        """Return the motion of a free body whose wheels turn by this much; draws: 3 normal ones."""
+        noise = self.noise
+        along, turning, veering = draws
+        root = math.sqrt(abs(distance))
+        return (
+            distance + along * noise.slip_distance * root,
+            rotation
+            + turning * noise.slip_rotation * math.sqrt(abs(rotation))
+            + veering * noise.slip_heading * root,
+        )
+
+    def _odometer(
+        self, body: RobotBody, distance: float, rotation: float, draws: Sequence[float]
+    ) -> tuple[float, float]:
+        """Return the distance and rotation that the encoders counted for a wheel motion.
+
+        draws: 2 normal ones, of the left and the right wheel.
+        """
+        half_track = body.outline.track / 2
+        noise = self.noise.odometer
+        left, right = (
+            wheel * scale + noise * math.sqrt(abs(wheel)) * draw
+            for wheel, scale, draw in zip(
+                (distance - rotation * half_track, distance + rotation * half_track),
+                body.wheel_scales,
+                draws,
+                strict=True,
+            )
+        )
+        return (left + right) / 2, (right - left) / (2 * half_track)
+
+    def _in_the_open(self, body: RobotBody, pose: Pose) -> bool:
+        """Tell whether nothing is near enough at a pose to be touched or to have been: the usual
+        case, quickly told."""
+        reach = body.reach + 2 * _PART
+        if self.clearance(pose) <= reach:
+            return False
+        x, y = pose.x, pose.y
+        for other in self.bodies:
+            if other is not body:
+                at = other.pose
+                if math.hypot(at.x - x, at.y - y) <= reach + other.reach:
+                    return False
+        return True
+
+    def _part_from_all(self, body: RobotBody) -> None:
+        """Forget the contacts of a body that nothing is near."""
+        if self._in_touch:
+            self._in_touch.discard(Contact(body.index, None))
+            for other in self.bodies:
+                self._in_touch.discard(_contact(body, other))
+
+    def _free_share(self, body: RobotBody, distance: float, rotation: float) -> float:
+        """Return the share of a motion that can be done before something is in the way."""
+        if not self._blocked(body, _moved(body.pose, distance, rotation)):
+            return 1.0
+        free, blocked = 0.0, 1.0
+        for _ in range(7):
+            middle = (free + blocked) / 2
+            if self._blocked(body, _moved(body.pose, distance * middle, rotation * middle)):
+                blocked = middle
+            else:
+                free = middle
+        return free
+
+    def _blocked(self, body: RobotBody, pose: Pose) -> bool:
+        """Return whether the body at a pose would overlap a wall or another robot."""
+        return bool(self._wall_points(body, pose, 0.0).size) or any(
+            overlap(body.rectangle(pose), other.rectangle())
+            for other in self._neighbours(body, pose, 0.0)
+        )
+
+    def _touched(self, body: RobotBody) -> NDArray[np.float64]:
+        """Return the points (n, 2), base_link, at which a body is touched; count new contacts."""
+        points = []
+        near = self._wall_points(body, body.pose, _PART).size > 0
+        walls = self._wall_points(body, body.pose, TOUCH) if near else np.empty((0, 2))
+        if walls.size:
+            points.append(walls)
+        self._note(Contact(body.index, None), touching=walls.size > 0, near=near)
+        close = self._neighbours(body, body.pose, _PART)
+        rectangle = body.rectangle() if close else ()
+        for other in close:
+            touching = overlap(rectangle, other.rectangle(margin=TOUCH))
+            if touching:
+                points.append(meeting_points(body, other, 2 * TOUCH))
+            self._note(
+                _contact(body, other),
+                touching=touching,
+                near=overlap(rectangle, other.rectangle(margin=_PART)),
+            )
+        for other in self.bodies if self._in_touch else ():
+            if other not in close:
+                self._in_touch.discard(_contact(body, other))
+        return np.concatenate(points) if points else np.empty((0, 2))
+
+    def _note(self, contact: Contact, *, touching: bool, near: bool) -> None:
+        """Count a contact as it begins; forget it as the two part."""
+        if touching and contact not in self._in_touch:
+            self._in_touch.add(contact)
+            self.contact_log.append(contact)
+        elif not near:
+            self._in_touch.discard(contact)
+
+    def _wall_points(self, body: RobotBody, pose: Pose, margin: float) -> NDArray[np.float64]:
+        """Return the points (n, 2), base_link, of an outline grown by a margin that lie in walls.
+
+        The way out of the map is a wall too.
+        """
+        if self.clearance(pose) > body.reach + 2 * margin:
+            return np.empty((0, 2))  # the usual case
+        outline = body.outline
+        grown = Outline(outline.front + margin, outline.rear + margin, outline.half_width + margin)
+        points = grown.perimeter(self.occupancy.resolution / 2)
+        c, s = math.cos(pose.theta), math.sin(pose.theta)
+        in_map = points @ np.array(((c, s), (-s, c))) + (pose.x, pose.y)
+        cells = np.floor((in_map - self.occupancy.origin[:2]) / self.occupancy.resolution)
+        rows, cols = self._solid.shape
+        cells = np.minimum(np.maximum(cells + 1.0, 0.0), (cols - 1.0, rows - 1.0)).astype(np.intp)
+        in_wall = self._solid.take(cells[:, 1] * cols + cells[:, 0])
+        return np.asarray(points[in_wall])
+
+    def clearance(self, pose: Pose) -> float:
+        """Return a distance, m, within which there is no wall, 0 outside the map."""
+        resolution, origin = self.occupancy.resolution, self.occupancy.origin
+        row = math.floor((pose.y - origin.y) / resolution)
+        col = math.floor((pose.x - origin.x) / resolution)
+        rows, cols = self._wall_distance.shape
+        if not (0 <= row < rows and 0 <= col < cols):
+            return 0.0
+        # Half a cell's diagonal for the wall's cell, and for our own.
+        return float(self._wall_distance[row, col]) - math.sqrt(2.0) * resolution
+
+    def _neighbours(self, body: RobotBody, pose: Pose, margin: float) -> list[RobotBody]:
+        """Return the other robots near enough to be met at a pose."""
+        return [
+            other
+            for other in self.bodies
+            if other is not body
+            and math.hypot(other.pose.x - pose.x, other.pose.y - pose.y)
+            <= body.reach + other.reach + 2 * margin
+        ]
+
+
+def _contact(body: RobotBody, other: RobotBody) -> Contact:
+    return Contact(min(body.index, other.index), max(body.index, other.index))
+
+
+def _distance_to_walls_and_rim(occupancy: OccupancyMap) -> NDArray[np.float64]:
+    """Return (rows, cols) distances, m, to the nearest wall's cell or to the edge of the map."""
+    rows, cols = occupancy.cells.shape
+    row, col = np.arange(rows)[:, None], np.arange(cols)[None, :]
+    rim = np.minimum(np.minimum(row, rows - 1 - row), np.minimum(col, cols - 1 - col))
+    return np.asarray(np.minimum(occupancy.distance_field(), rim * occupancy.resolution))
+
+
+def _moved(pose: Pose, distance: float, rotation: float) -> Pose:
+    """Return a pose after an arc, taken along its chord."""
+    half = rotation / 2
+    chord = distance * (math.sin(half) / half if half else 1.0)
+    heading = pose.theta + half
+    return Pose(
+        pose.x + chord * math.cos(heading),
+        pose.y + chord * math.sin(heading),
+        wrap_angle(pose.theta + rotation),
+    )

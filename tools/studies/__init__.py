@@ -1,0 +1,1 @@
+"""Studies over many runs: seeds and settings compared, the paper's experiment, the soak."""

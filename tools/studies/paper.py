@@ -1,0 +1,203 @@
+"""The paper's experiment: three robots on its 51 m border, its figures and its claims, checked.
+
+Figure 4: distance from the border over time. Figure 5: the actions over time. Figure 6: where two
+robots that meet go. The claims (section III): on the border the distance stays small; one robot's
+change to Patrol CW comes with the other's to Patrol CCW; afterwards both keep going, apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from maps.map_folder import MapFolder, load_map_folder
+from robot_agent.patrol.actions import Action
+from tools.bench.fleet import Fleet, FleetLog, run_bench
+from tools.bench.ideal_fleet import IdealFleet, IdealLog, run_ideal_bench
+from tools.bench.sensing import Sensing
+from tools.metrics.metrics import Meeting, RobotRun, meetings
+from tools.studies.worker_pool import worker_pool
+
+MAP, BORDER, ROBOTS, DURATION_S = "paper_lab", "border", 3, 1800.0
+P99_M, MOST_M = 0.05, 0.10
+STEPS = 2
+"""Control steps between the turns of two robots that count as at the same time."""
+_REACTION_S = 12.0  # to turn after coming within sight, or to keep going again after turning
+
+_TURNS = (Action.PATROL_CLOCKWISE, Action.PATROL_COUNTER_CLOCKWISE)
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A meeting as the paper tells it.
+
+    steps_apart: control steps between the two robots' turns, None if not both turned.
+    opposite: one patrolled CW, the other CCW. parted: both kept going afterwards, in those ways.
+    """
+
+    t: float
+    robots: tuple[str, str]
+    steps_apart: int | None
+    opposite: bool
+    parted: bool
+    closest_m: float
+
+
+@dataclass(frozen=True, eq=False)
+class PaperRun:
+    """One run of the experiment."""
+
+    folder: MapFolder
+    runs: list[RobotRun]
+    figures: dict[str, Any]
+
+    @property
+    def meetings(self) -> list[Meeting]:
+        """All meetings that ended before the run did."""
+        return [meeting for meeting in meetings(self.runs) if meeting.parted]
+
+
+@dataclass(frozen=True)
+class PaperTrial:
+    """The experiment but for the seed."""
+
+    map_folder: Path
+    border: str
+    sensing: Sensing
+    duration: float
+    """s, virtual."""
+
+
+def run_seeds(trial: PaperTrial, seeds: Sequence[int], jobs: int) -> Iterator[PaperRun]:
+    """Run the experiment with every seed, ``jobs`` processes at a time; yield in their order.
+
+    Raises MapError, BorderError for a map or border that cannot be used.
+    """
+    if jobs == 1:
+        yield from (run_paper(trial, seed) for seed in seeds)
+        return
+    with worker_pool(jobs) as pool:
+        yield from pool.map(partial(run_paper, trial), seeds)
+
+
+def run_paper(trial: PaperTrial, seed: int) -> PaperRun:
+    """Run the experiment once; with bytes: full noise, every byte encoded."""
+    folder = load_map_folder(trial.map_folder, trial.border)
+    if trial.sensing is Sensing.IDEAL:
+        ideal = IdealFleet(folder, ROBOTS, seed)
+        ideal_log = IdealLog(ideal)
+        figures = run_ideal_bench(ideal, trial.duration, log=ideal_log)
+        return PaperRun(folder, ideal_log.runs(), figures)
+    fleet = Fleet(folder, ROBOTS, seed)
+    log = FleetLog(fleet)
+    figures = run_bench(fleet, trial.duration, log=log)
+    return PaperRun(folder, log.runs(), figures)
+
+
+def turns(run: PaperRun) -> list[Turn]:
+    """Return every meeting of two robots that patrol towards each other, as the paper tells it."""
+    by_name = {each.name: each for each in run.runs}
+    found = [_turn(by_name, meeting) for meeting in run.meetings]
+    return [turn for turn in found if turn is not None]
+
+
+def _turn(by_name: dict[str, RobotRun], meeting: Meeting) -> Turn | None:
+    """Tell of a meeting; None if it is not one of two that keep going head-on.
+
+    One may be turning from a third, or have reversed by chance just before.
+    """
+    pair = [by_name[name] for name in meeting.robots]
+    start = int(np.searchsorted(pair[0].t, meeting.t))
+    turned = [_first(run, start, _TURNS) for run in pair]
+    first = min((index for index in turned if index is not None), default=None)
+    if first is None or first == 0:
+        return None
+    before = [(run.action[first - 1], int(run.direction[first - 1])) for run in pair]
+    if {action for action, _ in before} != {Action.KEEP_GOING} or before[0] == before[1]:
+        return None
+    one, other = turned
+    if one is None or other is None:
+        return Turn(meeting.t, meeting.robots, None, False, False, meeting.closest_m)
+    after = [
+        int(run.direction[_first(run, since, (Action.KEEP_GOING,)) or since])
+        for run, since in zip(pair, (one, other), strict=True)
+    ]
+    return Turn(
+        t=meeting.t,
+        robots=meeting.robots,
+        steps_apart=abs(one - other),
+        opposite={pair[0].action[one], pair[1].action[other]} == set(_TURNS),
+        parted=sorted(after) == [-1, 1],
+        closest_m=meeting.closest_m,
+    )
+
+
+def _first(run: RobotRun, start: int, actions: Sequence[str]) -> int | None:
+    """Index of the first of some actions within a reaction's time, None if there is none."""
+    end = int(np.searchsorted(run.t, run.t[start] + _REACTION_S))
+    return next((i for i in range(start, end) if run.action[i] in actions), None)
+
+
+def claims(run: PaperRun) -> dict[str, Any]:
+    """Return the paper's claims with what was measured, and whether each held."""
+    found, distance = turns(run), run.figures["border_distance_m"]
+    both = [turn for turn in found if turn.steps_apart is not None]
+    paired = [turn for turn in both if turn.opposite and turn.parted]
+    at_once = [turn for turn in paired if (turn.steps_apart or 0) <= STEPS]
+    held = {
+        "p99_below_0.05_m": distance["p99"] is not None and distance["p99"] < P99_M,
+        "never_above_0.10_m": distance["max"] is not None and distance["max"] < MOST_M,
+        "every_meeting_cw_and_ccw_then_apart": len(paired) == len(found),
+        "every_turn_within_two_steps": len(at_once) == len(found),
+        "no_contact": run.figures["contacts"] == 0,
+    }
+    return {
+        "sensing": run.figures["sensing"],
+        "seed": run.figures["seed"],
+        "duration_s": run.figures["duration_s"],
+        "border_distance_m": distance,
+        "contacts": run.figures["contacts"],
+        "closest_m": run.figures["closest_m"],
+        "meetings": {
+            "head_on": len(found),
+            "cw_and_ccw_then_apart": len(paired),
+            "within_two_steps": len(at_once),
+            "most_steps_apart": max((turn.steps_apart or 0 for turn in both), default=0),
+        },
+        "held": held,
+        "turns": [asdict(turn) for turn in found],
+    }
+
+
+def over_seeds(told: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return the claims of all seeds in one: the worst of each figure, and what held in all."""
+    distances = [each["border_distance_m"] for each in told]
+    counts = ("head_on", "cw_and_ccw_then_apart", "within_two_steps")
+    return {
+        "sensing": told[0]["sensing"],
+        "seeds": [each["seed"] for each in told],
+        "duration_s": told[0]["duration_s"],
+        "border_distance_m": {
+            "worst_p99": _worst(distance["p99"] for distance in distances),
+            "worst_max": _worst(distance["max"] for distance in distances),
+            "p99_by_seed": [distance["p99"] for distance in distances],
+        },
+        "contacts": sum(each["contacts"] for each in told),
+        "closest_m": min(
+            (each["closest_m"] for each in told if each["closest_m"] is not None), default=None
+        ),
+        "meetings": {
+            **{name: sum(each["meetings"][name] for each in told) for name in counts},
+            "most_steps_apart": max(each["meetings"]["most_steps_apart"] for each in told),
+        },
+        "held": {name: all(each["held"][name] for each in told) for name in told[0]["held"]},
+    }
+
+
+def _worst(values: Iterable[float | None]) -> float | None:
+    return max((value for value in values if value is not None), default=None)

@@ -1,0 +1,297 @@
+"""Studies: many benches over seeds and settings, resumable, compared in one table.
+
+A study file names what all runs share and what is varied:
+
+    [study]
+    map = "paper_lab"        # folder or shipped name
+    border = "border"
+    duration = 900.0         # s of each run
+    seeds = 20               # runs of each case
+    first_seed = 1
+    sensing = "bytes"        # or "ideal": the decision layer alone
+
+    [vary]                   # every combination is a case
+    robots = [3, 5]
+    "patrol.reversal_probability" = [0.0, 0.25, 0.5]
+
+``[vary]`` may also name ``map``, ``border`` and ``faults`` (each choice what ``bench --fault``
+takes, several apart by blanks). Any other key is one of a robot's configuration.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import tomllib
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import as_completed
+from dataclasses import dataclass
+from functools import partial
+from itertools import product
+from pathlib import Path
+from typing import Annotated, Any
+
+import cv2
+import msgspec
+import tomli_w
+
+from maps.border import BorderError
+from maps.map_folder import load_map_folder
+from robot_agent.config import AgentConfig, find_map, parse_config
+from tools.bench.bench_fault import BenchFaultError, check_robots, draw_faults
+from tools.bench.sensing import Sensing, bench
+from tools.studies.study_cluster import run_on_cluster
+from tools.studies.worker_pool import worker_pool
+
+ROBOTS = "robots"
+MAP = "map"
+BORDER = "border"
+FAULTS = "faults"
+_OF_THE_BENCH = (ROBOTS, MAP, BORDER, FAULTS)
+RUNS_FOLDER = "runs"
+
+Setting = int | float | str | bool
+
+
+class StudyError(ValueError):
+    """A study that cannot be run; one line naming file, key and remedy."""
+
+
+class StudySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What all runs of a study share."""
+
+    map: str = "paper_lab"
+    border: str = "border"
+    duration: Annotated[float, msgspec.Meta(gt=0.0)] = 900.0
+    """s, virtual, of each run."""
+    seeds: Annotated[int, msgspec.Meta(ge=1)] = 20
+    first_seed: Annotated[int, msgspec.Meta(ge=0)] = 1
+    sensing: Sensing = Sensing.BYTES
+
+
+class StudyFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A study file as it stands."""
+
+    study: StudySettings = StudySettings()
+    vary: dict[str, list[Setting]] = {}
+
+
+@dataclass(frozen=True)
+class Case:
+    """One combination of what is varied, in the order of the study file."""
+
+    values: tuple[tuple[str, Setting], ...]
+
+    @property
+    def robots(self) -> int:
+        """Size of the team."""
+        return int(self.get(ROBOTS, 3))
+
+    @property
+    def faults(self) -> list[str]:
+        """The faults of each run, as ``bench --fault`` takes them."""
+        return str(self.get(FAULTS, "")).split()
+
+    def get(self, key: str, default: Setting) -> Setting:
+        """Return what the case says of a key, else the default."""
+        return dict(self.values).get(key, default)
+
+    @property
+    def settings(self) -> dict[str, Setting]:
+        """What differs from the default configuration, by dotted key."""
+        return {key: value for key, value in self.values if key not in _OF_THE_BENCH}
+
+    def __str__(self) -> str:
+        return ", ".join(f"{key} {value}" for key, value in self.values) or "defaults"
+
+
+@dataclass(frozen=True)
+class Run:
+    """One bench of a study."""
+
+    case: Case
+    seed: int
+    map_folder: str
+    border: str
+    duration: float
+    sensing: Sensing = Sensing.BYTES
+
+    @property
+    def file_name(self) -> str:
+        """Name of the run's result file: a digest of all that the result depends on."""
+        content = (self.case.values, self.seed, self.map_folder, self.border, self.duration)
+        digest = hashlib.sha256(repr((*content, str(self.sensing))).encode()).hexdigest()
+        return f"{digest[:16]}.json"
+
+
+@dataclass(frozen=True)
+class Study:
+    """A checked study."""
+
+    settings: StudySettings
+    cases: tuple[Case, ...]
+    runs: tuple[Run, ...]
+
+
+@dataclass(frozen=True)
+class Result:
+    """One run with its figures, as ``patrol bench --json`` gives them."""
+
+    run: Run
+    figures: dict[str, Any]
+
+
+def read_study(path: Path) -> Study:
+    """Read and check a study file; a map folder is relative to it, or a shipped name.
+
+    Raises StudyError; MapError, BorderError and ConfigError for what it names.
+    """
+    try:
+        content = msgspec.convert(tomllib.loads(path.read_text(encoding="utf-8")), StudyFile)
+    except OSError as error:
+        raise StudyError(f"{path}: cannot be read ({error.strerror}); give a TOML file") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise StudyError(f"{path}: is not TOML: {error}; correct that line") from None
+    except msgspec.ValidationError as error:
+        raise StudyError(f"{path}: {error}; correct the value") from None
+    settings = content.study
+    for key, choices in content.vary.items():
+        if not choices:
+            raise StudyError(f"{path}: vary.{key}: is empty; list the values to try")
+    cases = tuple(
+        Case(tuple(zip(content.vary, values, strict=True)))
+        for values in product(*content.vary.values())
+    )
+    for case in cases:
+        _check(case, path)
+    borders = {case: _border_of(case, settings, path.parent) for case in cases}
+    for folder, border in set(borders.values()):
+        if load_map_folder(folder, border).border is None:
+            raise BorderError(f"{folder}: has no {border}.toml to patrol; add one")
+    seeds = range(settings.first_seed, settings.first_seed + settings.seeds)
+    runs = tuple(
+        Run(
+            case,
+            seed,
+            str(borders[case][0].resolve()),
+            borders[case][1],
+            settings.duration,
+            settings.sensing,
+        )
+        for seed in seeds  # a study that is stopped has something of every case
+        for case in cases
+    )
+    return Study(settings, cases, runs)
+
+
+def _check(case: Case, path: Path) -> None:
+    configuration(case, str(path))
+    if case.robots < 1:
+        raise StudyError(f"{path}: vary.{ROBOTS}: {case.robots} robots; give 1 or more")
+    try:
+        faults = draw_faults(case.faults, _team(case), seed=0)
+        check_robots(faults, _team(case))
+    except BenchFaultError as error:
+        raise StudyError(f"{path}: vary.{FAULTS}: {error}") from None
+
+
+def _team(case: Case) -> list[str]:
+    return [f"robot{number}" for number in range(1, case.robots + 1)]
+
+
+def _border_of(case: Case, settings: StudySettings, base: Path) -> tuple[Path, str]:
+    """Return map folder and border of a case."""
+    folder = find_map(str(case.get(MAP, settings.map)), base)
+    return folder, str(case.get(BORDER, settings.border))
+
+
+def configuration(case: Case, source: str) -> AgentConfig:
+    """Return the configuration of a case's robots.
+
+    Raises ConfigError for a key that is not one of a robot's, naming ``source``.
+    """
+    tree: dict[str, Any] = {}
+    for key, value in case.settings.items():
+        *sections, name = key.split(".")
+        table = tree
+        for section in sections:
+            table = table.setdefault(section, {})
+        table[name] = value
+    return parse_config(tomli_w.dumps(tree).encode(), source)
+
+
+def run_study(
+    study: Study,
+    folder: Path,
+    jobs: int,
+    progress: Callable[[float], None] = lambda _: None,
+    cluster: str | None = None,
+) -> list[Result]:
+    """Run what is not yet in the folder, ``jobs`` processes at a time or on the cluster at an
+    address; return all results.
+
+    Each result is written when its run ends: a study that was killed goes on where it was.
+    """
+    runs_folder = folder / RUNS_FOLDER
+    runs_folder.mkdir(parents=True, exist_ok=True)
+    results = {run: result for run in study.runs if (result := _stored(runs_folder, run))}
+    missing = [run for run in study.runs if run not in results]
+    progress(len(results))
+    execute = partial(_execute, jobs=jobs)
+    if cluster is not None:
+        execute = partial(run_on_cluster, run=bench_run, address=cluster)
+    for result in execute(missing):
+        _store(runs_folder, result)
+        results[result.run] = result
+        progress(len(results))
+    return [results[run] for run in study.runs]
+
+
+def _execute(runs: Sequence[Run], jobs: int) -> Iterator[Result]:
+    with worker_pool(jobs) as pool:
+        try:
+            for future in as_completed([pool.submit(bench_run, run) for run in runs]):
+                yield future.result()
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def bench_run(run: Run) -> Result:
+    """Carry out one run."""
+    cv2.setNumThreads(1)  # a process per core is busy enough
+    folder = load_map_folder(Path(run.map_folder), run.border)
+    config = configuration(run.case, "study")
+    figures = bench(
+        run.sensing,
+        folder,
+        run.case.robots,
+        run.seed,
+        run.duration,
+        config=config,
+        faults=draw_faults(run.case.faults, _team(run.case), run.seed),
+    )
+    return Result(run, figures)
+
+
+def _store(folder: Path, result: Result) -> None:
+    """Write a result so that it is there whole or not at all."""
+    content = {
+        "case": dict(result.run.case.values),
+        "seed": result.run.seed,
+        "figures": result.figures,
+    }
+    path = folder / result.run.file_name
+    part = path.with_suffix(".part")
+    part.write_text(json.dumps(content), encoding="utf-8")
+    part.replace(path)
+
+
+def _stored(folder: Path, run: Run) -> Result | None:
+    path = folder / run.file_name
+    if not path.is_file():
+        return None
+    try:
+        return Result(run, json.loads(path.read_text(encoding="utf-8"))["figures"])
+    except (ValueError, KeyError):
+        raise StudyError(f"{path}: is damaged; delete it, the run will be done again") from None

@@ -1,0 +1,109 @@
+"""The table of a study: one row a case, each figure with its 95 % confidence interval."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from tools.studies.study import Case, Result
+
+CONFIDENCE = 0.95
+
+
+def _after_wrecks(figures: dict[str, Any], name: str) -> float | None:
+    """What came of the border once robots stood on it; None where none did."""
+    value: float | None = (figures.get("after_wrecks") or {}).get(name)
+    return value
+
+
+def _intruder(figures: dict[str, Any], dwell: float) -> float | None:
+    """Chance that an intruder is seen who waits so long, s, at the weakest place."""
+    seen = figures.get("intruder_seen")
+    return None if seen is None else seen["weakest_place"][seen["dwell_s"].index(dwell)]
+
+
+Extract = Callable[[dict[str, Any]], float | None]
+
+COLUMNS: dict[str, Extract] = {
+    "idleness_average_s": lambda figures: figures["idleness_s"]["average"],
+    "idleness_worst_s": lambda figures: figures["idleness_s"]["worst"],
+    "return_entropy_bit": lambda figures: figures["return_entropy_bit"],
+    "settled_idleness_average_s": lambda figures: figures["settled"]["idleness_s"]["average"],
+    "settled_idleness_worst_s": lambda figures: figures["settled"]["idleness_s"]["worst"],
+    "settled_return_entropy_bit": lambda figures: figures["settled"]["return_entropy_bit"],
+    "interferences": lambda figures: figures["interferences"],
+    "meetings": lambda figures: len(figures["meetings"]),
+    "border_distance_p99_m": lambda figures: figures["border_distance_m"]["p99"],
+    "border_distance_max_m": lambda figures: figures["border_distance_m"]["max"],
+    "closest_m": lambda figures: figures["closest_m"],
+    "longest_avoid_s": lambda figures: figures["longest_avoid_s"],
+    "gate_stops": lambda figures: figures["gate_stops"],
+    "contacts": lambda figures: figures["contacts"],
+    "driven_again_laps": lambda figures: _after_wrecks(figures, "laps"),
+    "undriven_m": lambda figures: _after_wrecks(figures, "undriven_m"),
+    "abandoned_m": lambda figures: _after_wrecks(figures, "abandoned_m"),
+    "crowded_m": lambda figures: _after_wrecks(figures, "crowded_m"),
+    "intruder_seen_60s": lambda figures: _intruder(figures, 60.0),
+}
+
+
+@dataclass(frozen=True)
+class Summary:
+    """One figure over the runs of a case."""
+
+    mean: float
+    half_width: float
+    """Of the confidence interval of the mean; nan for a single run."""
+    worst: float
+    runs: int
+
+    def __str__(self) -> str:
+        if math.isnan(self.half_width):
+            return f"{self.mean:.3g}"
+        return f"{self.mean:.3g} ± {self.half_width:.2g}"
+
+
+def summarize(values: NDArray[np.float64]) -> Summary | None:
+    """Return mean and Student's interval of values (n,); None where there are none."""
+    n = len(values)
+    if n == 0:
+        return None
+    spread = float(values.std(ddof=1)) if n > 1 else math.nan
+    quantile = float(student.ppf((1 + CONFIDENCE) / 2, n - 1)) if n > 1 else math.nan
+    return Summary(float(values.mean()), quantile * spread / math.sqrt(n), float(values.max()), n)
+
+
+def table(results: Sequence[Result]) -> dict[Case, dict[str, Summary | None]]:
+    """Return every column's summary by case, in the order of first appearance."""
+    by_case: dict[Case, list[dict[str, Any]]] = {}
+    for result in results:
+        by_case.setdefault(result.run.case, []).append(result.figures)
+    return {
+        case: {name: _column(extract, runs) for name, extract in COLUMNS.items()}
+        for case, runs in by_case.items()
+    }
+
+
+def _column(extract: Extract, runs: Sequence[dict[str, Any]]) -> Summary | None:
+    values = [value for figures in runs if (value := extract(figures)) is not None]
+    return summarize(np.array(values, dtype=np.float64))
+
+
+def write_csv(results: Sequence[Result], path: Path) -> None:
+    """Write one line per run: what was varied, the seed, every column."""
+    varied = [key for key, _ in results[0].run.case.values]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow([*varied, "seed", *COLUMNS])
+        for result in results:
+            values = [value for _, value in result.run.case.values]
+            figures = [extract(result.figures) for extract in COLUMNS.values()]
+            writer.writerow([*values, result.run.seed, *figures])
