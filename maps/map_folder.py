@@ -25,12 +25,14 @@ class MapFolder:
     """What a robot knows of a place before it starts.
 
     name: of the folder. files: name -> content of the files in use (map.yaml, image, border).
+    border_name: which of its borders, without ``.toml``.
     """
 
     name: str
     map: OccupancyMap
     border: Border | None
     files: dict[str, bytes]
+    border_name: str = DEFAULT_BORDER
 
     @cached_property
     def approach_field(self) -> ApproachField | None:
@@ -83,4 +85,4 @@ def _assemble(name: str, place: str, files: Mapping[str, bytes], border: str) ->
         used.append(border_file)
     elif border != DEFAULT_BORDER:
         raise BorderError(f"{place}/{border_file}: there is no such border in the map folder")
-    return MapFolder(name, occupancy, line, {key: files[key] for key in used})
+    return MapFolder(name, occupancy, line, {key: files[key] for key in used}, border)

@@ -15,11 +15,13 @@ from drivers.p2os.base_state import BaseState
 from drivers.p2os.model import load_model
 from drivers.p2os.motor_watch import MotorState
 from drivers.p2os.session import P2osSession
+from drivers.requests import Request, Write
 from localization.health import Health
+from localization.localizer import Localizer
 from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
-from robot_agent.messages.effects import Effect
+from robot_agent.messages.effects import ChangeBaud, Effect, Publish, Send, TakePicture
 from robot_agent.messages.events import (
     BlobsSeen,
     BytesReceived,
@@ -33,7 +35,10 @@ from robot_agent.messages.events import (
     Shutdown,
     Tick,
 )
-from robot_agent.messages.foxglove import LogLevel
+from robot_agent.messages.log_level import LogLevel
+from robot_agent.messages.notice import Notice
+from robot_agent.messages.outbox import Outbox
+from robot_agent.messages.streams import Payload, encode
 from robot_agent.motion.freshness_limits import scan_age_limit
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
 from robot_agent.motion.gate_hold import (
@@ -46,16 +51,17 @@ from robot_agent.motion.gate_reason import LATCHED, GateReason
 from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.motion.recovery_turn import RecoveryTurn
-from robot_agent.motion.sensor_freshness import StreamTrust
+from robot_agent.motion.sensor_freshness import SensorFreshness
 from robot_agent.motion.teleop import Teleop
 from robot_agent.obstacles.surroundings import Surroundings
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
-from robot_agent.perception.perception import Sight
-from robot_agent.pose.pose_tracker import Whereabouts
-from robot_agent.report.health_summary import Condition
-from robot_agent.report.outbox import Outbox
-from robot_agent.report.telemetry_builder import Reports
+from robot_agent.perception.intruders import Intruder
+from robot_agent.perception.perception import NewIntruder, Perception
+from robot_agent.pose.pose_memory import PoseMemory
+from robot_agent.pose.pose_tracker import PoseTracker
+from robot_agent.report.health_summary import HealthSummary
+from robot_agent.report.telemetry_builder import TelemetryBuilder
 
 _REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
 
@@ -79,21 +85,40 @@ class Agent:
         rng = np.random.default_rng(config.robot.seed)
         self.config = config
         self.border = folder.border
-        self.condition = Condition(self)
-        self.reports = Reports(self, start_wall_ns)
-        self.outbox = Outbox(self.reports, publishes=publishes)
+        self.outbox = Outbox()
+        self.publishes = publishes
+        self.health_summary = HealthSummary(self)
+        self.telemetry = TelemetryBuilder(
+            config.robot.name,
+            config.robot.team,
+            folder.border,
+            self,
+            self.health_summary,
+            start_wall_ns,
+        )
         # Devices.
         self.base = P2osSession(config.base)
         self.laser = Lms200Session(config.laser)
         # What is so.
-        self.trust = StreamTrust()
-        self.whereabouts = Whereabouts(config, folder.map, rng, self.base, self.outbox)
-        self.odometry = self.whereabouts.odometry
-        self.localizer = self.whereabouts.localizer
-        self.sight = Sight(config, folder, self.whereabouts, self.reports, self.outbox)
-        unexplained = self.sight.tracker.unexplained
+        self.freshness = SensorFreshness()
+        self.localizer = Localizer(config.localization, folder.map, rng)
+        self.pose_tracker = PoseTracker(
+            self.localizer,
+            PoseMemory(config.memory),
+            self.base,
+            self.outbox,
+            start=config.start,
+            remembered=config.remembered,
+        )
+        self.odometry = self.pose_tracker.odometry
+        self.perception = Perception(config.perception, config.camera, folder)
+        model = load_model(config.base.model)
         self.surroundings = Surroundings(
-            config, load_model(config.base.model), folder.map, unexplained
+            Pose(*(config.laser.mount or model.laser_mount)),
+            config.gate,
+            model,
+            folder.map,
+            self.perception.tracker.unexplained,
         )
         # What to do.
         self.patrol = (
@@ -109,6 +134,7 @@ class Agent:
         self.gate_decision: GateDecision | None = None
         self.gate_stops = 0
         self._ending = False
+        self._was_degraded = False
         self._now = 0.0  # s: what is handled late happens now
 
     def handle(self, event: Event) -> list[Effect]:
@@ -122,9 +148,9 @@ class Agent:
             case Tick(t):
                 self._tick(t)
             case BlobsSeen():
-                self.sight.take_blobs(event)
+                self.perception.on_blobs(event, self.pose_tracker.localized_pose_at(event.taken))
             case PictureTaken():
-                self.sight.take_picture(event)
+                self._on_picture(event)
             case LinkUp(t, link):
                 self._link_up(t, link)
             case LinkDown(t, link, reason):
@@ -133,56 +159,89 @@ class Agent:
                 self.teleop.press(event)
             case Shutdown(t):
                 self._shut_down(t)
-        self.outbox.carry_out("base", self.base.take_requests())
-        self.outbox.carry_out("laser", self.laser.take_requests())
-        return self.outbox.take()
+        self.outbox.add(*_effects_of("base", self.base.take_requests()))
+        self.outbox.add(*_effects_of("laser", self.laser.take_requests()))
+        return self._pop_effects()
+
+    @property
+    def scan_seen_at(self) -> float | None:
+        """When the latest accepted scan was measured, s; None before the first."""
+        return self.surroundings.seen_at
+
+    def _pop_effects(self) -> list[Effect]:
+        """Return what the event brought about; notices become events of the log, if news."""
+        effects: list[Effect] = []
+        for item in self.outbox.pop_all():
+            if not isinstance(item, Notice):
+                effects.append(item)
+            elif self.publishes:
+                effects += _published(self.telemetry.on_notice(item))
+        return effects
+
+    def _publish(self, payloads: list[tuple[str, Payload]]) -> None:
+        self.outbox.add(*_published(payloads))
 
     # --- input -------------------------------------------------------------------------------
 
     def _tick(self, t: float) -> None:
         """Do what time alone asks for."""
-        self.trust.tick(t)
+        self.freshness.tick(t)
         self.base.tick(t)
         self.laser.tick(t)
         self._expire(t)
-        for part, words, level in self.trust.news(t):
-            self.outbox.say(t, part, words, level)
-        self._tell_degraded(t)
-        if self.outbox.publishes:
-            self.outbox.publish(self.reports.on_time(t))
+        for part, words, level in self.freshness.news(t):
+            self.outbox.log(t, part, words, level)
+        self._log_degraded(t)
+        if self.publishes:
+            self._publish(self.telemetry.on_time(t))
 
-    def _tell_degraded(self, t: float) -> None:
-        words = "; ".join(self.condition.degraded(t))
+    def _log_degraded(self, t: float) -> None:
+        words = "; ".join(self.health_summary.degraded(t))
         level = LogLevel.WARNING if words else LogLevel.INFO
-        if words or self.reports.has_spoken("perception"):
-            self.outbox.say(t, "perception", words or "all senses work", level)
+        self._was_degraded = self._was_degraded or bool(words)
+        if self._was_degraded:
+            self.outbox.log(t, "perception", words or "all senses work", level)
+
+    def _on_picture(self, event: PictureTaken) -> None:
+        """Publish a picture of an intruder as evidence."""
+        pose = self.pose_tracker.localized_pose_at(event.taken)
+        evidence = self.perception.on_picture(event, pose)
+        if evidence is not None and self.publishes:
+            intruder, picture = evidence
+            self._publish(self.telemetry.on_intruder(event.t, intruder, picture=picture))
 
     def _take_base_bytes(self, t: float, data: bytes) -> None:
         """Decode base reports; each is one control step."""
         states = self.base.feed(data, t)
-        self.reports.hear("base", t, data, understood=bool(states))
-        if self.trust.is_old(t):
+        self.telemetry.on_bytes("base", t, data, understood=bool(states))
+        if self.freshness.is_old(t):
             return
         if states:
-            self.whereabouts.recall(t)
+            self.pose_tracker.recall(t)
         for state in states:
             at_report = Pose(state.x, state.y, state.theta)
             self.odometry.add(state)
-            self.trust.hear_base(t, state)
+            self.freshness.hear_base(t, state)
             self.surroundings.hear(state, at_report, self.base.model)
-            self.sight.hear_behind(t, at_report, self.surroundings)
+            self._track_by_sonar(t, at_report)
             self._control_step(t, state)
         if states:
-            self.whereabouts.remember(t)
+            self.pose_tracker.remember(t)
+
+    def _track_by_sonar(self, t: float, odometry: Pose) -> None:
+        """Keep up tracks of teammates that the laser does not see; odometry: odom_from_base."""
+        pose = self.pose_tracker.localized_pose_at(t)
+        if pose is not None and self.perception.tracker.awaits_echo(t):
+            self.perception.tracker.hear(t, pose, self.surroundings.echoes(t, odometry))
 
     def _take_laser_bytes(self, t: float, data: bytes) -> None:
         """Decode scans and look at each."""
         scans = self.laser.feed(data, t)
-        self.reports.hear("laser", t, data, understood=bool(scans))
-        if self.trust.is_old(t):
+        self.telemetry.on_bytes("laser", t, data, understood=bool(scans))
+        if self.freshness.is_old(t):
             return
         for scan in scans:
-            if self.trust.believes(t, scan, self.odometry.latest):
+            if self.freshness.believes(t, scan, self.odometry.latest):
                 self._look(t, scan)
         self._expire(t)
 
@@ -195,22 +254,37 @@ class Agent:
         points = self.surroundings.see(scan, odometry, self.odometry)
         if self.teleop is None:  # else there is no map to find a place in
             # 2. Where the robot was.
-            known = self.sight.known_among(scan.t, odometry, points)
-            estimate = self.whereabouts.locate(t, scan.t, odometry, points, known)
+            known = self.perception.tracked_points(
+                scan.t, self.localizer.estimate, odometry, points
+            )
+            estimate = self.pose_tracker.update(t, scan.t, odometry, points, known)
             if estimate.health is Health.LOCALIZED:
-                self.trust.pose_is_sure(self._now)
-            self.surroundings.pass_by(odometry, self.whereabouts.localized_pose_at(scan.t), points)
+                self.freshness.pose_is_sure(self._now)
+            self.surroundings.pass_by(odometry, self.pose_tracker.localized_pose_at(scan.t), points)
             # 3. Who else is there.
-            self.sight.see(t, scan, estimate, points)
+            new = self.perception.update(t, scan, estimate, points)
+            if estimate.health is Health.LOCALIZED:
+                self._report_intruders(t, new)
         # 4. Tell.
-        if self.outbox.publishes:
-            self.outbox.publish(self.reports.on_scan(t, scan))
+        if self.publishes:
+            self._publish(self.telemetry.on_scan(t, scan))
+
+    def _report_intruders(self, t: float, new: list[NewIntruder]) -> None:
+        """Report each new intruder with its evidence, then how those known fare."""
+        for each in new:
+            self.outbox.log(t, "intruder", _intruder_words(each.intruder), LogLevel.WARNING)
+            if self.publishes:
+                self._publish(self.telemetry.on_intruder(t, each.intruder, scan=each.scan))
+            if each.wants_picture:
+                self.outbox.add(TakePicture())
+        if self.publishes and self.perception.intruders is not None:
+            self._publish(self.telemetry.on_intruders(t, self.perception.intruders.known))
 
     # --- one control step ----------------------------------------------------------------------
 
     def _control_step(self, t: float, state: BaseState) -> None:
         """Decide and act, once per base report; t: its arrival, s."""
-        self.trust.deadline.note(self._now, self._now - t)
+        self.freshness.deadline.note(self._now, self._now - t)
         if self.teleop is not None and not self._ending:
             gate = self._drive(t, self.teleop.wish(t), self._gate_inputs(t, state, limited=True))
             self._note_gate(t, gate)
@@ -218,14 +292,14 @@ class Agent:
         if self.patrol is None or self._ending:
             self.base.drive(t, 0.0, 0.0)
             return
-        pose = self.whereabouts.trusted_pose_at(t)
+        pose = self.pose_tracker.trusted_pose_at(t)
         if pose is None:
             self._look_around(t, state)
             return
         if self.recovery.end():
-            self.outbox.say(t, "recovery", "goes on: the pose is known", LogLevel.INFO)
+            self.outbox.log(t, "recovery", "goes on: the pose is known", LogLevel.INFO)
         # 1. Decide: closest teammate, action, velocity in the map.
-        track = self.sight.tracker.closest(t, pose)
+        track = self.perception.tracker.closest(t, pose)
         teammate = None if track is None else (track.x, track.y)
         decision = self.patrol.step(t, pose, teammate, held=held_by_obstacle(self.gate_decision))
         # 2. Act: turn that velocity into wheel speeds.
@@ -241,14 +315,14 @@ class Agent:
         # 4. Tell.
         self._note_gate(t, gate)
         if decision.blocked:
-            self.outbox.say(t, "patrol", _blocked_words(decision), LogLevel.WARNING)
+            self.outbox.log(t, "patrol", _blocked_words(decision), LogLevel.WARNING)
         if decision.closes_in and not (self.decision and self.decision.closes_in):
-            self.outbox.say(t, "patrol", _closing_in_words(decision), LogLevel.INFO)
+            self.outbox.log(t, "patrol", _closing_in_words(decision), LogLevel.INFO)
         if decision.insists and not (self.decision and self.decision.insists):
-            self.outbox.say(t, "standoff", _insisting_words(decision), LogLevel.INFO)
+            self.outbox.log(t, "standoff", _insisting_words(decision), LogLevel.INFO)
         self.decision = decision
-        if self.outbox.publishes:
-            self.outbox.publish(self.reports.on_decision(t, pose, decision, wish, gate, track))
+        if self.publishes:
+            self._publish(self.telemetry.on_decision(t, pose, decision, wish, gate, track))
 
     def _look_around(self, t: float, state: BaseState) -> None:
         """Stand, and turn slowly where that is clear, until the pose is known."""
@@ -256,7 +330,7 @@ class Agent:
         gate = self._drive(t, wish, self._gate_inputs(t, state, limited=True))
         if wish != (0.0, 0.0):
             self._note_gate(t, gate)
-            self.outbox.say(t, "recovery", "turns to look around", LogLevel.WARNING)
+            self.outbox.log(t, "recovery", "turns to look around", LogLevel.WARNING)
 
     def _drive(self, t: float, wish: tuple[float, float], inputs: GateInputs) -> GateDecision:
         """Let the gate have its say and the base have the rest."""
@@ -268,8 +342,8 @@ class Agent:
 
     def _expire(self, t: float) -> None:
         """Between reports: stop at once when what the last command rests on is too old."""
-        report_time = self.trust.report_time(self.odometry.latest)
-        scan_time = self.trust.scan_time(self.surroundings.seen_at)
+        report_time = self.freshness.report_time(self.odometry.latest)
+        scan_time = self.freshness.scan_time(self.surroundings.seen_at)
         gate = self.gate.expire(self._now, report_time, scan_time)
         if gate is not None and not self._ending:
             self.base.drive(t, gate.v, gate.w)
@@ -280,9 +354,9 @@ class Agent:
         return GateInputs(
             # A report that waited so long that nobody knows where the robot is now (the process was
             # stopped for a while) is none: the gate denies.
-            base_time=None if odometry is None else self.trust.report_time(state),
-            scan_time=self.trust.scan_time(self.surroundings.seen_at),
-            health=self.whereabouts.health,
+            base_time=None if odometry is None else self.freshness.report_time(state),
+            scan_time=self.freshness.scan_time(self.surroundings.seen_at),
+            health=self.pose_tracker.health,
             motors_enabled=state.motors_enabled,
             stop_button=state.stop_button or self.base.motors is MotorState.STOP_BUTTON,
             stalled=state.stall_left or state.stall_right,
@@ -293,12 +367,12 @@ class Agent:
             else self.surroundings.around(
                 t,
                 odometry,
-                self.whereabouts.localized_pose_at(t),
-                self.sight.tracker.tracks,
+                self.pose_tracker.localized_pose_at(t),
+                self.perception.tracker.tracks,
             ),
             v=state.v,
             w=state.w,
-            overloaded=self.trust.deadline.overloaded(self._now),
+            overloaded=self.freshness.deadline.overloaded(self._now),
             limited=limited,
         )
 
@@ -308,29 +382,29 @@ class Agent:
         if gate.reason in STOPPING:
             remedy = f" ({_REMEDY})" if gate.reason in LATCHED else ""
             words = f"holds the robot: {gate.reason}{remedy}"
-            self.outbox.say(t, "gate", words, LogLevel.WARNING)
+            self.outbox.log(t, "gate", words, LogLevel.WARNING)
         else:
-            self.outbox.say(t, "gate", "lets the robot move", LogLevel.INFO)
+            self.outbox.log(t, "gate", "lets the robot move", LogLevel.INFO)
         self.gate_decision = gate
 
     # --- links and end -------------------------------------------------------------------------
 
     def _link_up(self, t: float, link: DeviceName) -> None:
         if link == "camera":
-            self.sight.camera.opened(t)
-            self.outbox.say(t, "camera", "pictures come", LogLevel.INFO)
+            self.perception.camera.opened(t)
+            self.outbox.log(t, "camera", "pictures come", LogLevel.INFO)
             return
-        self.reports.links[link].opened()
+        self.telemetry.links[link].opened()
         self._session(link).link_up(t)
-        self.outbox.say(t, link, "port open", LogLevel.INFO)
+        self.outbox.log(t, link, "port open", LogLevel.INFO)
 
     def _link_down(self, t: float, link: DeviceName, reason: str) -> None:
         if link == "camera":
-            self.sight.camera.lost(reason)
+            self.perception.camera.lost(reason)
         else:
-            self.reports.links[link].lost(reason)
+            self.telemetry.links[link].lost(reason)
             self._session(link).link_down(t)
-        self.outbox.say(t, link, reason, LogLevel.ERROR)
+        self.outbox.log(t, link, reason, LogLevel.ERROR)
 
     def _session(self, link: LinkName) -> P2osSession | Lms200Session:
         return self.base if link == "base" else self.laser
@@ -338,9 +412,28 @@ class Agent:
     def _shut_down(self, t: float) -> None:
         """Stop the robot and close the sessions, after noting where it is."""
         self._ending = True
-        self.whereabouts.remember(t, at_once=True)
+        self.pose_tracker.remember(t, at_once=True)
         self.base.shut_down(t)
         self.laser.shut_down(t)
+
+
+def _effects_of(link: LinkName, requests: list[Request]) -> list[Effect]:
+    """Return what a session asks of its link as effects."""
+    return [
+        Send(link, request.data) if isinstance(request, Write) else ChangeBaud(link, request.baud)
+        for request in requests
+    ]
+
+
+def _published(payloads: list[tuple[str, Payload]]) -> list[Publish]:
+    return [Publish(stream, encode(payload)) for stream, payload in payloads]
+
+
+def _intruder_words(intruder: Intruder) -> str:
+    return (
+        f"intruder {intruder.number} at ({intruder.x:.1f}, {intruder.y:.1f}), "
+        f"{intruder.distance:.1f} m from the border at s = {intruder.abscissa:.1f} m"
+    )
 
 
 def _gate_settings(config: AgentConfig) -> GateSettings:

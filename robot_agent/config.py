@@ -23,8 +23,7 @@ from robot_agent.motion.teleop import TeleopSettings
 from robot_agent.patrol.settings import PatrolSettings
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.pose.pose_memory import MemorySettings, RememberedPose
-from robot_agent.process.telemetry import TelemetrySettings
-from robot_agent.recording.recording_retention import RecorderSettings
+from robot_agent.pose.start_pose import StartPose
 
 KeyPart = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9_-]+$")]
 
@@ -51,19 +50,33 @@ class MapSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     """Which border file of the folder, without ``.toml``."""
 
 
-class StartSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where the robot stands when the agent starts: ``map_from_base`` and how sure that is."""
+class TelemetrySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Where telemetry goes."""
 
-    x: float
-    """m"""
-    y: float
-    """m"""
-    theta: float
-    """rad"""
-    sigma_xy: Annotated[float, msgspec.Meta(gt=0.0, le=5.0)] = 0.2
-    """Standard deviation of x and of y, m."""
-    sigma_theta: Annotated[float, msgspec.Meta(gt=0.0, le=3.2)] = 0.15
-    """Standard deviation of theta, rad."""
+    operator: Annotated[str, msgspec.Meta(pattern=r"^$|^(tcp|tls)/[^/\s]+:\d{1,5}$")] = ""
+    """Endpoint the operator listens on, e.g. ``tcp/192.168.1.10:7447``; empty: no telemetry."""
+    keys: Annotated[str, msgspec.Meta(pattern=r"^$|^/")] = ""
+    """Folder of this robot's keys, as ``patrol keys`` makes it; needed for a tls endpoint."""
+    queue: Annotated[int, msgspec.Meta(ge=1, le=10_000)] = 256
+    """Payloads that may wait for the network before the oldest is dropped."""
+
+    def __post_init__(self) -> None:
+        """Refuse an endpoint that asks for certificates without any."""
+        if self.operator.startswith("tls/") and not self.keys:
+            raise ValueError(
+                f"operator {self.operator} needs keys, the folder of this robot's keys"
+            )
+
+
+class RecorderSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The flight recorder."""
+
+    folder: str = ""
+    """Where recordings go; empty means none is made."""
+    keep_mb: Annotated[float, msgspec.Meta(gt=0.0)] = 4000.0
+    """MB that all runs of this robot in the folder may take; the oldest are deleted."""
+    leave_free_mb: Annotated[float, msgspec.Meta(ge=0.0)] = 200.0
+    """MB of the disk never taken: runs are deleted, then recording ends, before that."""
 
 
 class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -71,7 +84,7 @@ class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
     robot: RobotSettings = RobotSettings()
     map: MapSettings = MapSettings()
-    start: StartSettings | None = None
+    start: StartPose | None = None
     memory: MemorySettings = MemorySettings()
     remembered: RememberedPose | None = None
     """What the file of ``memory`` held at the start: filled in by ``patrol agent``."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from enum import IntEnum
 from typing import Annotated
 
 import msgspec
@@ -138,16 +137,6 @@ class CompressedImage(msgspec.Struct, frozen=True, kw_only=True):
     frame_id: str
     data: bytes
     format: str
-
-
-class LogLevel(IntEnum):
-    """Severity of a ``foxglove.Log``."""
-
-    DEBUG = 1
-    INFO = 2
-    WARNING = 3
-    ERROR = 4
-    FATAL = 5
 
 
 class Log(msgspec.Struct, frozen=True, kw_only=True):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from robot_agent.messages.foxglove import LogLevel
+from robot_agent.messages.log_level import LogLevel
 
 
 @dataclass(frozen=True, slots=True)

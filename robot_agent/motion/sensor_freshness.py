@@ -10,7 +10,7 @@ import numpy as np
 from drivers.lms200.scan import Scan
 from drivers.p2os.base_state import BaseState
 from robot_agent.messages.events import TICK_S
-from robot_agent.messages.foxglove import LogLevel
+from robot_agent.messages.log_level import LogLevel
 from robot_agent.motion.deadline_watch import DeadlineWatch
 from robot_agent.motion.freshness_limits import (
     BASE,
@@ -30,7 +30,7 @@ OLD_BYTES_S = 0.15
 """So long after a pause reports and scans may have come from these buffers, and are left out."""
 
 
-class StreamTrust:
+class SensorFreshness:
     """Hears every report and scan, and tells which are old, frozen, blind or missed."""
 
     def __init__(self) -> None:

@@ -13,7 +13,7 @@ from drivers.p2os.base_state import BaseState
 from drivers.p2os.model import RobotModel
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
-from robot_agent.config import AgentConfig
+from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.obstacles.latest_scan import Obstacles
 from robot_agent.obstacles.map_obstacles import KnownWalls
 from robot_agent.obstacles.recent_scan_memory import LeftBehind
@@ -35,18 +35,19 @@ class Surroundings:
 
     def __init__(
         self,
-        config: AgentConfig,
+        laser_mount: Pose,
+        gate: GateSettings,
         model: RobotModel,
         occupancy: OccupancyMap,
         unexplained: UnexplainedPoints,
     ) -> None:
-        """Nothing has been seen yet. ``unexplained`` tells walls of the map from all else."""
-        self._projector = ScanProjector(Pose(*(config.laser.mount or model.laser_mount)))
+        """Take base_from_laser; ``unexplained`` tells walls of the map from all else."""
+        self._projector = ScanProjector(laser_mount)
         self._obstacles = Obstacles()
-        self._left_behind = LeftBehind(config.gate)
+        self._left_behind = LeftBehind(gate)
         self._sonar_obstacles = SonarObstacles(model)
-        self._known_walls = KnownWalls(occupancy, config.gate)
-        self._passed_walls = PassedWalls(config.gate)
+        self._known_walls = KnownWalls(occupancy, gate)
+        self._passed_walls = PassedWalls(gate)
         self._unexplained = unexplained
 
     @property

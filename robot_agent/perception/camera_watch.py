@@ -33,7 +33,7 @@ class CameraWatch:
         """None come, and why."""
         self.up, self.reason = False, reason
 
-    def hear(self, event: BlobsSeen) -> None:
+    def on_picture(self, event: BlobsSeen) -> None:
         """Take note of a picture."""
         self.latest = event
         self.pictures += 1

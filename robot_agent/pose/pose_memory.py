@@ -95,6 +95,8 @@ class PoseMemory:
 
     def __init__(self, settings: MemorySettings) -> None:
         self._settings = settings
+        self.reach = settings.reach
+        """m the odometer may have counted since the pose was kept."""
         self._last: float | None = None
         self._forgotten = False
 

@@ -9,13 +9,12 @@ from drivers.p2os.session import P2osSession
 from localization.estimate import Estimate
 from localization.health import Health
 from localization.localizer import Localizer
-from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose, wrap_angle
-from robot_agent.config import AgentConfig
-from robot_agent.messages.foxglove import LogLevel
+from robot_agent.messages.log_level import LogLevel
+from robot_agent.messages.outbox import Outbox
 from robot_agent.pose.odometry_history import OdometryHistory
-from robot_agent.pose.pose_memory import PoseMemory
-from robot_agent.report.outbox import Outbox
+from robot_agent.pose.pose_memory import PoseMemory, RememberedPose
+from robot_agent.pose.start_pose import StartPose
 
 _LEVELS = {
     Health.LOCALIZED: LogLevel.INFO,
@@ -24,33 +23,35 @@ _LEVELS = {
 }
 
 
-class Whereabouts:
-    """The pose in the map, now and lately, and whether it is to be trusted."""
+class PoseTracker:
+    """The pose in the map, now and lately, and whether motion may rest on it."""
 
     def __init__(
         self,
-        config: AgentConfig,
-        occupancy: OccupancyMap,
-        rng: np.random.Generator,
+        localizer: Localizer,
+        memory: PoseMemory,
         base: P2osSession,
         outbox: Outbox,
+        *,
+        start: StartPose | None = None,
+        remembered: RememberedPose | None = None,
     ) -> None:
-        """Start at the configured pose, or anywhere; the base's odometer may tell better."""
-        self._reach = config.memory.reach
+        """Start the localizer at ``start``, or anywhere if None.
+
+        ``remembered`` replaces that start at the first base report whose odometer goes on from it.
+        """
         self._base = base
         self._outbox = outbox
         self.odometry = OdometryHistory()
-        self.localizer = Localizer(config.localization, occupancy, rng)
+        self.localizer = localizer
         self.trusted = False
-        self._memory = PoseMemory(config.memory)
-        self._to_recall = config.remembered
-        if config.start is None:
-            self.localizer.start_anywhere()
+        self._memory = memory
+        self._to_recall = remembered
+        if start is None:
+            localizer.start_anywhere()
         else:
-            start = config.start
-            self.localizer.start_at(
-                Pose(start.x, start.y, start.theta), start.sigma_xy, start.sigma_theta
-            )
+            pose = Pose(start.x, start.y, start.theta)
+            localizer.start_at(pose, start.sigma_xy, start.sigma_theta)
 
     @property
     def health(self) -> Health | None:
@@ -58,7 +59,7 @@ class Whereabouts:
         estimate = self.localizer.estimate
         return None if estimate is None else estimate.health
 
-    def locate(
+    def update(
         self,
         t: float,
         scanned: float,
@@ -66,26 +67,27 @@ class Whereabouts:
         points: NDArray[np.float64],
         ignored: NDArray[np.bool_] | None,
     ) -> Estimate:
-        """Take a scan's points (n, 2), m, base_link, measured at ``scanned``; t: now, s.
+        """Return the pose estimate after one scan.
 
-        ``ignored``: (n,) which of them end on what the map does not have.
+        t: now, s. scanned: when the scan was measured, s. odometry: odom_from_base then. points:
+        (n, 2), m, base_link. ignored: (n,) which of them end on what the map does not have.
         """
         estimate = self.localizer.update(scanned, odometry, points, ignored)
         # Trusted once localized, until lost: unsure alone gives no trust and takes none.
         self.trusted = estimate.health is not Health.LOST and (
             self.trusted or estimate.health is Health.LOCALIZED
         )
-        self._outbox.say(t, "localization", estimate.health, _LEVELS[estimate.health])
+        self._outbox.log(t, "localization", estimate.health, _LEVELS[estimate.health])
         return estimate
 
     def localized_pose_at(self, t: float) -> Pose | None:
-        """Return map_from_base at t, which may be past, while localized; None else."""
+        """Return map_from_base at t, s, which may be past; None unless localized."""
         return self._pose_at(t) if self.health is Health.LOCALIZED else None
 
     def trusted_pose_at(self, t: float) -> Pose | None:
-        """Return map_from_base at t: the last estimate carried forward by odometry.
+        """Return map_from_base at t, s: the last estimate carried forward by odometry.
 
-        None while the pose is not to be trusted.
+        None while motion may not rest on the pose.
         """
         return self._pose_at(t) if self.trusted else None
 
@@ -100,25 +102,26 @@ class Whereabouts:
         if remembered is None or counters is None:
             return
         self._to_recall = None
-        start = remembered.carried_to(counters, self._base.model.conversion.distance, self._reach)
+        scale = self._base.model.conversion.distance
+        start = remembered.carried_to(counters, scale, self._memory.reach)
         if start is None:
             words = "not believed: the odometer does not go on from it"
-            self._outbox.say(t, "memory", f"remembered pose {words}", LogLevel.WARNING)
+            self._outbox.log(t, "memory", f"remembered pose {words}", LogLevel.WARNING)
             return
         self.localizer.start_at(*start)
-        self._outbox.say(t, "memory", "starts from the remembered pose", LogLevel.INFO)
+        self._outbox.log(t, "memory", "starts from the remembered pose", LogLevel.INFO)
 
     def remember(self, t: float, *, at_once: bool = False) -> None:
-        """Note the pose for the next start, when it is time or at once."""
+        """Keep the pose for the next start, when it is time or at once."""
         state = self.odometry.latest
         if state is None:
             return
-        note = self._memory.note(
+        kept = self._memory.note(
             t,
             self.localizer.estimate,
             Pose(state.x, state.y, wrap_angle(state.theta)),
             self._base.odometer_counters,
             at_once=at_once,
         )
-        if note is not None:
-            self._outbox.add(note)
+        if kept is not None:
+            self._outbox.add(kept)

@@ -6,7 +6,8 @@ import os
 from collections.abc import Mapping
 from typing import TextIO
 
-from robot_agent.messages.foxglove import Log, LogLevel
+from robot_agent.messages.foxglove import Log
+from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.streams import decode
 
 _PRIORITY = {

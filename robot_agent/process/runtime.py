@@ -27,7 +27,8 @@ from robot_agent.messages.events import (
     Shutdown,
     Tick,
 )
-from robot_agent.messages.foxglove import Log, LogLevel, timestamp_at
+from robot_agent.messages.foxglove import Log, timestamp_at
+from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.streams import encode
 from robot_agent.perception.picture_reader import CameraEye
 from robot_agent.process.journal import Journal

@@ -13,10 +13,9 @@ import re
 import threading
 import time
 from collections import deque
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import msgspec
-
+from robot_agent.config import TelemetrySettings
 from robot_agent.messages.streams import key_of
 
 if TYPE_CHECKING:
@@ -28,24 +27,6 @@ LOOK_S = 1.0
 RECONNECT_MS = {"period_init_ms": 250, "period_max_ms": 1000, "period_increase_factor": 2}
 LEASE_MS = 4000
 """A peer that was silent this long is gone; both ends send a sign of life every quarter of it."""
-
-
-class TelemetrySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where telemetry goes."""
-
-    operator: Annotated[str, msgspec.Meta(pattern=r"^$|^(tcp|tls)/[^/\s]+:\d{1,5}$")] = ""
-    """Endpoint the operator listens on, e.g. ``tcp/192.168.1.10:7447``; empty: no telemetry."""
-    keys: Annotated[str, msgspec.Meta(pattern=r"^$|^/")] = ""
-    """Folder of this robot's keys, as ``patrol keys`` makes it; needed for a tls endpoint."""
-    queue: Annotated[int, msgspec.Meta(ge=1, le=10_000)] = 256
-    """Payloads that may wait for the network before the oldest is dropped."""
-
-    def __post_init__(self) -> None:
-        """Refuse an endpoint that asks for certificates without any."""
-        if self.operator.startswith("tls/") and not self.keys:
-            raise ValueError(
-                f"operator {self.operator} needs keys, the folder of this robot's keys"
-            )
 
 
 class Telemetry:

@@ -4,22 +4,10 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
-from typing import Annotated
 
-import msgspec
+from robot_agent.config import RecorderSettings
 
 MEGABYTE = 1_000_000
-
-
-class RecorderSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The flight recorder."""
-
-    folder: str = ""
-    """Where recordings go; empty means none is made."""
-    keep_mb: Annotated[float, msgspec.Meta(gt=0.0)] = 4000.0
-    """MB that all runs of this robot in the folder may take; the oldest are deleted."""
-    leave_free_mb: Annotated[float, msgspec.Meta(ge=0.0)] = 200.0
-    """MB of the disk never taken: runs are deleted, then recording ends, before that."""
 
 
 class DiskRoom:

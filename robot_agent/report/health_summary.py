@@ -2,47 +2,42 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from drivers.lms200.session import SessionState as LaserState
 from drivers.p2os.session import SessionState
 from localization.health import Health
 from robot_agent.motion.gate_hold import STOPPING
-
-if TYPE_CHECKING:
-    from robot_agent.agent import Agent
+from robot_agent.report.agent_state import AgentState
 
 _LASER_BLIND = 1.0  # s without a scan after which nobody is seen any more
 
 
-class Condition:
-    """Sums up the agent's stages for people."""
+class HealthSummary:
+    """Sums up an agent's stages for people."""
 
-    def __init__(self, agent: Agent) -> None:
-        """Tell of this agent."""
-        self._agent = agent
+    def __init__(self, state: AgentState) -> None:
+        self._state = state
 
     def degraded(self, t: float) -> list[str]:
         """Return what the robot has to do without at t, s; nothing when all is well."""
-        troubles = [self._agent.sight.camera.trouble(t)]
-        seen = self._agent.surroundings.seen_at
+        troubles = [self._state.perception.camera.trouble(t)]
+        seen = self._state.scan_seen_at
         if seen is None or t - seen > _LASER_BLIND:
             troubles.append("laser blind: nobody is seen, the robot stands")
         return [words for words in troubles if words]
 
     def health(self) -> str:
         """Return "ok", or the first thing that keeps the robot from patrolling."""
-        agent = self._agent
-        if agent.base.state is not SessionState.READY:
-            return f"base {agent.base.state}"
-        if agent.laser.state is not LaserState.STREAMING:
-            return f"laser {agent.laser.state}"
-        if agent.teleop is not None:
+        state = self._state
+        if state.base.state is not SessionState.READY:
+            return f"base {state.base.state}"
+        if state.laser.state is not LaserState.STREAMING:
+            return f"laser {state.laser.state}"
+        if state.teleop is not None:
             return "driven by keys"
-        if not agent.whereabouts.trusted:
+        if not state.pose_tracker.trusted:
             return "not localized"
-        if agent.whereabouts.health is not Health.LOCALIZED:
-            return f"localization {agent.whereabouts.health}"
-        if agent.gate_decision is not None and agent.gate_decision.reason in STOPPING:
-            return f"gate: {agent.gate_decision.reason}"
+        if state.pose_tracker.health is not Health.LOCALIZED:
+            return f"localization {state.pose_tracker.health}"
+        if state.gate_decision is not None and state.gate_decision.reason in STOPPING:
+            return f"gate: {state.gate_decision.reason}"
         return "ok"

@@ -7,18 +7,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from drivers.lms200.scan import Scan
 from drivers.p2os.base_state import BaseState
 from localization.health import Health
+from maps.border import Border
 from maps.pose import Pose
 from robot_agent.messages.events import LinkName
 from robot_agent.messages.foxglove import (
     Log,
-    LogLevel,
     PoseInFrame,
     SceneUpdate,
     Timestamp,
@@ -28,6 +28,7 @@ from robot_agent.messages.foxglove import (
     timestamp_at,
     track_entity,
 )
+from robot_agent.messages.notice import Notice
 from robot_agent.messages.streams import (
     CameraReport,
     DecisionPayload,
@@ -45,9 +46,8 @@ from robot_agent.motion.gate_reason import GateReason
 from robot_agent.patrol.patrol import PatrolDecision
 from robot_agent.perception.intruders import Intruder
 from robot_agent.perception.track import Track
-
-if TYPE_CHECKING:
-    from robot_agent.agent import Agent
+from robot_agent.report.agent_state import AgentState
+from robot_agent.report.health_summary import HealthSummary
 
 STATUS_PERIOD_S = 0.5
 SCAN_PERIOD_S = 0.2
@@ -90,14 +90,26 @@ class LinkReport:
         self.up, self.reason = False, reason
 
 
-class Reports:
-    """Builds what the operator and the recording are told."""
+class TelemetryBuilder:
+    """Builds the payloads for the operator and the recording from an agent's state."""
 
-    def __init__(self, agent: Agent, start_wall_ns: int) -> None:
-        """Report on an agent whose time 0 was at ``start_wall_ns`` on the wall clock."""
-        self._agent = agent
+    def __init__(
+        self,
+        robot: str,
+        team: str,
+        border: Border | None,
+        state: AgentState,
+        health: HealthSummary,
+        start_wall_ns: int,
+    ) -> None:
+        """Take the names to report under; the agent's time 0 was ``start_wall_ns`` on the wall
+        clock."""
+        self._robot = robot
+        self._team = team
+        self._border = border
+        self._state = state
+        self._health = health
         self._start_wall_ns = start_wall_ns
-        self._robot = agent.config.robot
         self._status_pace = Pace(STATUS_PERIOD_S)
         self._scan_pace = Pace(SCAN_PERIOD_S)
         self._particles_pace = Pace(PARTICLES_PERIOD_S)
@@ -105,7 +117,7 @@ class Reports:
         self._intruder_pace = Pace(INTRUDER_PERIOD_S)
         self._last_words: dict[str, str] = {}
 
-    def hear(self, link: LinkName, t: float, data: bytes, *, understood: bool) -> None:
+    def on_bytes(self, link: LinkName, t: float, data: bytes, *, understood: bool) -> None:
         """Count bytes of a link; ``understood`` when they completed a measurement."""
         report = self.links[link]
         report.bytes_received += len(data)
@@ -123,7 +135,7 @@ class Reports:
         if self._scan_pace.due(t):
             payloads.append(("scan", self._scan(scan)))
             payloads.append(("tracks", self._tracks(stamp)))
-        if self._agent.localizer.estimate is not None and self._particles_pace.due(t):
+        if self._state.pose_tracker.localizer.estimate is not None and self._particles_pace.due(t):
             payloads.append(("particles", self._particles(stamp)))
         return payloads
 
@@ -140,7 +152,7 @@ class Reports:
         stamp = self._stamp(t)
         payload = DecisionPayload(
             timestamp=stamp,
-            robot=self._robot.name,
+            robot=self._robot,
             action=decision.action,
             direction=decision.direction,
             distance_from_border=decision.distance_from_border,
@@ -170,7 +182,7 @@ class Reports:
         """Return what is known of an intruder, with evidence (``evidence``) if there is any."""
         payload = IntruderPayload(
             timestamp=self._stamp(t),
-            robot=self._robot.name,
+            robot=self._robot,
             number=intruder.number,
             x=round(intruder.x, 3),
             y=round(intruder.y, 3),
@@ -191,32 +203,26 @@ class Reports:
             return []
         return [payload for each in fresh for payload in self.on_intruder(t, each)]
 
-    def has_spoken(self, part: str) -> bool:
-        """Tell whether a part of the agent has said anything yet."""
-        return part in self._last_words
-
-    def on_news(
-        self, t: float, part: str, words: str, level: LogLevel
-    ) -> list[tuple[str, Payload]]:
-        """Return an event when a part of the agent has something new to say."""
-        if self._last_words.get(part) == words:
+    def on_notice(self, notice: Notice) -> list[tuple[str, Payload]]:
+        """Return an event, unless the part of the agent said the same last time."""
+        if self._last_words.get(notice.part) == notice.words:
             return []
-        self._last_words[part] = words
-        log = Log(timestamp=self._stamp(t), level=level, message=words, name=part)
+        self._last_words[notice.part] = notice.words
+        stamp = self._stamp(notice.t)
+        log = Log(timestamp=stamp, level=notice.level, message=notice.words, name=notice.part)
         return [("event", log)]
 
     def _stamp(self, t: float) -> Timestamp:
         return timestamp_at(t, self._start_wall_ns)
 
     def _status(self, t: float) -> StatusPayload:
-        agent = self._agent
-        base = agent.odometry.latest
+        base = self._state.pose_tracker.odometry.latest
         return StatusPayload(
             timestamp=self._stamp(t),
-            robot=self._robot.name,
-            team=self._robot.team,
+            robot=self._robot,
+            team=self._team,
             uptime=t,
-            health=agent.condition.health(),
+            health=self._health.health(),
             battery=None if base is None else base.battery,
             motors_enabled=base is not None and base.motors_enabled,
             stalled=base is not None and (base.stall_left or base.stall_right),
@@ -224,12 +230,12 @@ class Reports:
             base=self._device(t, "base"),
             laser=self._device(t, "laser"),
             camera=self._camera(t),
-            degraded=agent.condition.degraded(t),
+            degraded=self._health.degraded(t),
             localization=self._localization(),
         )
 
     def _device(self, t: float, link: LinkName) -> DeviceStatus:
-        session = self._agent.base if link == "base" else self._agent.laser
+        session = self._state.base if link == "base" else self._state.laser
         report = self.links[link]
         counters = session.framer.counters
         return DeviceStatus(
@@ -244,7 +250,7 @@ class Reports:
         )
 
     def _camera(self, t: float) -> CameraReport | None:
-        camera = self._agent.sight.camera
+        camera = self._state.perception.camera
         if not camera.exists:
             return None
         latest = camera.latest
@@ -258,7 +264,7 @@ class Reports:
 
     def _on_border(self, neighbor: Track | None) -> dict[str, Any]:
         """Return where the neighbor is along and beside the border, and how well that is known."""
-        border = self._agent.border
+        border = self._border
         if neighbor is None or border is None:
             return {}
         foot = border.project(neighbor.x, neighbor.y)
@@ -275,7 +281,7 @@ class Reports:
         }
 
     def _localization(self) -> LocalizationStatus:
-        estimate = self._agent.localizer.estimate
+        estimate = self._state.pose_tracker.localizer.estimate
         if estimate is None:
             return LocalizationStatus(health=Health.LOST)
         return LocalizationStatus(
@@ -293,8 +299,10 @@ class Reports:
         )
 
     def _tracks(self, stamp: Timestamp) -> Payload:
-        sight = self._agent.sight
-        intruders = {each.track for each in sight.intruders.known} if sight.intruders else set()
+        perception = self._state.perception
+        intruders = (
+            {each.track for each in perception.intruders.known} if perception.intruders else set()
+        )
         return SceneUpdate(
             entities=[
                 track_entity(
@@ -309,12 +317,12 @@ class Reports:
                         track.probabilities.unknown,
                     ),
                 )
-                for track in sight.tracker.tracks
+                for track in perception.tracker.tracks
             ]
         )
 
     def _particles(self, stamp: Timestamp) -> Payload:
-        particles = self._agent.localizer.particles
+        particles = self._state.pose_tracker.localizer.particles
         step = math.ceil(len(particles) / PARTICLES_SHOWN)
         return poses_in_frame(stamp, "map", np.asarray(particles[::step], dtype=np.float64))
 

@@ -79,7 +79,7 @@ def test_connects_localizes_and_patrols(folder: MapFolder) -> None:
     assert agent.decision is not None
     assert agent.decision.action in PATROLLING
     assert agent.decision.distance_from_border < 0.1
-    assert agent.condition.health() == "ok"
+    assert agent.health_summary.health() == "ok"
     assert fleet.robots[0].rig.base.velocity[0] == pytest.approx(0.35, abs=0.1)
     assert fleet.world.contacts == 0
 
@@ -135,7 +135,10 @@ def test_a_blind_laser_stops_the_robot(folder: MapFolder) -> None:
     assert robot.agent.gate_decision.reason is GateReason.STALE_LASER
     run_until(fleet, 17.0)
     assert robot.rig.base.velocity == (0.0, 0.0)
-    assert "laser" in robot.agent.condition.health() or "gate" in robot.agent.condition.health()
+    assert (
+        "laser" in robot.agent.health_summary.health()
+        or "gate" in robot.agent.health_summary.health()
+    )
     robot.rig.laser.power_on(fleet.t)
     run_until(fleet, 27.0)
     assert robot.rig.base.velocity[0] > 0.1, "goes on by itself once the laser is back"
@@ -183,7 +186,7 @@ def test_a_lost_base_link_is_a_state_and_comes_back(folder: MapFolder) -> None:
     agent = fleet.robots[0].agent
     agent.handle(LinkDown(round(fleet.t, 6), "base", "unplugged"))
     assert agent.base.state is SessionState.DOWN
-    assert agent.condition.health() == "base down"
+    assert agent.health_summary.health() == "base down"
 
 
 def test_without_a_border_it_localizes_and_never_moves(folder: MapFolder) -> None:
@@ -285,7 +288,7 @@ def test_what_is_handled_late_is_an_overload_and_stops_the_robot(folder: MapFold
         if agent.gate_decision is not None:
             reasons.append(agent.gate_decision.reason)
     assert GateReason.OVERLOADED not in reasons[: len(reasons) // 2]
-    assert agent.trust.deadline.missed > 3
+    assert agent.freshness.deadline.missed > 3
     assert agent.gate_decision is not None
     assert agent.gate_decision.reason is GateReason.OVERLOADED
     assert agent.gate_decision.v == 0.0
@@ -296,12 +299,12 @@ def test_a_robot_that_knows_no_pose_turns_slowly_and_finds_itself(folder: MapFol
     robot = fleet.robots[0]
     robot.agent.localizer.start_anywhere()
     speeds, turns = [], []
-    while fleet.t < 60.0 and not robot.agent.whereabouts.trusted:
+    while fleet.t < 60.0 and not robot.agent.pose_tracker.trusted:
         fleet.step()
         v, w = robot.rig.base.velocity
         speeds.append(abs(v))
         turns.append(abs(w))
-    assert robot.agent.whereabouts.trusted, "it must find itself"
+    assert robot.agent.pose_tracker.trusted, "it must find itself"
     assert max(speeds) < 0.01
     assert 0.3 < max(turns) < 0.55
     assert fleet.world.contacts == 0

@@ -7,13 +7,13 @@ import pytest
 from robot_agent.config import (
     AgentConfig,
     ConfigError,
-    StartSettings,
     find_map,
     format_config,
     load_config,
     load_map,
     parse_config,
 )
+from robot_agent.pose.start_pose import StartPose
 
 
 def test_empty_file_gives_the_defaults() -> None:
@@ -21,7 +21,7 @@ def test_empty_file_gives_the_defaults() -> None:
 
 
 def test_effective_configuration_survives_a_round_trip() -> None:
-    config = AgentConfig(start=StartSettings(x=1.0, y=2.0, theta=-0.5))
+    config = AgentConfig(start=StartPose(x=1.0, y=2.0, theta=-0.5))
     assert parse_config(format_config(config).encode(), "printed") == config
 
 

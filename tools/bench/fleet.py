@@ -13,7 +13,8 @@ import numpy as np
 from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.agent import Agent
-from robot_agent.config import AgentConfig, RobotSettings, StartSettings
+from robot_agent.config import AgentConfig, MapSettings, RobotSettings
+from robot_agent.pose.start_pose import StartPose
 from tools.bench.bench_fault import BenchFault, FaultInjector, check_robots, wrecks_of
 from tools.bench.bench_result import bench_result
 from tools.bench.perception_log import PerceptionLog
@@ -89,7 +90,7 @@ class Fleet:
         check_robots(self.faults, [rig.name for rig in rigs])
         self.robots: list[FleetRobot] = []
         for number, rig in enumerate(rigs):
-            settings = _configure(config or AgentConfig(), rig, seed * 1000 + number)
+            settings = _configure(config or AgentConfig(), folder, rig, seed * 1000 + number)
             own = [fault for fault in self.faults if fault.robot == rig.name]
             injector = FaultInjector(own, rig, folder, settings.robot.seed) if own else None
             devices = injector or rig
@@ -146,13 +147,14 @@ class Fleet:
         return wrecks_of(self.faults, poses, self.t)
 
 
-def _configure(config: AgentConfig, rig: RobotRig, seed: int) -> AgentConfig:
-    """Give a robot its name, its seed and about where it is."""
+def _configure(config: AgentConfig, folder: MapFolder, rig: RobotRig, seed: int) -> AgentConfig:
+    """Give a robot its name, its seed, its map and about where it is."""
     start = rig.body.pose
     return msgspec.structs.replace(
         config,
         robot=RobotSettings(name=rig.name, team=config.robot.team, seed=seed),
-        start=StartSettings(x=start.x, y=start.y, theta=start.theta),
+        map=MapSettings(folder=folder.name, border=folder.border_name),
+        start=StartPose(x=start.x, y=start.y, theta=start.theta),
     )
 
 

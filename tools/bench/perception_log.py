@@ -57,7 +57,7 @@ class PerceptionLog:
 
     def sample(self, t: float, body: RobotBody, agent: Agent) -> None:
         """Compare one robot's tracks at t with who is truly there."""
-        tracks = agent.sight.tracker.tracks_at(t)  # as the patrol is told of them
+        tracks = agent.perception.tracker.tracks_at(t)  # as the patrol is told of them
         others = [other for other in self._world.bodies if other is not body]
         team = [other for other in others if other.kind is BodyKind.ROBOT]
         strangers = [other for other in others if other.kind is not BodyKind.ROBOT]
@@ -75,7 +75,7 @@ class PerceptionLog:
             ):
                 self._stranger_tracks += 1
                 self._taken_for_teammate += track.teammate
-        known = agent.sight.intruders.known if agent.sight.intruders else []
+        known = agent.perception.intruders.known if agent.perception.intruders else []
         self._sample_reports(t, body, strangers, known)
         for stranger in strangers:
             self._sample_visit(t, body, stranger, known)

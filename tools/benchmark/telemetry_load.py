@@ -15,12 +15,12 @@ from pathlib import Path
 import msgspec
 
 from maps.map_folder import load_map_folder
-from robot_agent.config import AgentConfig, find_map
+from robot_agent.config import AgentConfig, TelemetrySettings, find_map
 from robot_agent.messages.effects import Effect, Publish
 from robot_agent.messages.events import Event
 from robot_agent.messages.foxglove import timestamp_at
 from robot_agent.messages.streams import Payload, decode, encode
-from robot_agent.process.telemetry import Telemetry, TelemetrySettings
+from robot_agent.process.telemetry import Telemetry
 from tools.bench.fleet import Fleet
 
 SOURCES = 3

@@ -15,8 +15,9 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
+from robot_agent.config import TelemetrySettings
 from robot_agent.messages.streams import ProcessPayload
-from robot_agent.process.telemetry import Telemetry, TelemetrySettings
+from robot_agent.process.telemetry import Telemetry
 from tools.campaign.agent_stage import AgentStage
 from tools.logs.recording import read_recording
 from tools.monitor.endpoint import free_endpoint

@@ -65,13 +65,13 @@ def pairs_of(recording: Recording) -> tuple[list[Pair], CameraSettings]:
 
 
 def _pair(agent: Agent, event: BlobsSeen, camera: CameraSettings) -> list[Pair]:
-    pose = agent.whereabouts.localized_pose_at(event.taken)
+    pose = agent.pose_tracker.localized_pose_at(event.taken)
     if pose is None or len(event.blobs) != 1 or event.blobs[0].confidence < _ALONE:
         return []
     lens = pose.compose(Pose(camera.mount[0], camera.mount[1], 0.0))
     bearings = [
         math.remainder(math.atan2(track.y - lens.y, track.x - lens.x) - lens.theta, math.tau)
-        for track in agent.sight.tracker.tracks
+        for track in agent.perception.tracker.tracks
         if track.robot_sized and event.taken - track.last_seen < _FRESH
     ]
     seen_at = event.blobs[0].bearing + camera.mount[2]

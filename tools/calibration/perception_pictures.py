@@ -64,7 +64,7 @@ def moment_of(recording: Recording) -> Moment:
             blobs = item.blobs
         if isinstance(item, PictureTaken):
             pose, odometry = (
-                agent.whereabouts.localized_pose_at(item.taken),
+                agent.pose_tracker.localized_pose_at(item.taken),
                 agent.odometry.at(item.taken),
             )
             if pose is None or odometry is None:
@@ -95,7 +95,7 @@ def draw_scan(moment: Moment, path: Path) -> None:
     px, py, theta = moment.pose
     axes.plot(px, py, "k^", ms=9)
     axes.plot([px, px + 0.5 * math.cos(theta)], [py, py + 0.5 * math.sin(theta)], "k-")
-    for track in moment.agent.sight.tracker.tracks:
+    for track in moment.agent.perception.tracker.tracks:
         _draw_track(axes, track)
     axes.set(xlim=(px - _REACH, px + _REACH), ylim=(py - 3.5, py + 3.5), xlabel="m", ylabel="m")
     axes.set_aspect("equal")
@@ -134,7 +134,7 @@ def draw_picture(moment: Moment, path: Path) -> None:
         cv2.rectangle(picture, (corners[0], corners[1]), (corners[2], corners[3]), (0, 255, 255), 1)
         words = f"band {blob.range:.1f} m {blob.confidence:.2f}"
         _write(picture, words, (corners[0], corners[1] - 6), (0, 255, 255))
-    for track in moment.agent.sight.tracker.tracks:
+    for track in moment.agent.perception.tracker.tracks:
         _mark_track(picture, track, moment.pose, camera, scale, middle)
     cv2.imwrite(str(path), picture)
 

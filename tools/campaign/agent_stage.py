@@ -26,13 +26,8 @@ from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from maps.map_folder import load_map_folder
 from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap, save_map
 from maps.pose import Pose
-from robot_agent.config import (
-    AgentConfig,
-    MapSettings,
-    RobotSettings,
-    StartSettings,
-    format_config,
-)
+from robot_agent.config import AgentConfig, MapSettings, RobotSettings, format_config
+from robot_agent.pose.start_pose import StartPose
 from tools.campaign.cpu_limit import CpuLimit
 from tools.campaign.flood import Flood
 from tools.campaign.order_tap import OrderTap
@@ -302,7 +297,7 @@ class AgentStage:
         return AgentConfig(
             robot=RobotSettings(name="robot1", team="faults", seed=self._seed),
             map=MapSettings(folder=room),
-            start=StartSettings(x=pose.x, y=pose.y, theta=pose.theta),
+            start=StartPose(x=pose.x, y=pose.y, theta=pose.theta),
             base=msgspec.structs.replace(defaults.base, url=str(self.base_cable.path)),
             laser=msgspec.structs.replace(defaults.laser, url=str(self.laser_cable.path)),
             camera=msgspec.structs.replace(

@@ -13,7 +13,9 @@ CHECKS = (
     ("ruff", "check", "."),
     ("ruff", "format", "--check", "."),
     ("mypy",),
+    ("lint-imports",),
 )
+"""Programs of the environment; lint-imports holds the rooms to the contracts in pyproject.toml."""
 SIDE_BY_SIDE = ("-n", "auto", "--dist", "worksteal")
 """One worker per core: half of the tests wait for a device's real time."""
 
@@ -30,7 +32,8 @@ def run(options: argparse.Namespace) -> int:
     chosen = ("-m", "long or not long") if options.long else ()
     for check in (*CHECKS, ("pytest", *SIDE_BY_SIDE, *chosen, *options.pytest)):
         print("+", *check, file=sys.stderr, flush=True)
-        status = subprocess.run([sys.executable, "-m", *check], cwd=ROOT, check=False).returncode
+        program = Path(sys.executable).with_name(check[0])
+        status = subprocess.run([program, *check[1:]], cwd=ROOT, check=False).returncode
         if status:
             return 1
     return 0

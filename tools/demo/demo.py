@@ -14,13 +14,8 @@ from pathlib import Path
 import msgspec
 
 from maps.pose import Pose
-from robot_agent.config import (
-    AgentConfig,
-    MapSettings,
-    RobotSettings,
-    StartSettings,
-    format_config,
-)
+from robot_agent.config import AgentConfig, MapSettings, RobotSettings, format_config
+from robot_agent.pose.start_pose import StartPose
 from tools.monitor.monitor import Monitor, MonitorOptions, until
 from tools.monitor.site import Site
 from tools.monitor.text_view import show_team
@@ -202,7 +197,7 @@ class Demo:
             map=MapSettings(
                 folder=str(self.options.map_folder.resolve()), border=self.options.border
             ),
-            start=StartSettings(x=robot.start.x, y=robot.start.y, theta=robot.start.theta),
+            start=StartPose(x=robot.start.x, y=robot.start.y, theta=robot.start.theta),
             base=msgspec.structs.replace(defaults.base, url=robot.base_url),
             laser=msgspec.structs.replace(defaults.laser, url=robot.laser_url),
             camera=msgspec.structs.replace(defaults.camera, url=robot.camera_url),

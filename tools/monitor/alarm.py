@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import IntEnum
 
-from robot_agent.messages.foxglove import LogLevel
+from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.streams import DeviceStatus, StatusPayload
 from tools.monitor.reason import held_by_gate, why
 from tools.monitor.robot_state import RobotState

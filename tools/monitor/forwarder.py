@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import threading
 
-from robot_agent.process.telemetry import Telemetry, TelemetrySettings
+from robot_agent.config import TelemetrySettings
+from robot_agent.process.telemetry import Telemetry
 from tools.monitor.team_state import MAX_ROBOTS, robot_name
 
 

@@ -11,9 +11,10 @@ import msgspec
 
 from maps.map_folder import MapFolder
 from robot_agent.agent import Agent
-from robot_agent.config import AgentConfig, MapSettings, RobotSettings, StartSettings
+from robot_agent.config import AgentConfig, MapSettings, RobotSettings
 from robot_agent.messages.effects import Effect
 from robot_agent.messages.events import Event
+from robot_agent.pose.start_pose import StartPose
 from robot_agent.recording.recording_writer import RecordingWriter
 from robot_agent.recording.run_header import header_of_run
 from tools.logs.carmen import CarmenLog
@@ -97,7 +98,7 @@ def configuration_for(log: CarmenLog, folder: MapFolder) -> AgentConfig:
     return AgentConfig(
         robot=RobotSettings(name=log.path.name.split(".")[0], team="log"),
         map=MapSettings(folder=folder.name),
-        start=StartSettings(x=first.reference.x, y=first.reference.y, theta=first.reference.theta),
+        start=StartPose(x=first.reference.x, y=first.reference.y, theta=first.reference.theta),
         base=msgspec.structs.replace(defaults.base, baud=BASE_BAUD),
         laser=msgspec.structs.replace(
             defaults.laser,

@@ -20,12 +20,12 @@ import numpy as np
 
 from drivers.p2os.emulator.battery import FULL
 from maps.map_folder import MapFolder
-from robot_agent.config import AgentConfig
+from robot_agent.config import AgentConfig, RecorderSettings
 from robot_agent.messages.effects import Effect
 from robot_agent.messages.events import Event
 from robot_agent.motion.gate_reason import LATCHED, GateReason
 from robot_agent.recording.recorder import Recorder
-from robot_agent.recording.recording_retention import DiskRoom, RecorderSettings
+from robot_agent.recording.recording_retention import DiskRoom
 from robot_agent.recording.run_header import RunHeader, header_of_run
 from tools.bench.bench_fault import BenchFault, FaultKind
 from tools.bench.fleet import Fleet, FleetRobot

@@ -10,7 +10,6 @@ import pytest
 from maps.pose import Pose
 from robot_agent.messages.foxglove import (
     Log,
-    LogLevel,
     PoseInFrame,
     SceneUpdate,
     Timestamp,
@@ -21,6 +20,7 @@ from robot_agent.messages.foxglove import (
     timestamp_at,
     track_entity,
 )
+from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.streams import (
     ACTIONS,
     STREAMS,

@@ -25,7 +25,8 @@ def surroundings() -> Surroundings:
     occupancy = OccupancyMap(cells, 0.05, Pose(-2.025, -2.0, 0.0))
     config = AgentConfig()
     unexplained = UnexplainedPoints(config.perception, occupancy)
-    return Surroundings(config, load_model(config.base.model), occupancy, unexplained)
+    model = load_model(config.base.model)
+    return Surroundings(Pose(*model.laser_mount), config.gate, model, occupancy, unexplained)
 
 
 def looked(surroundings: Surroundings, heading: float) -> None:

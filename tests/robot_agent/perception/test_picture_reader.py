@@ -85,11 +85,11 @@ def test_the_watch_tells_what_the_camera_is_worth() -> None:
     watch = CameraWatch(CameraSettings(url="/dev/video0"))
     assert watch.state(0.0) == "down"
     watch.opened(1.0)
-    watch.hear(BlobsSeen(1.2, 1.1, "clear", ()))
+    watch.on_picture(BlobsSeen(1.2, 1.1, "clear", ()))
     assert watch.state(1.5) == "clear"
     assert watch.state(3.0) == "silent"
     for k in range(12):
-        watch.hear(BlobsSeen(3.0 + 0.2 * k, 3.0 + 0.2 * k, "glare", ()))
+        watch.on_picture(BlobsSeen(3.0 + 0.2 * k, 3.0 + 0.2 * k, "glare", ()))
     assert watch.state(5.3) == "glare"
     assert "camera glare" in watch.trouble(5.3)
     watch.lost("unplugged")

@@ -2,7 +2,8 @@
 
 import io
 
-from robot_agent.messages.foxglove import Log, LogLevel, timestamp_at
+from robot_agent.messages.foxglove import Log, timestamp_at
+from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.streams import encode
 from robot_agent.process.journal import Journal
 

@@ -15,7 +15,8 @@ import psutil
 import pytest
 import zenoh
 
-from robot_agent.process.telemetry import Telemetry, TelemetrySettings, session_config
+from robot_agent.config import TelemetrySettings
+from robot_agent.process.telemetry import Telemetry, session_config
 from tools.monitor.operator import Operator
 
 PATIENCE_S = 15.0
@@ -188,7 +189,8 @@ def test_without_an_operator_nothing_is_opened() -> None:
 REPOSITORY = Path(__file__).resolve().parents[3]
 NO_OPERATOR = """
 import sys
-from robot_agent.process.telemetry import Telemetry, TelemetrySettings
+from robot_agent.process.telemetry import Telemetry
+from robot_agent.config import TelemetrySettings
 telemetry = Telemetry(TelemetrySettings(), robot="anna", team="north")
 telemetry.publish("status", b"{}")
 telemetry.close()
@@ -209,7 +211,8 @@ def test_without_an_operator_zenoh_is_not_even_imported() -> None:
 
 ROBOT = """
 import sys
-from robot_agent.process.telemetry import Telemetry, TelemetrySettings
+from robot_agent.process.telemetry import Telemetry
+from robot_agent.config import TelemetrySettings
 telemetry = Telemetry(TelemetrySettings(operator=sys.argv[1]), robot="anna", team="north")
 sys.stdin.read()
 telemetry.close()

@@ -8,8 +8,9 @@ import pytest
 
 from drivers.camera import Camera
 from drivers.camera_source import CameraSettings
+from robot_agent.config import TelemetrySettings
 from robot_agent.messages.events import Tick
-from robot_agent.process.telemetry import Telemetry, TelemetrySettings
+from robot_agent.process.telemetry import Telemetry
 from robot_agent.recording.recorder import Recorder
 from robot_agent.recording.recording_writer import RecordingWriter
 from robot_agent.recording.run_header import RunHeader

@@ -6,9 +6,10 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from robot_agent.config import RecorderSettings
 from robot_agent.messages.events import Tick
 from robot_agent.recording.recorder import Recorder
-from robot_agent.recording.recording_retention import DiskRoom, RecorderSettings
+from robot_agent.recording.recording_retention import DiskRoom
 from robot_agent.recording.run_header import RunHeader
 from tools.logs.recording import read_recording
 

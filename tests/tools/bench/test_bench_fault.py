@@ -72,7 +72,7 @@ def test_wheels_stuck_again_and_again_hold_the_robot_until_a_person_has_looked(
     before = robot.rig.body.pose
     run_until(fleet, SETTLED + 16.0)
     assert math.dist(before[:2], robot.rig.body.pose[:2]) < 0.01
-    assert robot.agent.condition.health() == "gate: stalled_again"
+    assert robot.agent.health_summary.health() == "gate: stalled_again"
     robot.rig.base.press_motors_button()
     run_until(fleet, SETTLED + 17.0)
     assert robot.rig.base.velocity == (0.0, 0.0)

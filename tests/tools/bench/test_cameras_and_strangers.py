@@ -64,7 +64,7 @@ def effects(recording: Recording, stream: str) -> list[bytes]:
 
 def test_the_other_robot_is_a_teammate_by_its_band(met: tuple[Fleet, Path]) -> None:
     agent = met[0].robots[0].agent
-    mates = [track for track in agent.sight.tracker.tracks if track.teammate]
+    mates = [track for track in agent.perception.tracker.tracks if track.teammate]
     assert len(mates) == 1
     assert mates[0].by_color
 
@@ -83,7 +83,9 @@ def test_the_person_is_a_stranger_reported_once_with_evidence(met: tuple[Fleet, 
     assert len(first.scan) >= 6
     assert any(isinstance(each, IntruderPayload) and each.picture for each in told)
     strangers = [
-        track for track in fleet.robots[0].agent.sight.tracker.tracks if track.kind is Kind.STRANGER
+        track
+        for track in fleet.robots[0].agent.perception.tracker.tracks
+        if track.kind is Kind.STRANGER
     ]
     assert len(strangers) <= 1
 
@@ -119,9 +121,9 @@ def test_status_tells_of_a_camera_that_is_unplugged_and_robots_go_on(folder: Map
     robot = fleet.robots[0]
     while fleet.t < 5.0:
         fleet.step()
-    assert robot.agent.condition.degraded(fleet.t) == []
+    assert robot.agent.health_summary.degraded(fleet.t) == []
     robot.agent.handle(LinkDown(round(fleet.t, 6), "camera", "unplugged"))
-    [words] = robot.agent.condition.degraded(fleet.t)
+    [words] = robot.agent.health_summary.degraded(fleet.t)
     assert "camera down (unplugged)" in words
     assert "outline and motion" in words
 
@@ -135,7 +137,7 @@ def test_a_dark_camera_is_blind_and_said_to_be(folder: MapFolder) -> None:
     for k in range(15):
         t = round(5.0 + 0.1 * k, 6)
         agent.handle(BlobsSeen(t, t, "dark", ()))
-    status = agent.reports.on_time(7.0)[0][1]
+    status = agent.telemetry.on_time(7.0)[0][1]
     assert isinstance(status, StatusPayload)
     assert status.camera is not None
     assert status.camera.state in ("dark", "silent")

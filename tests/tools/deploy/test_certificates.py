@@ -11,8 +11,9 @@ import msgspec
 import pytest
 import zenoh
 
+from robot_agent.config import TelemetrySettings
 from robot_agent.messages.streams import encode
-from robot_agent.process.telemetry import Telemetry, TelemetrySettings, session_config
+from robot_agent.process.telemetry import Telemetry, session_config
 from tests.tools.monitor.reports import pose
 from tools.deploy.certificates import KEY, KeysError, known_robots, make_keys
 from tools.monitor.endpoint import free_endpoint

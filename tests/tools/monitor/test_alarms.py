@@ -9,13 +9,8 @@ import msgspec
 import numpy as np
 import pytest
 
-from robot_agent.messages.foxglove import (
-    Log,
-    LogLevel,
-    SceneUpdate,
-    timestamp_at,
-    track_entity,
-)
+from robot_agent.messages.foxglove import Log, SceneUpdate, timestamp_at, track_entity
+from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.streams import LocalizationStatus, Payload, ProcessPayload, Twist, encode
 from robot_agent.motion.gate_reason import GateReason
 from tests.tools.monitor.reports import decision, device, status

@@ -9,8 +9,9 @@ from collections.abc import Callable
 import aiohttp
 import pytest
 
+from robot_agent.config import TelemetrySettings
 from robot_agent.messages.streams import encode
-from robot_agent.process.telemetry import Telemetry, TelemetrySettings
+from robot_agent.process.telemetry import Telemetry
 from tests.tools.monitor.reports import pose
 from tools.monitor.endpoint import free_endpoint
 from tools.monitor.foxglove_server import FoxgloveServer

@@ -8,9 +8,10 @@ import pytest
 import zenoh
 
 from maps.pose import Pose
+from robot_agent.config import TelemetrySettings
 from robot_agent.messages.foxglove import PoseInFrame, Timestamp, pose3
 from robot_agent.messages.streams import encode
-from robot_agent.process.telemetry import Telemetry, TelemetrySettings, session_config
+from robot_agent.process.telemetry import Telemetry, session_config
 from tools.monitor.operator import Operator, OperatorError
 
 PATIENCE_S = 15.0

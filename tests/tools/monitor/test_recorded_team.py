@@ -12,8 +12,9 @@ from pathlib import Path
 import pytest
 from mcap.reader import make_reader
 
+from robot_agent.config import TelemetrySettings
 from robot_agent.messages.streams import encode
-from robot_agent.process.telemetry import Telemetry, TelemetrySettings
+from robot_agent.process.telemetry import Telemetry
 from robot_agent.recording.recording_writer import CHUNK_BYTES
 from tests.tools.monitor.agent_recordings import FOLDER, START, agent_recording
 from tests.tools.monitor.reports import decision, pose

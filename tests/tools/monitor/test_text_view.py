@@ -9,6 +9,7 @@ import pytest
 from rich.console import Console
 
 from maps.pose import Pose
+from robot_agent.config import TelemetrySettings
 from robot_agent.messages.foxglove import PoseInFrame, Timestamp, pose3
 from robot_agent.messages.streams import (
     DecisionPayload,
@@ -20,7 +21,7 @@ from robot_agent.messages.streams import (
     Velocity,
     encode,
 )
-from robot_agent.process.telemetry import Telemetry, TelemetrySettings
+from robot_agent.process.telemetry import Telemetry
 from tools.monitor.monitor import Monitor, MonitorOptions, until
 from tools.monitor.robot_state import RobotState
 from tools.monitor.site import Site

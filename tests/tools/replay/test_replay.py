@@ -108,6 +108,13 @@ def test_replay_is_identical(which: str, request: pytest.FixtureRequest) -> None
     assert any("replayed" in line for line in report_lines(result))
 
 
+def test_a_bench_on_another_border_records_which(tmp_path: Path) -> None:
+    folder = load_map_folder(find_map("intel_lab", Path()), "open")
+    result = Replay(read_recording(record_lockstep(folder, 6.0, tmp_path))).run()
+    assert result.difference is None
+    assert result.decisions > 0
+
+
 def test_replay_compares_with_the_reference(converted: Path) -> None:
     result = Replay(read_recording(converted)).run()
     assert len(result.position_errors) == SCANS

@@ -1,0 +1,44 @@
+"""What reports are made from: a read-only view of the agent's stages."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from drivers.lms200.session import Lms200Session
+from drivers.p2os.session import P2osSession
+from robot_agent.motion.gate import GateDecision
+from robot_agent.motion.teleop import Teleop
+from robot_agent.perception.perception import Perception
+from robot_agent.pose.pose_tracker import PoseTracker
+
+
+class AgentState(Protocol):
+    """The stages of an agent that telemetry and the health summary look at."""
+
+    @property
+    def base(self) -> P2osSession:
+        """Session with the robot base."""
+
+    @property
+    def laser(self) -> Lms200Session:
+        """Session with the laser."""
+
+    @property
+    def pose_tracker(self) -> PoseTracker:
+        """Odometry and localization."""
+
+    @property
+    def perception(self) -> Perception:
+        """Tracks, camera and intruders."""
+
+    @property
+    def teleop(self) -> Teleop | None:
+        """Driving by keys; None while the robot patrols."""
+
+    @property
+    def gate_decision(self) -> GateDecision | None:
+        """The gate's latest decision; None before the first."""
+
+    @property
+    def scan_seen_at(self) -> float | None:
+        """When the latest accepted scan was measured, s; None before the first."""
