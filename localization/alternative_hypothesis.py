@@ -39,7 +39,7 @@ class Stop:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rival:
+class AlternativeHypothesis:
     """The best other place."""
 
     belief: Belief
@@ -94,18 +94,18 @@ class RivalSearch:
             self._way.append(Stop(self._since, points))
             self._since = Pose(0.0, 0.0, 0.0)
 
-    def find(self, pose: Pose) -> Rival | None:
+    def find(self, pose: Pose) -> AlternativeHypothesis | None:
         """Return the best place other than ``pose`` (map_from_base now); None: there is none."""
         at_last_stop = pose.compose(self._since.inverse())
         believed = self._trace(at_last_stop)
-        rivals = self._replay(believed)
-        if rivals is None:
+        alternatives = self._replay(believed)
+        if alternatives is None:
             return None
-        others = heavy_clusters(rivals.particles, rivals.weights, _CONTENDERS)
+        others = heavy_clusters(alternatives.particles, alternatives.weights, _CONTENDERS)
         best = max(self._log_likelihood(self._trace(other.mean)) for other in others)
         odds = self._log_likelihood(believed) - best
-        rivals.predict(self._since)
-        return Rival(rivals.belief, odds)
+        alternatives.predict(self._since)
+        return AlternativeHypothesis(alternatives.belief, odds)
 
     def _replay(self, avoided: list[Pose]) -> ParticleFilter | None:
         """Search the way anew but for the poses avoided (one a stop); None if nothing is left."""

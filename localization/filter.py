@@ -15,7 +15,7 @@ from localization.resampling import draw_low_variance, effective_sample_size
 from localization.settings import MotionSettings, SampleSettings
 from maps.pose import Pose
 
-_TEMPERED = 0.8  # of a scan's worth is left, each time it would decide too much
+_TEMPERED = 0.8  # of a scan's information is left, each time it would decide too much
 _MUCH_LARGER = 2.0  # times the needed number of particles: then the set is thinned
 
 
@@ -108,22 +108,23 @@ class ParticleFilter:
         self,
         points: NDArray[np.float64],
         independent_beams: float,
-        least_effective: float = 0.0,
-        least_log_likelihood: float = -math.inf,
+        min_effective: float = 0.0,
+        min_log_likelihood: float = -math.inf,
     ) -> None:
         """Multiply the weights by the likelihood of a scan's end points (m, 2) in base_link.
 
-        independent_beams: how many independent beams the scan is worth. least_effective: share of
-        the particles that must stay effective; the scan is made worth less until they do, so that
-        one particle that happens to lie well does not outweigh a place where none does.
-        least_log_likelihood: of the scan; where it fits worse, people are thought to hide the map.
+        independent_beams: how many independent beams the scan counts as (its information weight).
+        min_effective: share of the particles that must stay effective; the scan is weighted less
+        until they do, so that one particle that happens to lie well does not outweigh a place
+        where none does.
+        min_log_likelihood: of the scan; where it fits worse, people are thought to hide the map.
         """
         with np.errstate(divide="ignore"):
             prior = np.log(self.weights)
         evidence = self._field.log_weights(self.particles, points, independent_beams)
-        np.maximum(evidence, least_log_likelihood, out=evidence)
+        np.maximum(evidence, min_log_likelihood, out=evidence)
         before = effective_sample_size(self.weights)
-        least = min(least_effective * len(self.weights), _TEMPERED * before)
+        least = min(min_effective * len(self.weights), _TEMPERED * before)
         while True:
             log_weights = prior + evidence
             weights = np.exp(log_weights - log_weights.max())

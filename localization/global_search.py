@@ -64,13 +64,13 @@ class GlobalSearch:
             if look > 0:
                 particles.resample(samples)
                 particles.scatter(search.closer_xy, search.closer_theta)
-            particles.weigh(points, search.independent_beams, search.least_effective)
+            particles.weigh(points, search.independent_beams, search.min_effective)
 
     def weigh(
-        self, particles: ParticleFilter, points: NDArray[np.float64], worth: float = 1.0
+        self, particles: ParticleFilter, points: NDArray[np.float64], information: float = 1.0
     ) -> None:
         """Weigh particles by a further scan, so that no place is given up on it alone."""
         search = self._settings
-        beams = worth * search.independent_beams
+        beams = information * search.independent_beams
         hidden = beams * search.hidden_log_likelihood
-        particles.weigh(points, beams, search.least_effective, hidden)
+        particles.weigh(points, beams, search.min_effective, hidden)

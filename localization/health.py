@@ -27,15 +27,15 @@ class Evidence:
     """Standard deviation of the best cluster's position along its worst direction, m."""
     share: float
     """Of the weight in the best cluster, 0..1."""
-    through: float = 0.0
+    wall_crossing: float = 0.0
     """Share of the beams that pass through mapped walls, 0..1."""
     jump_xy: float = 0.0
     """Between the estimate and where the odometry would put it, m."""
     jump_theta: float = 0.0
     """Likewise, rad."""
-    strayed: bool = False
+    relocated: bool = False
     """Whether the scan fits only beside where the odometry would put it."""
-    worth: float = 1.0
+    information: float = 1.0
     """Of the scan: 1 if taken a step away from the last one, less on the same place."""
 
 
@@ -49,7 +49,7 @@ class HealthMonitor:
     def __init__(self, settings: HealthSettings, health: Health = Health.UNSURE) -> None:
         self._settings = settings
         self.health = health
-        # Verdicts in a row that were all better, or all worse, with the worth of their scans.
+        # Verdicts in a row that were all better, or all worse, with the information of their scans.
         self._run: list[tuple[Health, float]] = []
 
     def update(self, evidence: Evidence) -> Health:
@@ -68,9 +68,9 @@ class HealthMonitor:
         if change == 0:
             return self.health, []
         goes_on = bool(self._run) and change * _change(self.health, self._run[0][0]) > 0
-        run = [*(self._run if goes_on else []), (verdict, evidence.worth)]
+        run = [*(self._run if goes_on else []), (verdict, evidence.information)]
         needed = self._settings.worsen_after if change < 0 else self._settings.improve_after
-        if sum(worth for _, worth in run) < needed * _ENOUGH:
+        if sum(information for _, information in run) < needed * _ENOUGH:
             return self.health, run
         # What all of the run agree on: the verdict nearest to the present health.
         health = min((each for each, _ in run), key=lambda each: abs(_change(self.health, each)))
@@ -82,12 +82,12 @@ class HealthMonitor:
         if evidence.fit is None:
             return Health.LOST if self.health is Health.LOST else Health.UNSURE
         lost_limit = settings.found_above if self.health is Health.LOST else settings.lost_below
-        if evidence.fit.excusing < lost_limit:
+        if evidence.fit.fit_without_dynamic < lost_limit:
             return Health.LOST
         if self.health is Health.LOCALIZED:
             good = (
-                evidence.fit.excusing >= settings.unsure_below
-                and evidence.through <= settings.unsure_through
+                evidence.fit.fit_without_dynamic >= settings.unsure_below
+                and evidence.wall_crossing <= settings.unsure_through
                 and evidence.spread <= settings.unsure_spread
                 and evidence.share >= settings.unsure_share
             )
@@ -95,12 +95,12 @@ class HealthMonitor:
             # People may hide the map from a robot that knows where it is; who does not must see it.
             good = (
                 evidence.fit.whole >= settings.localized_above
-                and evidence.through <= settings.localized_through
+                and evidence.wall_crossing <= settings.localized_through
                 and evidence.spread <= settings.localized_spread
                 and evidence.share >= settings.localized_share
             )
         steady = (
-            not evidence.strayed
+            not evidence.relocated
             and evidence.jump_xy <= settings.jump_xy
             and evidence.jump_theta <= settings.jump_theta
         )

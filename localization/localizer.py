@@ -25,7 +25,7 @@ from maps.pose import Pose
 
 _WINDOW_STEP = 0.2  # of a window's reach, to the sample nearest to the best pose in it
 _SLIPPED = 0.8  # of the belief goes to a place found back along the last step
-_STILL_DECAY = 0.8  # of a scan's worth to a search, from one scan to the next on the same spot
+_STILL_DECAY = 0.8  # of a scan's weight in a search, from one scan to the next on one spot
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,7 +36,7 @@ class _Sight:
     refined: Refined | None
     pose: Pose
     fit: Fit | None
-    strayed: bool = False
+    relocated: bool = False
     """Whether it is found only beside where the odometry puts it."""
 
 
@@ -64,10 +64,10 @@ class Localizer:
         self._search_samples = msgspec.structs.replace(
             settings.samples, fixed=None, maximum=settings.search.maximum_after
         )
-        self._rivals = RivalSearch(
+        self._alternatives = RivalSearch(
             settings, self._search_samples, field, self._refinement, self._search, rng
         )
-        self._least_covariance = np.diag(
+        self._min_covariance = np.diag(
             np.square((settings.floor.xy, settings.floor.xy, settings.floor.theta))
         )
         self._monitor = HealthMonitor(settings.health)
@@ -107,7 +107,7 @@ class Localizer:
 
     def _start_with(self, particles: NDArray[np.float64], health: Health) -> None:
         self._filter.restart(particles)
-        self._rivals.forget()
+        self._alternatives.forget()
         self._monitor = HealthMonitor(self._settings.health, health)
         self._started = True
         self._last_odometry = None
@@ -139,23 +139,23 @@ class Localizer:
         self._last_odometry = odometry
         points = self._without_hiding(odometry, points)
         if self._uprooted:
-            self._rivals.remember(increment, points)
+            self._alternatives.remember(increment, points)
         # 2. Weigh them by the scan.
-        worth = self._worth(increment)
+        information = self._information(increment)
         if self._doubt >= 1.0 and self._search.possible:
             self._search_again(points)
         elif self._searching and increment is None:
             self._search.weigh_first(self._filter, points, self._search_samples)
         else:
-            self._weigh(points, worth)
+            self._weigh(points, information)
         # 3. Take the best cluster, slid to where the scan fits best.
         sight = self._look(points)
         # 4. Wheels slip: see whether the scan fits better behind, or, if badly, anywhere nearby.
         if not self._searching:
             sight = self._look_back(sight, increment, points)
-            sight = self._look_around(sight, points, worth)
+            sight = self._look_around(sight, points, information)
         # 5. Judge how sure that is.
-        self.estimate = self._judge(t, odometry, points, sight, worth)
+        self.estimate = self._judge(t, odometry, points, sight, information)
         # 6. Renew the set for the next scan.
         self._filter.resample(self._search_samples if self._searching else self._settings.samples)
         return self.estimate
@@ -173,16 +173,16 @@ class Localizer:
         self._filter.restart(self._search.sample(self._rng))
         self._search.weigh_first(self._filter, points, self._search_samples)
         self._filter.belief = kept.mixed_with(self._filter.belief)
-        self._rivals.forget()
-        self._rivals.remember(None, points)
+        self._alternatives.forget()
+        self._alternatives.remember(None, points)
         self._searching = self._uprooted = True
         self._doubt = 0.0
 
-    def _worth(self, increment: Pose | None) -> float:
-        """Return how much of a whole scan this one is worth after a step (None: the first).
+    def _information(self, increment: Pose | None) -> float:
+        """Return this scan's information weight, 0 to 1, after a step (None: the first scan).
 
-        Scans from the same spot repeat each other's errors; taken at full worth they would breed
-        a false confidence. A search, which must not decide between two places by such errors,
+        Scans from the same spot repeat each other's errors; taken at full weight they would
+        breed a false confidence. A search, which must not decide between two places by such errors,
         takes them at less and less.
         """
         if increment is None:
@@ -196,11 +196,11 @@ class Localizer:
             still_worth *= _STILL_DECAY**self._still_scans
         return min(1.0, max(still_worth, step))
 
-    def _weigh(self, points: NDArray[np.float64], worth: float) -> None:
+    def _weigh(self, points: NDArray[np.float64], information: float) -> None:
         if self._searching:
-            self._search.weigh(self._filter, points, worth)
+            self._search.weigh(self._filter, points, information)
         else:
-            self._filter.weigh(points, worth * self._settings.sensor.independent_beams)
+            self._filter.weigh(points, information * self._settings.sensor.independent_beams)
 
     def _look(self, points: NDArray[np.float64]) -> _Sight:
         """Return the best cluster and the pose in it that the scan fits best."""
@@ -223,38 +223,45 @@ class Localizer:
         cluster = replace(sight.cluster, mean=pose)
         return _Sight(cluster, slipped, pose, self._check.fit(pose, points))
 
-    def _look_around(self, sight: _Sight, points: NDArray[np.float64], worth: float) -> _Sight:
+    def _look_around(
+        self, sight: _Sight, points: NDArray[np.float64], information: float
+    ) -> _Sight:
         """Weigh poses in a window round a misfit; believe in them if the scan fits there."""
         before, window = self._filter.belief, self._settings.window
-        if sight.fit is None or sight.fit.excusing >= window.below:
+        if sight.fit is None or sight.fit.fit_without_dynamic >= window.below:
             return sight
         reach = np.array((window.reach_xy, window.reach_xy, window.reach_theta))
         offsets = self._rng.uniform(-1.0, 1.0, (window.samples, 3)) * reach
         self._filter.restart(np.array(sight.cluster.mean) + offsets)
-        self._weigh(points, worth)
+        self._weigh(points, information)
         best = Pose(*self.particles[self.weights.argmax()].tolist())
         refined = self._refinement.refine(best, np.diag(np.square(_WINDOW_STEP * reach)), points)
         if refined is not None:
             fit = self._check.fit(refined.pose, points)
             needed = max(window.above, sight.fit.whole + window.gain)
             # A false fit is seen through walls.
-            through = self._check.through(refined.pose, points)
-            possible = through <= self._settings.health.localized_through
+            wall_crossing = self._check.through(refined.pose, points)
+            possible = wall_crossing <= self._settings.health.localized_through
             if fit is not None and fit.whole >= needed and possible:
                 self._uproot(points)
                 cluster = best_cluster(self.particles, self.weights)
-                return _Sight(cluster, refined, refined.pose, fit, strayed=True)
+                return _Sight(cluster, refined, refined.pose, fit, relocated=True)
         self._filter.belief = before
         return sight
 
     def _uproot(self, points: NDArray[np.float64]) -> None:
         """Begin a new way: the robot is found where the odometry does not lead."""
         self._uprooted = True
-        self._rivals.forget()
-        self._rivals.remember(None, points)
+        self._alternatives.forget()
+        self._alternatives.remember(None, points)
 
     def _judge(
-        self, t: float, odometry: Pose, points: NDArray[np.float64], sight: _Sight, worth: float
+        self,
+        t: float,
+        odometry: Pose,
+        points: NDArray[np.float64],
+        sight: _Sight,
+        information: float,
     ) -> Estimate:
         cluster, pose = sight.cluster, sight.pose
         last = self.estimate
@@ -267,22 +274,22 @@ class Localizer:
             fit=sight.fit,
             spread=cluster.spread,
             share=cluster.share,
-            strayed=sight.strayed,
-            through=0.0 if well else self._check.through(pose, points),
+            relocated=sight.relocated,
+            wall_crossing=0.0 if well else self._check.through(pose, points),
             jump_xy=math.hypot(jump.x, jump.y),
             jump_theta=abs(jump.theta),
-            worth=worth,
+            information=information,
         )
         if self._uprooted and self._monitor.preview(evidence) is Health.LOCALIZED:
             evidence = self._contested(evidence, pose)
         health = self._monitor.update(evidence)
-        self._renew_doubt(before, health, sight.fit, worth)
+        self._renew_doubt(before, health, sight.fit, information)
         covariance = cluster.covariance if sight.refined is None else sight.refined.covariance
         return Estimate(
             t=t,
             pose=pose,
             odometry=odometry,
-            covariance=covariance + self._least_covariance,
+            covariance=covariance + self._min_covariance,
             health=health,
             particle_count=len(self.weights),
             effective_sample_size=self._filter.effective_sample_size,
@@ -297,14 +304,16 @@ class Localizer:
         A search must win clearly. A pose found near where the odometry led has that in its favour,
         and must only not lose clearly.
         """
-        rival, clear = self._rivals.find(pose), self._settings.health.localized_share
-        if rival is None or rival.share >= (clear if self._searching else 1.0 - clear):
+        alternative, clear = self._alternatives.find(pose), self._settings.health.localized_share
+        if alternative is None or alternative.share >= (clear if self._searching else 1.0 - clear):
             return evidence
-        self._filter.belief = self._filter.belief.mixed_with(rival.belief, rival.share)
+        self._filter.belief = self._filter.belief.mixed_with(alternative.belief, alternative.share)
         self._searching = True
-        return replace(evidence, share=evidence.share * rival.share)
+        return replace(evidence, share=evidence.share * alternative.share)
 
-    def _renew_doubt(self, before: Health, health: Health, fit: Fit | None, worth: float) -> None:
+    def _renew_doubt(
+        self, before: Health, health: Health, fit: Fit | None, information: float
+    ) -> None:
         """Count up to the next search of the whole map: at once when lost, then now and then."""
         search = self._settings.search
         if health is Health.LOCALIZED:
@@ -313,4 +322,4 @@ class Localizer:
             self._doubt = 1.0
         elif fit is not None and fit.whole < self._settings.health.localized_above:
             scans = search.repeat_lost if health is Health.LOST else search.repeat_unsure
-            self._doubt += worth / (scans or math.inf)
+            self._doubt += information / (scans or math.inf)

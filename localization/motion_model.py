@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from localization.settings import MotionSettings
 from maps.pose import Pose, wrap_angle
 
-_LEAST_TRANSLATION = 0.01  # m; below it the direction of travel means nothing
+_MIN_TRANSLATION = 0.01  # m; below it the direction of travel means nothing
 
 
 def decompose(increment: Pose) -> tuple[float, float, float]:
@@ -25,7 +25,7 @@ def decompose(increment: Pose) -> tuple[float, float, float]:
     rad, m, rad. A step backwards keeps its small rotations and gets a negative translation.
     """
     translation = math.hypot(increment.x, increment.y)
-    if translation < _LEAST_TRANSLATION:
+    if translation < _MIN_TRANSLATION:
         return 0.0, increment.x, increment.theta
     first = math.atan2(increment.y, increment.x)
     if abs(first) > math.pi / 2:
@@ -62,7 +62,7 @@ def move_particles(
         aside_sigma[scouts] = slip_xy
         travel_sigma[scouts] = math.hypot(slip_xy, travel)
         turn_sigma[scouts] = math.hypot(slip_theta, turn)
-        slips[scouts] = settings.slip_most * rng.random(len(slips[scouts]), dtype=np.float32)
+        slips[scouts] = settings.max_slip * rng.random(len(slips[scouts]), dtype=np.float32)
     # Single precision is ample for a step of a metre or so.
     heading = particles[:, 2].astype(np.float32)
     heading += first + _rotation_sigma(first, translation, settings) * noise[0]

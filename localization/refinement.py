@@ -56,8 +56,8 @@ class Refinement:
 
     def __init__(self, settings: RefinementSettings, occupancy: OccupancyMap) -> None:
         self._settings = settings
-        least = (settings.least_xy, settings.least_xy, settings.least_theta)
-        self._least_covariance = np.diag(np.square(least))
+        least = (settings.min_xy, settings.min_xy, settings.min_theta)
+        self._min_covariance = np.diag(np.square(least))
         self.surface = DistanceSurface(occupancy, _FAR_KERNELS * settings.kernel)
 
     def refine(
@@ -70,7 +70,7 @@ class Refinement:
         ends = as_complex(spread_evenly(points, self._settings.points))
         if len(ends) < TOO_FEW_POINTS:
             return None
-        prior = np.linalg.inv(covariance + self._least_covariance)
+        prior = np.linalg.inv(covariance + self._min_covariance)
         away: NDArray[np.float64] = np.zeros(3)
         best, best_misfit = away, None
         start_cost = best_cost = math.inf
@@ -114,13 +114,13 @@ class Refinement:
 
         The end points' own residual is the measure of their error (the a-posteriori variance of
         least squares): where the map is blurred, the pose is less sure. They err together, so
-        that a whole scan is worth a few independent ones.
+        that a whole scan counts as a few independent ones.
         """
         settings = self._settings
-        residual = max(misfit.residual, settings.least_residual)
-        worth = min(1.0, settings.covariance_points / count) / residual**2
+        residual = max(misfit.residual, settings.min_residual)
+        information = min(1.0, settings.covariance_points / count) / residual**2
         per_point = misfit.curvature / self._information_per_point(count)
-        covariance = np.asarray(np.linalg.inv(per_point * worth + prior), dtype=np.float64)
+        covariance = np.asarray(np.linalg.inv(per_point * information + prior), dtype=np.float64)
         return 0.5 * (covariance + covariance.T)  # single precision moments are not quite symmetric
 
     def _information_per_point(self, count: int) -> float:

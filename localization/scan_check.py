@@ -25,7 +25,7 @@ class Fit:
 
     whole: float
     """Of all end points."""
-    excusing: float
+    fit_without_dynamic: float
     """Without those on free floor, up to the share that people may block."""
 
 

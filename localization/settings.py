@@ -26,7 +26,7 @@ class MotionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     floor_xy: Positive = 0.01  # m
     floor_theta: Positive = 0.01  # rad
     slip_share: Share = 0.1  # of the particles, moved as if the wheels had slipped
-    slip_most: Share = 0.5  # of the translation counted, lost by them at most
+    max_slip: Share = 0.5  # of the translation counted, lost by them at most
     slip_lasting: Share = 0.7  # of the particles that slipped, slip on at the next step
     slip_xy: NotNegative = 0.1  # m
     slip_theta: NotNegative = 0.1  # rad
@@ -36,7 +36,7 @@ class SensorSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     """Likelihood of a beam's end point by its distance from the nearest mapped obstacle."""
 
     beams: Count = 60  # at most, spread evenly over the scan
-    independent_beams: Positive = 12.0  # what the beams of one scan are worth together
+    independent_beams: Positive = 12.0  # what the beams of one scan count as together
     full_step_xy: Positive = 0.2  # m of travel after which a scan counts in full
     full_step_theta: Positive = 0.2  # rad of turning likewise
     still_worth: Share = 0.3  # of a scan where the last one was taken: it errs like that one
@@ -66,13 +66,13 @@ class RefinementSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
 
     points: Count = 180  # at most, spread evenly over the scan
     steps: Count = 4
-    independent_points: Positive = 60.0  # what the points of one scan are worth together
+    independent_points: Positive = 60.0  # what the points of one scan count as together
     sigma: Positive = 0.05  # m; of an end point's distance from the mapped surface
-    covariance_points: Positive = 6.0  # what they are worth when the covariance is stated
-    least_residual: Positive = 0.01  # m; the laser's own noise
+    covariance_points: Positive = 6.0  # what they are information when the covariance is stated
+    min_residual: Positive = 0.01  # m; the laser's own noise
     kernel: Positive = 0.15  # m; end points farther from the map than this hardly pull
-    least_xy: Positive = 0.05  # m; a cloud of a few hundred samples is never surer than this
-    least_theta: Positive = 0.025  # rad; likewise
+    min_xy: Positive = 0.05  # m; a cloud of a few hundred samples is never surer than this
+    min_theta: Positive = 0.025  # rad; likewise
     limit_xy: Positive = 0.3  # m
     limit_theta: Positive = 0.15  # rad
 
@@ -139,7 +139,7 @@ class WindowSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     """Search round the estimate when a scan does not fit where the odometry puts it."""
 
     below: Share = 0.8  # fit of a scan that starts it
-    above: Share = 0.75  # fit of a pose worth going to
+    above: Share = 0.75  # fit of a pose information going to
     gain: Share = 0.1  # by which it must fit better
     samples: Count = 3000
     reach_xy: Positive = 1.0  # m
@@ -152,9 +152,9 @@ class SlipSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     most: Share = 0.5  # of a counted translation, lost at most
     candidates: Count = 10  # spread evenly up to it
     beams: Count = 180  # at most, spread evenly over the scan: few of them tell
-    independent_beams: Positive = 60.0  # what they are worth together
-    gain: NotNegative = 2.0  # of log-likelihood, at a place worth going to
-    least_xy: Positive = 0.1  # m; a smaller shift is the filter's own work
+    independent_beams: Positive = 60.0  # what they count as together
+    gain: NotNegative = 2.0  # of log-likelihood, at a place information going to
+    min_xy: Positive = 0.1  # m; a smaller shift is the filter's own work
 
 
 class GlobalSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -167,7 +167,7 @@ class GlobalSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     closer_theta: NotNegative = 0.09  # rad; likewise
     kept: Count = 1000  # particles of the old belief, when a lost robot is searched for
     independent_beams: Positive = 6.0  # few, so that no place is given up on one scan
-    least_effective: Share = 0.05  # of the particles, left by one scan at least
+    min_effective: Share = 0.05  # of the particles, left by one scan at least
     remembered: Count = 16  # scans of the way, for the second opinion before the search ends
     stop_xy: Positive = 0.4  # m between them
     stop_theta: Positive = 0.4  # rad; likewise

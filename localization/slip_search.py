@@ -35,7 +35,7 @@ class SlipSearch:
         increment: the odometry's last step (base_then_from_base_now). points (m, 2): base_link, m.
         """
         travel = math.hypot(increment.x, increment.y)
-        if travel * self._settings.most < self._settings.least_xy:
+        if travel * self._settings.most < self._settings.min_xy:
             return None
         behind = self._behind(pose, increment, travel)
         fits = self._fits(np.vstack((np.array(pose), behind)), points)
@@ -49,7 +49,7 @@ class SlipSearch:
             return None
         shift = math.hypot(refined.pose.x - pose.x, refined.pose.y - pose.y)
         gain = float(self._fits(np.array([refined.pose]), points)[0] - fits[0])
-        if shift < self._settings.least_xy or gain < self._settings.gain:
+        if shift < self._settings.min_xy or gain < self._settings.gain:
             return None
         return refined
 

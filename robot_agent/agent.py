@@ -142,9 +142,9 @@ class Agent:
         self._now = max(self._now, event.t)
         match event:
             case BytesReceived(t, "base", data):
-                self._take_base_bytes(t, data)
+                self._on_base_bytes(t, data)
             case BytesReceived(t, "laser", data):
-                self._take_laser_bytes(t, data)
+                self._on_laser_bytes(t, data)
             case Tick(t):
                 self._tick(t)
             case BlobsSeen():
@@ -159,8 +159,8 @@ class Agent:
                 self.teleop.press(event)
             case Shutdown(t):
                 self._shut_down(t)
-        self.outbox.add(*_effects_of("base", self.base.take_requests()))
-        self.outbox.add(*_effects_of("laser", self.laser.take_requests()))
+        self.outbox.add(*_effects_of("base", self.base.pop_requests()))
+        self.outbox.add(*_effects_of("laser", self.laser.pop_requests()))
         return self._pop_effects()
 
     @property
@@ -189,7 +189,7 @@ class Agent:
         self.base.tick(t)
         self.laser.tick(t)
         self._expire(t)
-        for part, words, level in self.freshness.news(t):
+        for part, words, level in self.freshness.changes(t):
             self.outbox.log(t, part, words, level)
         self._log_degraded(t)
         if self.publishes:
@@ -210,7 +210,7 @@ class Agent:
             intruder, picture = evidence
             self._publish(self.telemetry.on_intruder(event.t, intruder, picture=picture))
 
-    def _take_base_bytes(self, t: float, data: bytes) -> None:
+    def _on_base_bytes(self, t: float, data: bytes) -> None:
         """Decode base reports; each is one control step."""
         states = self.base.feed(data, t)
         self.telemetry.on_bytes("base", t, data, understood=bool(states))
@@ -221,8 +221,8 @@ class Agent:
         for state in states:
             at_report = Pose(state.x, state.y, state.theta)
             self.odometry.add(state)
-            self.freshness.hear_base(t, state)
-            self.surroundings.hear(state, at_report, self.base.model)
+            self.freshness.on_base_report(t, state)
+            self.surroundings.on_sonar(state, at_report, self.base.model)
             self._track_by_sonar(t, at_report)
             self._control_step(t, state)
         if states:
@@ -232,16 +232,16 @@ class Agent:
         """Keep up tracks of teammates that the laser does not see; odometry: odom_from_base."""
         pose = self.pose_tracker.localized_pose_at(t)
         if pose is not None and self.perception.tracker.awaits_echo(t):
-            self.perception.tracker.hear(t, pose, self.surroundings.echoes(t, odometry))
+            self.perception.tracker.on_echoes(t, pose, self.surroundings.echoes(t, odometry))
 
-    def _take_laser_bytes(self, t: float, data: bytes) -> None:
+    def _on_laser_bytes(self, t: float, data: bytes) -> None:
         """Decode scans and look at each."""
         scans = self.laser.feed(data, t)
         self.telemetry.on_bytes("laser", t, data, understood=bool(scans))
         if self.freshness.is_old(t):
             return
         for scan in scans:
-            if self.freshness.believes(t, scan, self.odometry.latest):
+            if self.freshness.accept_scan(t, scan, self.odometry.latest):
                 self._look(t, scan)
         self._expire(t)
 
@@ -251,7 +251,7 @@ class Agent:
         if odometry is None:
             return  # nobody knows where the robot was when this was measured
         # 1. What stands in the way, wherever the map says we are.
-        points = self.surroundings.see(scan, odometry, self.odometry)
+        points = self.surroundings.on_scan(scan, odometry, self.odometry)
         if self.teleop is None:  # else there is no map to find a place in
             # 2. Where the robot was.
             known = self.perception.tracked_points(
@@ -259,8 +259,10 @@ class Agent:
             )
             estimate = self.pose_tracker.update(t, scan.t, odometry, points, known)
             if estimate.health is Health.LOCALIZED:
-                self.freshness.pose_is_sure(self._now)
-            self.surroundings.pass_by(odometry, self.pose_tracker.localized_pose_at(scan.t), points)
+                self.freshness.on_localized(self._now)
+            self.surroundings.on_located_scan(
+                odometry, self.pose_tracker.localized_pose_at(scan.t), points
+            )
             # 3. Who else is there.
             new = self.perception.update(t, scan, estimate, points)
             if estimate.health is Health.LOCALIZED:
@@ -284,10 +286,12 @@ class Agent:
 
     def _control_step(self, t: float, state: BaseState) -> None:
         """Decide and act, once per base report; t: its arrival, s."""
-        self.freshness.deadline.note(self._now, self._now - t)
+        self.freshness.deadline.update(self._now, self._now - t)
         if self.teleop is not None and not self._ending:
-            gate = self._drive(t, self.teleop.wish(t), self._gate_inputs(t, state, limited=True))
-            self._note_gate(t, gate)
+            gate = self._drive(
+                t, self.teleop.requested(t), self._gate_inputs(t, state, limited=True)
+            )
+            self._on_gate_decision(t, gate)
             return
         if self.patrol is None or self._ending:
             self.base.drive(t, 0.0, 0.0)
@@ -303,7 +307,7 @@ class Agent:
         teammate = None if track is None else (track.x, track.y)
         decision = self.patrol.step(t, pose, teammate, held=held_by_obstacle(self.gate_decision))
         # 2. Act: turn that velocity into wheel speeds.
-        wish = self.heading_loop.command(
+        requested = self.heading_loop.command(
             t,
             decision.velocity,
             pose.theta,
@@ -311,9 +315,9 @@ class Agent:
             pinned=pinned_by_obstacle(self.gate_decision),
         )
         # 3. Gate: nothing moves the robot but what leaves here.
-        gate = self._drive(t, wish, self._gate_inputs(t, state))
+        gate = self._drive(t, requested, self._gate_inputs(t, state))
         # 4. Tell.
-        self._note_gate(t, gate)
+        self._on_gate_decision(t, gate)
         if decision.blocked:
             self.outbox.log(t, "patrol", _blocked_words(decision), LogLevel.WARNING)
         if decision.closes_in and not (self.decision and self.decision.closes_in):
@@ -322,20 +326,20 @@ class Agent:
             self.outbox.log(t, "standoff", _insisting_words(decision), LogLevel.INFO)
         self.decision = decision
         if self.publishes:
-            self._publish(self.telemetry.on_decision(t, pose, decision, wish, gate, track))
+            self._publish(self.telemetry.on_decision(t, pose, decision, requested, gate, track))
 
     def _look_around(self, t: float, state: BaseState) -> None:
         """Stand, and turn slowly where that is clear, until the pose is known."""
-        wish = self.recovery.wish(t)
-        gate = self._drive(t, wish, self._gate_inputs(t, state, limited=True))
-        if wish != (0.0, 0.0):
-            self._note_gate(t, gate)
+        requested = self.recovery.requested(t)
+        gate = self._drive(t, requested, self._gate_inputs(t, state, limited=True))
+        if requested != (0.0, 0.0):
+            self._on_gate_decision(t, gate)
             self.outbox.log(t, "recovery", "turns to look around", LogLevel.WARNING)
 
-    def _drive(self, t: float, wish: tuple[float, float], inputs: GateInputs) -> GateDecision:
+    def _drive(self, t: float, requested: tuple[float, float], inputs: GateInputs) -> GateDecision:
         """Let the gate have its say and the base have the rest."""
-        gate = self.gate.permit(self._now, wish, inputs)
-        if gate.reason is GateReason.MOTORS_OFF and wish != (0.0, 0.0):
+        gate = self.gate.permit(self._now, requested, inputs)
+        if gate.reason is GateReason.MOTORS_OFF and requested != (0.0, 0.0):
             self.base.enable_motors(t)  # all else permits motion
         self.base.drive(t, gate.v, gate.w)
         return gate
@@ -347,7 +351,7 @@ class Agent:
         gate = self.gate.expire(self._now, report_time, scan_time)
         if gate is not None and not self._ending:
             self.base.drive(t, gate.v, gate.w)
-            self._note_gate(t, gate)
+            self._on_gate_decision(t, gate)
 
     def _gate_inputs(self, t: float, state: BaseState, *, limited: bool = False) -> GateInputs:
         odometry = self.odometry.at(t)
@@ -376,7 +380,7 @@ class Agent:
             limited=limited,
         )
 
-    def _note_gate(self, t: float, gate: GateDecision) -> None:
+    def _on_gate_decision(self, t: float, gate: GateDecision) -> None:
         """Count and tell when the gate begins to hold the robot."""
         self.gate_stops += begins_hold(self.gate_decision, gate)
         if gate.reason in STOPPING:

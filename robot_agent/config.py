@@ -28,6 +28,13 @@ from robot_agent.pose.start_pose import StartPose
 KeyPart = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9_-]+$")]
 
 
+_FORMER_KEYS = tomllib.loads(Path(__file__).with_name("former_keys.toml").read_text("utf-8"))
+RENAMED_KEYS: dict[str, str] = _FORMER_KEYS["renamed"]
+"""Keys of earlier configuration files with the keys in their place."""
+FIXED_KEYS: dict[str, Any] = _FORMER_KEYS["fixed"]
+"""Keys of earlier configuration files that are constants now, with the constant."""
+
+
 class ConfigError(ValueError):
     """A configuration that cannot be used; the message names file, key and remedy."""
 
@@ -155,10 +162,19 @@ def _explain(source: str, complaint: str) -> str:
     unknown = re.match(r"Object contains unknown field `(.*)`", reason)
     if unknown:
         key = ".".join(part for part in (section, unknown[1]) if part)
-        return f"{source}: {key}: unknown key; see `patrol agent --print-config` for the known ones"
+        return f"{source}: {key}: {_former_key(key)}"
     return (
         f"{source}: {section or 'top level'}: {reason[:1].lower()}{reason[1:]}; correct the value"
     )
+
+
+def _former_key(key: str) -> str:
+    """Say what became of a key that is none, with the remedy."""
+    if key in RENAMED_KEYS:
+        return f"is called {RENAMED_KEYS[key]} now; rename it"
+    if key in FIXED_KEYS:
+        return f"is no setting any more but always {FIXED_KEYS[key]!r}; delete the line"
+    return "unknown key; see `patrol agent --print-config` for the known ones"
 
 
 def format_config(config: AgentConfig) -> str:

@@ -98,11 +98,11 @@ class LineFaults:
             self._send(self._to_device, data, t)
         self._deliver(t)
 
-    def take_output(self, t: float) -> list[TimedBytes]:
+    def pop_output(self, t: float) -> list[TimedBytes]:
         """Return what the line leaves of the device's bytes by ``t``."""
         self._let_pass(t)
         self._deliver(t)
-        for item in self._device.take_output(t):
+        for item in self._device.pop_output(t):
             if not self.frozen:
                 self._last = item.data
             if not self.mute:

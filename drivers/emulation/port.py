@@ -41,7 +41,7 @@ class EmulatedDevice(Protocol):
     def feed(self, data: bytes, t: float) -> None:
         """Take bytes from the client."""
 
-    def take_output(self, t: float) -> list[TimedBytes]:
+    def pop_output(self, t: float) -> list[TimedBytes]:
         """Return what has left the wire by ``t``."""
 
 
@@ -96,7 +96,7 @@ class PtyPort:
             self._emulator.feed(self._as_received(data, self._emulator.baud), t)
         while True:
             baud = self._emulator.baud
-            output = self._emulator.take_output(t)
+            output = self._emulator.pop_output(t)
             if not output:
                 return
             data = b"".join(item.data for item in output)
@@ -166,7 +166,7 @@ class TcpPort:
         data = self._receive()
         if data:
             self._emulator.feed(data, t)
-        while output := self._emulator.take_output(t):
+        while output := self._emulator.pop_output(t):
             if self._client is not None:
                 self._unsent += b"".join(item.data for item in output)
         self._flush()

@@ -157,7 +157,7 @@ class TelegramFramer:
                 if length is None:
                     break
                 if length:
-                    found.append(self._take(at, length))
+                    found.append(self._pop(at, length))
                     at += length
                     continue
             elif first == ACK:
@@ -194,7 +194,7 @@ class TelegramFramer:
             return 0
         return length
 
-    def _take(self, at: int, length: int) -> Telegram:
+    def _pop(self, at: int, length: int) -> Telegram:
         self.counters.good += 1
         payload = bytes(self._buffer[at + 4 : at + length - 2])
         return Telegram(self._buffer[at + 1], payload, len(self._buffer) - at - length)

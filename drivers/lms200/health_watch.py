@@ -38,7 +38,7 @@ class HealthWatch:
         self._asks = False
         self._steps.clear()
 
-    def take(self, telegram: Telegram) -> None:
+    def on_telegram(self, telegram: Telegram) -> None:
         """Take any reply; only B1 and B2 tell something."""
         if telegram.code == Command.ERRORS.reply:
             self._errors = decode_errors(telegram)
@@ -54,7 +54,7 @@ class HealthWatch:
         self._conclude()
         self._next_step = 0.0  # answered: no need to wait
 
-    def see_scan(self, status: int) -> None:
+    def on_scan_status(self, status: int) -> None:
         """Take the status byte of a scan."""
         if self._steps == [telegrams.SELECT_CONTINUOUS]:
             self._steps.clear()  # the stream went on by itself

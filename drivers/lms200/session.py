@@ -131,7 +131,7 @@ class Lms200Session:
         self.link_down(t)
         self._requests.append(Write(encode(telegrams.SELECT_ON_REQUEST)))
 
-    def take_requests(self) -> list[Request]:
+    def pop_requests(self) -> list[Request]:
         """Return, once, what the link is asked to do, in order."""
         requests, self._requests = self._requests, []
         return requests
@@ -145,9 +145,9 @@ class Lms200Session:
             self._exchange.bytes_came(t)
         if self.framer.pending and t - self._last_received >= INNER_SILENCE:
             for item in self.framer.flush():
-                scans += self._take(item, self._last_received)
+                scans += self._on_item(item, self._last_received)
         for item in self.framer.feed(data):
-            scans += self._take(item, t)
+            scans += self._on_item(item, t)
         self._last_received = t
         self._keep_asking(t)
         return scans
@@ -160,9 +160,9 @@ class Lms200Session:
 
     # Bytes in
 
-    def _take(self, item: Telegram | Ack | Nak, t: float) -> list[Scan]:
+    def _on_item(self, item: Telegram | Ack | Nak, t: float) -> list[Scan]:
         if isinstance(item, Telegram):
-            return self._take_telegram(item, t)
+            return self._on_telegram(item, t)
         if self.state in self._on_reply and not self._exchange.amid_noise:
             if isinstance(item, Ack):
                 self._exchange.acknowledged(t)
@@ -171,10 +171,10 @@ class Lms200Session:
                 self._exchange.refused(t)
         return []
 
-    def _take_telegram(self, telegram: Telegram, t: float) -> list[Scan]:
+    def _on_telegram(self, telegram: Telegram, t: float) -> list[Scan]:
         if telegram.code == telegrams.MEASURED_VALUES:
-            return self._take_measurement(telegram, t)
-        self._watch.take(telegram)
+            return self._on_measurement(telegram, t)
+        self._watch.on_telegram(telegram)
         if telegram.code == telegrams.POWER_ON:
             self._search(self.baud, t)
         elif self.state in self._on_reply:
@@ -185,14 +185,14 @@ class Lms200Session:
                 self._start_over(f"laser refused command {command:02X}", t)
         return []
 
-    def _take_measurement(self, telegram: Telegram, t: float) -> list[Scan]:
+    def _on_measurement(self, telegram: Telegram, t: float) -> list[Scan]:
         if self.state not in (SessionState.STARTING, SessionState.STREAMING):
             return []  # of a stream about to be stopped, geometry not settled
         measurement = decode_measurement(telegram, self._mode)
         if measurement is None:
             self.counters.unusable += 1
             return []
-        self._watch.see_scan(measurement.status)
+        self._watch.on_scan_status(measurement.status)
         self.state = SessionState.STREAMING
         self._streamed_at = self.baud
         self.counters.scans += 1

@@ -12,7 +12,7 @@ REFRESH_PERIOD = 0.25  # s
 STALE_AFTER = 0.3  # s
 
 
-class DriveWish:
+class DriveRequest:
     """Turns m/s and rad/s into the commands that are due; remembers how old the wish is."""
 
     def __init__(self, settings: BaseSettings) -> None:
@@ -68,7 +68,7 @@ class DriveWish:
         """Return the values wanted but not sent yet."""
         return [Command(n, value) for n, value in self._wanted.items() if self._is_changed(n)]
 
-    def note_sent(self, command: Command, t: float) -> None:
+    def on_sent(self, command: Command, t: float) -> None:
         """Remember a VEL or RVEL that went out; STOP counts as both at zero."""
         if command.number == CommandNumber.STOP:
             for number in (CommandNumber.VEL, CommandNumber.RVEL):

@@ -70,7 +70,7 @@ class PacketFramer:
     def feed(self, data: bytes) -> list[bytes]:
         """Take bytes from the line; return the data of every packet completed by them."""
         self._buffer += data
-        return self._take_packets()
+        return self._pop_packets()
 
     def abandon_packet(self) -> list[bytes]:
         """Give up the unfinished packet; return packets that were hidden behind its header."""
@@ -78,9 +78,9 @@ class PacketFramer:
             return []
         self.counters.discarded_bytes += 1
         del self._buffer[0]
-        return self._take_packets()
+        return self._pop_packets()
 
-    def _take_packets(self) -> list[bytes]:
+    def _pop_packets(self) -> list[bytes]:
         buffer = self._buffer
         counters = self.counters
         packets: list[bytes] = []

@@ -61,7 +61,7 @@ class Handshake:
         self._requests.append(SetBaud(self.baud))
         self._begin_rate(t)
 
-    def note_bytes(self, data: bytes) -> None:
+    def on_bytes(self, data: bytes) -> None:
         """Remember what was heard last, packet or not."""
         self._heard = (self._heard + data)[-HEARD_KEPT:]
 
@@ -77,7 +77,7 @@ class Handshake:
             self._close_old_session(t)
         elif self._expected == 2 and (identity := decode_sync_reply(data)) is not None:
             self.trouble = None
-            self.rates.note_success()
+            self.rates.on_success()
             return identity
         elif self._expected < 2 and data[0] == self._expected:
             self._send_sync(self._expected + 1, t)

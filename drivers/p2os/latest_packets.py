@@ -25,7 +25,7 @@ class LatestPackets:
         self.received_at: dict[type[ExtendedPacket], float] = {}
         """When a packet of each kind last came, s."""
 
-    def take(self, packet: ExtendedPacket, t: float) -> None:
+    def update(self, packet: ExtendedPacket, t: float) -> None:
         """Keep a packet received at ``t`` in place of the one before."""
         self.received_at[type(packet)] = t
         match packet:

@@ -50,7 +50,7 @@ class MotorWatch:
         """Tell whether ENABLE 1 ought to be sent again."""
         return self.state is MotorState.ENABLING and t - self._asked_last >= ENABLE_RETRY
 
-    def take(self, base: BaseState, *, commands_pending: bool) -> None:
+    def update(self, base: BaseState, *, commands_pending: bool) -> None:
         """Follow a report; while commands are pending it cannot be the answer to ENABLE."""
         before = self.state
         self._button_held = base.stop_button

@@ -33,7 +33,7 @@ class RateSearch:
             self._pending.insert(0, self._known)
         self.baud = self._pending.pop(0)
 
-    def note_success(self) -> None:
+    def on_success(self) -> None:
         """Remember that a robot answered at the present rate."""
         self._known = self.baud
 

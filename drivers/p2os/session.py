@@ -14,7 +14,7 @@ from drivers.p2os.command_numbers import RESERVED, CommandNumber
 from drivers.p2os.command_outbox import CommandOutbox
 from drivers.p2os.commands import CLOSE, OPEN, PULSE, STAND_STILL, STOP, Command, command
 from drivers.p2os.config_packet import ConfigPacket
-from drivers.p2os.drive_request import DriveWish
+from drivers.p2os.drive_request import DriveRequest
 from drivers.p2os.extended_packets import Notification
 from drivers.p2os.framing import OVERHEAD, PacketFramer
 from drivers.p2os.handshake import Handshake
@@ -60,7 +60,7 @@ class SessionCounters:
     silences: int = 0
     resumptions: int = 0  # sessions found still open
     controller_resets: int = 0
-    stale_wishes: int = 0
+    stale_requests: int = 0
     commands: int = 0
 
 
@@ -83,8 +83,8 @@ class P2osSession:
         self._requests: list[Request] = []
         self.handshake = Handshake(settings.baud, self._requests)
         self._odometer = Odometer()
-        self._wish = DriveWish(settings)
-        self._outbox = CommandOutbox(self._requests, self._note_sent)
+        self._requested = DriveRequest(settings)
+        self._outbox = CommandOutbox(self._requests, self._on_sent)
         self._set_up = SetUp(settings, self._outbox)
         self._motors = MotorWatch()
         self._base: BaseState | None = None
@@ -146,7 +146,7 @@ class P2osSession:
         self._enter(SessionState.DOWN, t)
         self._forget_motion()
 
-    def take_requests(self) -> list[Request]:
+    def pop_requests(self) -> list[Request]:
         """Return what the link must do, in order, and forget it."""
         requests = self._requests.copy()
         self._requests.clear()
@@ -159,7 +159,7 @@ class P2osSession:
             return []
         self._t = t
         if self.state in SEARCHING:
-            self.handshake.note_bytes(data)
+            self.handshake.on_bytes(data)
         packets = self.framer.abandon_packet() if t - self._last_byte > PACKET_GAP else []
         packets += self.framer.feed(data)
         self._last_byte = t
@@ -167,7 +167,7 @@ class P2osSession:
         behind = self.framer.pending + sum(len(packet) + OVERHEAD for packet in packets)
         for packet in packets:
             # The measurement was taken when the packet's first byte was sent.
-            state = self._take_packet(packet, t, t - behind * 10.0 / self.baud)
+            state = self._on_packet(packet, t, t - behind * 10.0 / self.baud)
             behind -= len(packet) + OVERHEAD
             if state is not None:
                 states.append(state)
@@ -205,17 +205,17 @@ class P2osSession:
             return
         if self.motors is not MotorState.ON:
             v = w = 0.0
-        self._wish.ask(t, v, w)
-        self._send_wishes(self._wish.due(t), t)
+        self._requested.ask(t, v, w)
+        self._send_requested(self._requested.due(t), t)
 
     def stop(self, t: float) -> None:
         """Stop the robot: STOP, VEL 0, RVEL 0 at once; calls at rest only refresh them."""
         if self.state is not SessionState.READY:
             return
-        if self._wish.moving:
+        if self._requested.moving:
             self._outbox.send(STOP, t)
-        self._wish.ask(t, 0.0, 0.0)
-        for zero in self._wish.due(t):
+        self._requested.ask(t, 0.0, 0.0)
+        for zero in self._requested.due(t):
             self._outbox.send(zero, t)
 
     def request(self, what: Command) -> None:
@@ -232,7 +232,7 @@ class P2osSession:
     def reset_odometry(self, t: float) -> bool:
         """Zero the controller's counters by SETO; ``x``, ``y``, ``theta`` of the states go on as
         if nothing had happened. Return False, doing nothing, unless READY and at rest."""
-        at_rest = self._base is not None and self._base.standing and not self._wish.moving
+        at_rest = self._base is not None and self._base.standing and not self._requested.moving
         if self.state is not SessionState.READY or not at_rest:
             return False
         self._odometer.expect_zero(t + ZEROING_TIME)
@@ -251,7 +251,7 @@ class P2osSession:
 
     # Packets
 
-    def _take_packet(self, data: bytes, t: float, t_measured: float) -> BaseState | None:
+    def _on_packet(self, data: bytes, t: float, t_measured: float) -> BaseState | None:
         if self.state in SEARCHING:
             sip = decode_sip(data)
             if not self._ours or sip is None:
@@ -263,9 +263,9 @@ class P2osSession:
         packet = decode_packet(data)
         match packet:
             case Sip():
-                return self._take_sip(packet, t, t_measured)
+                return self._on_sip(packet, t, t_measured)
             case ConfigPacket():
-                self._set_up.take_config(packet)
+                self._set_up.on_config(packet)
             case Notification():
                 self._restart(t)
             case None if is_known(data):
@@ -273,10 +273,10 @@ class P2osSession:
             case None:
                 self.counters.other_packets += 1
             case _:
-                self.latest.take(packet, t)
+                self.latest.update(packet, t)
         return None
 
-    def _take_sip(self, sip: Sip, t: float, t_measured: float) -> BaseState:
+    def _on_sip(self, sip: Sip, t: float, t_measured: float) -> BaseState:
         self.counters.sips += 1
         self._last_sip = t
         self._odometer.update(
@@ -284,7 +284,7 @@ class P2osSession:
         )
         base = base_state(t_measured, sip, self._odometer, self.model)
         self.counters.unknown_sonars += base.unknown_sonars
-        self._motors.take(base, commands_pending=not self._outbox.empty)
+        self._motors.update(base, commands_pending=not self._outbox.empty)
         self._base = base
         return base
 
@@ -367,13 +367,13 @@ class P2osSession:
     # Keeping it
 
     def _keep_ready(self, t: float) -> None:
-        if self._wish.is_stale(t):
-            self.counters.stale_wishes += 1
-            self._wish.drop()
+        if self._requested.is_stale(t):
+            self.counters.stale_requests += 1
+            self._requested.drop()
             self._stand_still(t)
         if self._motors.is_overdue(t):
             self._queue_enable(t)
-        self._send_wishes(self._wish.changed(), t)
+        self._send_requested(self._requested.changed(), t)
         self._outbox.flush(t)
         period = min(KEEP_ALIVE_PERIOD, WATCHDOG_SHARE * self.watchdog)
         if t - self._outbox.last_sent >= period:
@@ -381,12 +381,12 @@ class P2osSession:
 
     def _keep_alive(self, t: float) -> None:
         """Hold off the watchdog; a robot that moves against its orders is told to stand still."""
-        if self._base is not None and self._base.standing and not self._wish.moving:
+        if self._base is not None and self._base.standing and not self._requested.moving:
             self._outbox.send(PULSE, t)
         else:
             self._stand_still(t)
 
-    def _send_wishes(self, due: list[Command], t: float) -> None:
+    def _send_requested(self, due: list[Command], t: float) -> None:
         for wanted in due:
             if wanted.integer == 0 or self._outbox.has_room(t):
                 self._outbox.send(wanted, t)
@@ -401,10 +401,10 @@ class P2osSession:
 
     def _forget_motion(self) -> None:
         self._outbox.drop_queued()
-        self._wish.forget()
+        self._requested.forget()
         self._base = None
         self._motors = MotorWatch()
 
-    def _note_sent(self, what: Command, t: float) -> None:
+    def _on_sent(self, what: Command, t: float) -> None:
         self.counters.commands += 1
-        self._wish.note_sent(what, t)
+        self._requested.on_sent(what, t)

@@ -64,10 +64,10 @@ class SetUp:
         if self.config is None:
             self._ask(Stage.ASKING, t)
         else:
-            self.take_config(self.config)
+            self.on_config(self.config)
             self._send_commands()
 
-    def take_config(self, config: ConfigPacket) -> None:
+    def on_config(self, config: ConfigPacket) -> None:
         """Learn the controller's watchdog and pace from a CONFIG packet."""
         self.config = config
         self._answered = True

@@ -195,10 +195,10 @@ class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=T
     runner_up: str
     pose: Annotated[PlanarPose, Meta(description="pose the decision was taken at")]
     velocity: Annotated[Velocity, Meta(description="asked for by the action")]
-    wish: Annotated[Twist, Meta(description="before the gate")]
+    requested: Annotated[Twist, Meta(description="before the gate")]
     command: Annotated[Twist, Meta(description="after the gate, as sent to the base")]
     gate_reason: Annotated[
-        str | None, Meta(description="why the gate changed the wish; absent if it did not")
+        str | None, Meta(description="why the gate changed the requested; absent if it did not")
     ] = None
     blocked: Annotated[
         bool, Meta(description="gave up waiting for an object on its way, just now")
@@ -295,9 +295,14 @@ def decode(stream: str, data: bytes) -> Payload:
     if decoder is None:
         raise PayloadError(f"no stream {stream!r}; streams are {', '.join(STREAMS)}")
     try:
-        return decoder.decode(data)
+        return decoder.decode(modernized(stream, data))
     except (msgspec.DecodeError, UnicodeDecodeError) as error:
         raise PayloadError(f"no payload of stream {stream!r}: {error}") from error
+
+
+def modernized(stream: str, data: bytes) -> bytes:
+    """Return a payload that an earlier program may have written, by today's field names."""
+    return data.replace(b'"wish":', b'"requested":', 1) if stream == "decision" else data
 
 
 def key_of(team: str, robot: str, stream: str = "") -> str:

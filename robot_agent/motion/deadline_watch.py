@@ -18,7 +18,7 @@ class DeadlineWatch:
         self._misses: deque[float] = deque(maxlen=MISSES)
         self.missed = 0
 
-    def note(self, t: float, lag: float) -> None:
+    def update(self, t: float, lag: float) -> None:
         """Take something handled at ``t``, ``lag`` after it ought to have been, s."""
         if lag > CONTROL.max_age:
             self.missed += 1

@@ -12,7 +12,7 @@ from robot_agent.messages.log_level import LogLevel
 
 
 @dataclass(frozen=True, slots=True)
-class Trusted:
+class FreshnessLimit:
     """One stream that motion depends on."""
 
     name: str
@@ -26,10 +26,12 @@ class Trusted:
     """Of the alarm."""
 
 
-BASE = Trusted("base", "base report", 10.0, 0.28, "the robot stands", LogLevel.ERROR)
-LASER = Trusted("laser", "laser scan", 9.0, 0.34, "the robot stands", LogLevel.ERROR)
-SONAR = Trusted("sonar", "sonar echo", 3.0, 0.5, "old echoes are forgotten", LogLevel.WARNING)
-POSE = Trusted(
+BASE = FreshnessLimit("base", "base report", 10.0, 0.28, "the robot stands", LogLevel.ERROR)
+LASER = FreshnessLimit("laser", "laser scan", 9.0, 0.34, "the robot stands", LogLevel.ERROR)
+SONAR = FreshnessLimit(
+    "sonar", "sonar echo", 3.0, 0.5, "old echoes are forgotten", LogLevel.WARNING
+)
+POSE = FreshnessLimit(
     *("pose", "localized pose", 5.0, 1.0),
     "unsure: the robot is slow; lost: it stands, then turns slowly to find itself",
     LogLevel.WARNING,
@@ -38,7 +40,7 @@ FROZEN_BASE = 2
 """Reports in a row that tell of speed but not of motion: five counts at the least speed."""
 FROZEN_LASER = 2
 """Scans in a row that are the last one again, beam for beam, while the robot moves."""
-LEAST_RETURNS = 0.05
+MIN_RETURNS = 0.05
 """Share of beams; a scan with less is that of a blind laser, and counts for none."""
 
 _LOST_SCANS, _SCAN_SLACK = 1, 0.02  # the latter s
@@ -56,16 +58,16 @@ def scan_age_limit(period: float) -> float:
     return min(max(limit, SHORTEST_SCAN_AGE), LONGEST_SCAN_AGE)
 
 
-CONTROL = Trusted(
+CONTROL = FreshnessLimit(
     *("control", "control step in time", 10.0, 0.1),
     "three late within 3 s: the robot stands until they are older than that",
     LogLevel.ERROR,
 )
 STREAMS = (BASE, LASER, SONAR, POSE)
-TRUSTED = (*STREAMS, CONTROL)
+LIMITS = (*STREAMS, CONTROL)
 
 
-class TrustWatch:
+class FreshnessWatch:
     """Follows when each stream was last well, and tells when that is too long ago."""
 
     def __init__(self) -> None:
@@ -73,11 +75,11 @@ class TrustWatch:
         self._well_at: dict[str, float] = {}
         self._missed: set[str] = set()
 
-    def well(self, stream: Trusted, t: float) -> None:
+    def well(self, stream: FreshnessLimit, t: float) -> None:
         """Take note that a stream was well at ``t``, s."""
         self._well_at[stream.name] = t
 
-    def changes(self, t: float) -> list[tuple[Trusted, bool]]:
+    def changes(self, t: float) -> list[tuple[FreshnessLimit, bool]]:
         """Return which streams have begun to be missed (False) or have come back (True)."""
         found = []
         for stream in STREAMS:
@@ -92,6 +94,6 @@ def markdown() -> str:
     """Return the table for people."""
     lines = ["| Stream | at least, Hz | trusted for, s | then |", "| --- | --- | --- | --- |"]
     lines += [
-        f"| {each.what} | {each.rate:g} | {each.max_age:g} | {each.reaction} |" for each in TRUSTED
+        f"| {each.what} | {each.rate:g} | {each.max_age:g} | {each.reaction} |" for each in LIMITS
     ]
     return "\n".join(lines)

@@ -17,7 +17,7 @@ class FrozenWatch:
         """Whether the readings are not to be believed."""
         return self._repeats >= self._limit
 
-    def take(self, reading: object, *, moving: bool) -> None:
+    def update(self, reading: object, *, moving: bool) -> None:
         """Compare a reading with the one before."""
         if reading != self._last:
             self._last, self._repeats = reading, 0

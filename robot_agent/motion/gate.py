@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 from robot_agent.motion.battery_watch import BatteryWatch
 from robot_agent.motion.gate_reason import DENIALS, GateReason
 from robot_agent.motion.gate_settings import GateSettings
-from robot_agent.motion.repeated_fault_latch import StrikeLatch
+from robot_agent.motion.repeated_fault_latch import RepeatedFaultLatch
 from robot_agent.motion.stopping import stoppable_rate, stopping_way
-from robot_agent.motion.swept_footprint import SweptBody
+from robot_agent.motion.swept_footprint import SweptFootprint
 
 _LONGEST_STEP = 0.3  # s between two commands that count for the acceleration
 
@@ -60,10 +60,10 @@ class SafetyGate:
 
     def __init__(self, settings: GateSettings) -> None:
         self._settings = settings
-        self._body = SweptBody(settings)
+        self._body = SweptFootprint(settings)
         window = settings.strike_window
-        self._bumps = StrikeLatch(settings.bumps, window)
-        self._stalls = StrikeLatch(settings.stalls, window)
+        self._bumps = RepeatedFaultLatch(settings.bumps, window)
+        self._stalls = RepeatedFaultLatch(settings.stalls, window)
         self._battery = BatteryWatch(
             settings.battery_cutoff, settings.battery_resume, settings.battery_patience
         )
@@ -75,20 +75,20 @@ class SafetyGate:
         self._reason = GateReason.NONE
         self.stops: Counter[GateReason] = Counter()
 
-    def permit(self, t: float, wish: tuple[float, float], inputs: GateInputs) -> GateDecision:
-        """Return the permitted part of wish (v m/s, w rad/s) at t, s.
+    def permit(self, t: float, requested: tuple[float, float], inputs: GateInputs) -> GateDecision:
+        """Return the permitted part of requested (v m/s, w rad/s) at t, s.
 
         The reasons, in order: whatever denies all motion, an obstacle, the limited mode, an
         unsure pose, the speed limits, the acceleration limits.
         """
         self._remember(t, inputs)
-        denied = self._denial(t, wish, inputs)
+        denied = self._denial(t, requested, inputs)
         if denied is not None:
             self._t = None  # start again from standstill
             return self._decided(0.0, 0.0, denied)
         elapsed = 0.0 if self._t is None else min(max(t - self._t, 0.0), _LONGEST_STEP)
         self._t = t
-        v, w, slowed = self._within_speed(*wish, inputs)
+        v, w, slowed = self._within_speed(*requested, inputs)
         ramped = self._ramped(v, w, elapsed)
         free = self._within_sight(*ramped, inputs)
         self._acceleration = max(free[0] - self._v, 0.0) / elapsed if elapsed > 0.0 else 0.0
@@ -141,16 +141,18 @@ class SafetyGate:
             self._stalls.release()
         self._held = inputs.stop_button
 
-    def _denial(self, t: float, wish: tuple[float, float], inputs: GateInputs) -> GateReason | None:
+    def _denial(
+        self, t: float, requested: tuple[float, float], inputs: GateInputs
+    ) -> GateReason | None:
         """Return the first reason to deny all motion, if any."""
-        return self._unknown(t, wish, inputs) or self._unwell(wish, inputs)
+        return self._unknown(t, requested, inputs) or self._unwell(requested, inputs)
 
     def _unknown(
-        self, t: float, wish: tuple[float, float], inputs: GateInputs
+        self, t: float, requested: tuple[float, float], inputs: GateInputs
     ) -> GateReason | None:
         """Return the first reason why it is not known how the robot fares, if any."""
         settings = self._settings
-        numbers = (t, *wish, inputs.v, inputs.w, inputs.battery)
+        numbers = (t, *requested, inputs.v, inputs.w, inputs.battery)
         if not all(map(math.isfinite, numbers)):
             return GateReason.INVALID
         if not _is_fresh(t, inputs.base_time, settings.max_base_age):
@@ -164,7 +166,7 @@ class SafetyGate:
         located = inputs.limited or inputs.health in ("localized", "unsure")
         return None if located else GateReason.NOT_LOCALIZED
 
-    def _unwell(self, wish: tuple[float, float], inputs: GateInputs) -> GateReason | None:
+    def _unwell(self, requested: tuple[float, float], inputs: GateInputs) -> GateReason | None:
         """Return the first known reason to deny all motion, if any."""
         settings = self._settings
         if self._bumps.latched:
@@ -186,7 +188,7 @@ class SafetyGate:
             or abs(inputs.w) > settings.max_turn_rate + settings.overspeed
         ):
             return GateReason.OVERSPEED
-        return None if wish[0] >= 0.0 else GateReason.BACKING
+        return None if requested[0] >= 0.0 else GateReason.BACKING
 
     # ---- limits -------------------------------------------------------------------------------
 

@@ -26,7 +26,7 @@ class RecoveryTurn:
         self._settings = settings
         self._since: float | None = None
 
-    def wish(self, t: float) -> tuple[float, float]:
+    def requested(self, t: float) -> tuple[float, float]:
         """Return the wished (v m/s, w rad/s) of a robot that is lost at ``t``, s."""
         if self._since is None:
             self._since = t

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 
-class StrikeLatch:
+class RepeatedFaultLatch:
     """Latches at so many strikes within so long; a person at the robot releases it.
 
     A strike begins when something is struck that was not before. Strikes while the stop button

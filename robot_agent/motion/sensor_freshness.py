@@ -17,10 +17,10 @@ from robot_agent.motion.freshness_limits import (
     FROZEN_BASE,
     FROZEN_LASER,
     LASER,
-    LEAST_RETURNS,
+    MIN_RETURNS,
     POSE,
     SONAR,
-    TrustWatch,
+    FreshnessWatch,
 )
 from robot_agent.motion.frozen_watch import FrozenWatch
 
@@ -36,7 +36,7 @@ class SensorFreshness:
     def __init__(self) -> None:
         """Nothing has come yet."""
         self.deadline = DeadlineWatch()
-        self._watch = TrustWatch()
+        self._watch = FreshnessWatch()
         self._frozen_base = FrozenWatch(FROZEN_BASE)
         self._frozen_laser = FrozenWatch(FROZEN_LASER)
         self._blind = False  # as far as the latest scan tells
@@ -47,7 +47,7 @@ class SensorFreshness:
         """Notice a pause of the whole process: what comes first after it is of unknown age."""
         lag = t - self._last_tick - TICK_S
         self._last_tick = t
-        self.deadline.note(t, lag)
+        self.deadline.update(t, lag)
         if lag > PAUSE_S:
             self._old_until = t + OLD_BYTES_S
 
@@ -63,30 +63,30 @@ class SensorFreshness:
         """Return ``latest``, s, of a scan; None while the laser is blind, or stuck."""
         return None if self._blind or self._frozen_laser.frozen else latest
 
-    def hear_base(self, t: float, state: BaseState) -> None:
+    def on_base_report(self, t: float, state: BaseState) -> None:
         """Take a base report that arrived at t, s."""
-        self._frozen_base.take((state.x, state.y, state.theta), moving=_is_moving(state))
+        self._frozen_base.update((state.x, state.y, state.theta), moving=_is_moving(state))
         if not self._frozen_base.frozen:
             self._watch.well(BASE, t)
         if state.sonar:
             self._watch.well(SONAR, t)
 
-    def believes(self, t: float, scan: Scan, base: BaseState | None) -> bool:
+    def accept_scan(self, t: float, scan: Scan, base: BaseState | None) -> bool:
         """Tell a scan from that of a laser that is blind, or shows the same for ever."""
         moving = base is not None and _is_moving(base)
-        self._frozen_laser.take(scan.ranges.tobytes(), moving=moving)
+        self._frozen_laser.update(scan.ranges.tobytes(), moving=moving)
         returns = np.count_nonzero(np.isfinite(scan.ranges)) / max(scan.ranges.size, 1)
-        self._blind = bool(returns < LEAST_RETURNS)
+        self._blind = bool(returns < MIN_RETURNS)
         if self._blind or self._frozen_laser.frozen:
             return False
         self._watch.well(LASER, t)
         return True
 
-    def pose_is_sure(self, t: float) -> None:
+    def on_localized(self, t: float) -> None:
         """Take note that the robot knows where it is, at t, s."""
         self._watch.well(POSE, t)
 
-    def news(self, t: float) -> Iterator[tuple[str, str, LogLevel]]:
+    def changes(self, t: float) -> Iterator[tuple[str, str, LogLevel]]:
         """Yield part, words and level for each stream that begins to be missed, or is back."""
         for stream, well in self._watch.changes(t):
             words = "is back" if well else f"none for {stream.max_age:g} s: {stream.reaction}"

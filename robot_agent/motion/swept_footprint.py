@@ -14,7 +14,7 @@ _SEEN_INSIDE = 0.02  # m that noise shifts what touches the side into the outlin
 _FREE_SHARES = np.arange(_POSES) / _POSES  # free up to the pose before the first that hits
 
 
-class SweptBody:
+class SweptFootprint:
     """The body with its margins, moved along arcs among obstacles (n, 2), m in base_link."""
 
     def __init__(self, settings: GateSettings) -> None:

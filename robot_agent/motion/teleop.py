@@ -1,7 +1,7 @@
 """Driving by the keys of the robot's own terminal, for mapping: no map, no pose, no patrol.
 
 A key is good for a moment only: a released key, a lost terminal or a frozen process stops the
-robot. What a key asks for goes through the gate's limited mode like any other wish.
+robot. What a key asks for goes through the gate's limited mode like any other requested.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Teleop:
         """Take a key; the last one counts."""
         self._key = key
 
-    def wish(self, t: float) -> tuple[float, float]:
+    def requested(self, t: float) -> tuple[float, float]:
         """Return what is asked for at t, s: (v m/s, w rad/s), forwards or turning only."""
         key, settings = self._key, self._settings
         if key is None or not 0.0 <= t - key.t < settings.hold:

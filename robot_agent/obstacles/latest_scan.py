@@ -21,7 +21,7 @@ class Obstacles:
         self._odom_from_scan = Pose(0.0, 0.0, 0.0)
         self._points = np.empty((0, 2))
 
-    def see(self, t: float, odometry: Pose, points: NDArray[np.float64]) -> None:
+    def update(self, t: float, odometry: Pose, points: NDArray[np.float64]) -> None:
         """Take a scan's points (n, 2), m, base_link at t, where odometry was odom_from_base."""
         self.seen_at = t
         self._odom_from_scan = odometry

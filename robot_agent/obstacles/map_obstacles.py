@@ -20,7 +20,7 @@ _MARGIN = 0.1  # m beyond what the corners reach in a turn on the spot
 _NOTHING = np.empty((0, 2))
 
 
-class KnownWalls:
+class MapObstacles:
     """Gives the nearest points of a map's occupied cells near the robot."""
 
     def __init__(self, occupancy: OccupancyMap, gate: GateSettings) -> None:

@@ -23,7 +23,7 @@ _BEYOND = 0.2  # m beyond what the corners reach in a turn on the spot
 _ORIGIN = Pose(0.0, 0.0, 0.0)
 
 
-class LeftBehind:
+class RecentScanMemory:
     """Points in ``odom`` as last seen, in ``base_link`` as asked for; dated when they were lost."""
 
     def __init__(self, gate: GateSettings) -> None:
@@ -35,7 +35,7 @@ class LeftBehind:
         self.lasts = False
         """Whether nothing is forgotten for its age: who knows no pose knows no wall by the map."""
 
-    def see(
+    def update(
         self,
         t: float,
         odometry: Pose,

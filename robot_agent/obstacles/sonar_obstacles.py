@@ -25,15 +25,15 @@ class SonarObstacles:
     """Echoes in ``odom`` as they were heard, in ``base_link`` as asked for."""
 
     def __init__(self, model: RobotModel) -> None:
-        self._take_model(model)
+        self._use_model(model)
 
-    def hear(self, state: BaseState, odometry: Pose, model: RobotModel) -> None:
+    def update(self, state: BaseState, odometry: Pose, model: RobotModel) -> None:
         """Take a base report's readings; ``odometry`` is odom_from_base when it was measured.
 
         A ``model`` other than before is another robot's, and forgets what was heard.
         """
         if model is not self._model:
-            self._take_model(model)
+            self._use_model(model)
         self._ring.update(state.t, state.sonar)
         fresh = [number for number, _ in state.sonar]
         if fresh:
@@ -47,7 +47,7 @@ class SonarObstacles:
         )
         return move_points(self._echoes[heard], odometry.between(Pose(0.0, 0.0, 0.0)))
 
-    def _take_model(self, model: RobotModel) -> None:
+    def _use_model(self, model: RobotModel) -> None:
         self._model = model
         self._ring = SonarRing(model)
         self._beside = np.array([abs(mount.heading) >= ABEAM for mount in model.sonar])

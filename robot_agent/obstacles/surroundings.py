@@ -15,11 +15,11 @@ from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
 from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.obstacles.latest_scan import Obstacles
-from robot_agent.obstacles.map_obstacles import KnownWalls
-from robot_agent.obstacles.recent_scan_memory import LeftBehind
+from robot_agent.obstacles.map_obstacles import MapObstacles
+from robot_agent.obstacles.recent_scan_memory import RecentScanMemory
 from robot_agent.obstacles.sonar_obstacles import SonarObstacles
-from robot_agent.obstacles.teammate_keep_out import turning_room
-from robot_agent.obstacles.wall_memory import PassedWalls
+from robot_agent.obstacles.teammate_keep_out import teammate_keep_out
+from robot_agent.obstacles.wall_memory import WallMemory
 from robot_agent.perception.scan_points import ScanProjector, move_points
 from robot_agent.perception.track import Track
 from robot_agent.perception.unexplained import UnexplainedPoints
@@ -44,10 +44,10 @@ class Surroundings:
         """Take base_from_laser; ``unexplained`` tells walls of the map from all else."""
         self._projector = ScanProjector(laser_mount)
         self._obstacles = Obstacles()
-        self._left_behind = LeftBehind(gate)
+        self._recent_scans = RecentScanMemory(gate)
         self._sonar_obstacles = SonarObstacles(model)
-        self._known_walls = KnownWalls(occupancy, gate)
-        self._passed_walls = PassedWalls(gate)
+        self._map_obstacles = MapObstacles(occupancy, gate)
+        self._wall_memory = WallMemory(gate)
         self._unexplained = unexplained
 
     @property
@@ -55,31 +55,33 @@ class Surroundings:
         """When the latest scan was measured, s."""
         return self._obstacles.seen_at
 
-    def see(self, scan: Scan, odometry: Pose, history: OdometryHistory) -> NDArray[np.float64]:
+    def on_scan(self, scan: Scan, odometry: Pose, history: OdometryHistory) -> NDArray[np.float64]:
         """Take a scan where odometry was odom_from_base; return its points (n, 2), m, base_link."""
         points = self._projector.points(scan, *history.twist_at(scan.t))
-        self._left_behind.see(
+        self._recent_scans.update(
             scan.t, odometry, self._obstacles.around(odometry), self._projector.in_view
         )
-        self._obstacles.see(scan.t, odometry, points)
+        self._obstacles.update(scan.t, odometry, points)
         return points
 
-    def pass_by(self, odometry: Pose, localized: Pose | None, points: NDArray[np.float64]) -> None:
+    def on_located_scan(
+        self, odometry: Pose, localized: Pose | None, points: NDArray[np.float64]
+    ) -> None:
         """Keep what a scan's points (n, 2), m, base_link show of walls, for when they are behind.
 
         odometry: odom_from_base; localized: map_from_base while it is known, both at the scan.
         """
-        self._left_behind.lasts = localized is None
+        self._recent_scans.lasts = localized is None
         if localized is None:
-            self._passed_walls.forget()  # and nobody knows what is a wall
+            self._wall_memory.forget()  # and nobody knows what is a wall
             return
         ranges = np.hypot(points[:, 0], points[:, 1])
         walls = points[~self._unexplained.mask(localized, points, ranges)]
-        self._passed_walls.see(odometry, walls)
+        self._wall_memory.update(odometry, walls)
 
-    def hear(self, state: BaseState, odometry: Pose, model: RobotModel) -> None:
+    def on_sonar(self, state: BaseState, odometry: Pose, model: RobotModel) -> None:
         """Take the sonar echoes of a base report where odometry was odom_from_base."""
-        self._sonar_obstacles.hear(state, odometry, model)
+        self._sonar_obstacles.update(state, odometry, model)
 
     def echoes(self, t: float, odometry: Pose) -> NDArray[np.float64]:
         """Return (n, 2) m in base_link: what the sonars hear at t, s."""
@@ -102,7 +104,7 @@ class Surroundings:
             self._sonar_obstacles.around(t, odometry),
         ]
         if localized is not None:
-            known = self._known_walls.around(localized), self._passed_walls.around(odometry)
+            known = self._map_obstacles.around(localized), self._wall_memory.around(odometry)
             walls = np.concatenate(known)
             if len(walls):
                 parts.append(self._unseen(odometry, walls))
@@ -114,7 +116,7 @@ class Surroundings:
                 and math.hypot(track.x - localized.x, track.y - localized.y) < _NEAR
             ]
             if near:
-                parts.append(turning_room(move_points(np.array(near), localized.inverse())))
+                parts.append(teammate_keep_out(move_points(np.array(near), localized.inverse())))
         return np.concatenate(parts)
 
     def _unseen(self, odometry: Pose, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -128,7 +130,7 @@ class Surroundings:
     def _left(self, odometry: Pose, localized: Pose | None) -> NDArray[np.float64]:
         """Return what was seen before it got out of sight, but for walls that the map tells of:
         these are known, and better."""
-        points = self._left_behind.around(odometry)
+        points = self._recent_scans.around(odometry)
         if localized is None or not len(points):
             return points
         ranges = np.hypot(points[:, 0], points[:, 1])

@@ -21,7 +21,7 @@ _ANGLES = np.arange(_STEPS) * (math.tau / _STEPS)
 _CIRCLE = RADIUS * np.column_stack((np.cos(_ANGLES), np.sin(_ANGLES)))
 
 
-def turning_room(middles: NDArray[np.float64]) -> NDArray[np.float64]:
+def teammate_keep_out(middles: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return points (m, 2) on the circles about robots' middles (n, 2), m, all in base_link.
 
     What lies within this robot's own circle is left out: it keeps others from driving into the

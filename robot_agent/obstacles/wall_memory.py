@@ -27,7 +27,7 @@ _MARGIN = 0.1  # m beyond what the corners reach in a turn on the spot
 _NOTHING = np.empty((0, 2))
 
 
-class PassedWalls:
+class WallMemory:
     """Keeps what the last scans saw of walls near by, carried along by odometry.
 
     Of many points on a wall the nearest are too near by the laser's noise, and would pin a robot
@@ -43,7 +43,7 @@ class PassedWalls:
         self._scans: deque[tuple[float, NDArray[np.float64]]] = deque()  # way, points in odom
         self._walls = _NOTHING  # means of them all, in odom
 
-    def see(self, odometry: Pose, walls: NDArray[np.float64]) -> None:
+    def update(self, odometry: Pose, walls: NDArray[np.float64]) -> None:
         """Take a scan's points on walls, (n, 2), m, base_link at odom_from_base."""
         if self._kept_at is not None:
             driven = math.hypot(odometry.x - self._kept_at.x, odometry.y - self._kept_at.y)

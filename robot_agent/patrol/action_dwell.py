@@ -9,7 +9,7 @@ from robot_agent.patrol.actions import Action
 _EQUAL = 1e-9  # s
 
 
-class PresentAction:
+class ActionDwell:
     """Remembers the present action, None before the first, and since when."""
 
     def __init__(self, minimum_dwell: float) -> None:
@@ -17,7 +17,7 @@ class PresentAction:
         self._minimum_dwell = minimum_dwell
         self._since = 0.0
 
-    def take(self, t: float, wanted: Action, distance_from_neighbor: float) -> Action:
+    def update(self, t: float, wanted: Action, distance_from_neighbor: float) -> Action:
         """Return the action in force at t, s: the wanted one if the present one may end."""
         if self.action is None or (
             wanted is not self.action and self._may_end(t, wanted, distance_from_neighbor)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from robot_agent.patrol.action_dwell import PresentAction
+from robot_agent.patrol.action_dwell import ActionDwell
 from robot_agent.patrol.actions import PATROLLING, Action
 from robot_agent.patrol.settings import AutomatonSettings
 from robot_agent.patrol.supervisor import Choice
@@ -20,7 +20,7 @@ class Automaton:
 
     def __init__(self, settings: AutomatonSettings, minimum_dwell: float) -> None:
         self._settings = settings
-        self._present = PresentAction(minimum_dwell)
+        self._present = ActionDwell(minimum_dwell)
 
     def choose(self, t: float, inputs: Mapping[str, float]) -> Choice:
         """Choose the action at t, s, from the crisp inputs of the rule base by name.
@@ -33,7 +33,7 @@ class Automaton:
         present = self._present.action
         wanted = present if present in called else called[0]
         runner_up = next(a for a in (*called, *Action) if a is not wanted)
-        winner = self._present.take(t, wanted, inputs["distance_from_neighbor"])
+        winner = self._present.update(t, wanted, inputs["distance_from_neighbor"])
         return Choice(degrees, wanted, runner_up, winner)
 
     def _called_for(self, inputs: Mapping[str, float]) -> tuple[Action, ...]:

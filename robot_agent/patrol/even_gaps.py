@@ -26,8 +26,8 @@ from maps.border import Border
 from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
 from robot_agent.patrol.settings import EvenGapsSettings
 
-_LEAST_TIME = 0.45  # laps one way and the other, and a meeting each, before the team is counted
-_LEAST_PROGRESS = 0.5  # laps onwards in every _CHECK_LAPS that show that the way round is free
+_MIN_TIME = 0.45  # laps one way and the other, and a meeting each, before the team is counted
+_MIN_PROGRESS = 0.5  # laps onwards in every _CHECK_LAPS that show that the way round is free
 _CHECK_LAPS = 3.0
 
 
@@ -133,7 +133,7 @@ class EvenGaps:
     def _learn(self, t: float) -> None:
         """Count the team once enough was seen."""
         least = min(self._time.values())
-        enough = least >= _LEAST_TIME * self._lap and min(self._met.values()) > 0
+        enough = least >= _MIN_TIME * self._lap and min(self._met.values()) > 0
         if self._counting and enough and t - self._since >= self._learning_laps * self._lap:
             # While this one goes back there is at least one that does.
             others = self._against(COUNTER_CLOCKWISE) + max(self._against(CLOCKWISE), 1.0)
@@ -154,7 +154,7 @@ class EvenGaps:
             self._learning_laps = self._settings.learning_laps
             self._start_learning(t)
         elif t >= self._check_at:
-            if self._progress < _LEAST_PROGRESS * self._border.length:
+            if self._progress < _MIN_PROGRESS * self._border.length:
                 longest = self._settings.longest_learning_laps
                 self._learning_laps = min(2.0 * self._learning_laps, longest)
                 self._start_learning(t)

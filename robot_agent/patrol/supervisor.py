@@ -7,7 +7,7 @@ from typing import Protocol
 
 import msgspec
 
-from robot_agent.patrol.action_dwell import PresentAction
+from robot_agent.patrol.action_dwell import ActionDwell
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.fuzzy import MamdaniSystem
 
@@ -44,7 +44,7 @@ class Supervisor:
 
     def __init__(self, system: MamdaniSystem, minimum_dwell: float) -> None:
         self._system = system
-        self._present = PresentAction(minimum_dwell)
+        self._present = ActionDwell(minimum_dwell)
         self._rank_inputs: tuple[Mapping[str, float], bool, Action | None] | None = None
         self._rank: _Ranking = {}, Action.KEEP_GOING, Action.KEEP_GOING
 
@@ -52,7 +52,7 @@ class Supervisor:
         """Choose the action at t, s, from the crisp inputs of the rule base by name."""
         levels = self._system.evaluate(inputs)
         degrees, raw_winner, runner_up = self._ranking(levels, inputs["neighbor_state"] <= 0.0)
-        winner = self._present.take(t, raw_winner, inputs["distance_from_neighbor"])
+        winner = self._present.update(t, raw_winner, inputs["distance_from_neighbor"])
         return Choice(degrees, raw_winner, runner_up, winner)
 
     def _ranking(self, levels: Mapping[str, float], left: bool) -> _Ranking:

@@ -14,14 +14,14 @@ from robot_agent.messages.blob import Blob, Sight
 from robot_agent.perception.color_model import ColorTable
 from robot_agent.perception.color_settings import ColorSettings
 
-_LEAST_AREA = 12  # pixels
-_MOST_BLOBS = 8  # largest ones looked at: a picture full of the colour must not cost time
+_MIN_AREA = 12  # pixels
+_MAX_BLOBS = 8  # largest ones looked at: a picture full of the colour must not cost time
 _EDGE_SIGMA = 1.0  # pixels by which an apparent height is off
 _GROWTH = 0.6  # pixels by which blur and coding make a strong colour higher than it is
 _CLOSING = cv2.getStructuringElement(cv2.MORPH_RECT, (5, 3))
 _THINNED = 8  # every so many rows and columns are looked at to judge a picture
 _DARK, _GLARE = 10.0, 245.0  # counts of the mean
-_LEAST_CONTRAST = 2.5  # counts, one sigma over the picture
+_MIN_CONTRAST = 2.5  # counts, one sigma over the picture
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +86,7 @@ class BandDetector:
         distance /= math.cos(bearing)
         elevation = -math.atan(down / math.hypot(focal, across))
         confidence = self._confidence(region, columns, distance, elevation, focal)
-        if confidence < self._color.least_confidence:
+        if confidence < self._color.min_confidence:
             return None
         return Blob(
             bearing=round(bearing, 6),
@@ -122,18 +122,18 @@ def judge_sight(picture: NDArray[np.uint8]) -> Sight:
         return "dark"
     if mean > _GLARE:
         return "glare"
-    return "clear" if float(sample.std()) >= _LEAST_CONTRAST else "covered"
+    return "clear" if float(sample.std()) >= _MIN_CONTRAST else "covered"
 
 
 def _regions(mask: NDArray[np.uint8]) -> list[_Region]:
     """Return the largest connected patches of a mask."""
     count, labels, stats, _ = cv2.connectedComponentsWithStats(mask, connectivity=8)
     areas = stats[1:count, cv2.CC_STAT_AREA]
-    largest = np.argsort(-areas, kind="stable")[:_MOST_BLOBS] + 1
+    largest = np.argsort(-areas, kind="stable")[:_MAX_BLOBS] + 1
     regions = []
     for label in largest.tolist():
         left, top, width, height, area = stats[label].tolist()
-        if area < _LEAST_AREA:
+        if area < _MIN_AREA:
             break
         part = labels[top : top + height, left : left + width] == label
         heights = np.count_nonzero(part, axis=0)

@@ -21,7 +21,7 @@ _BEARING_SIGMA = 0.04  # rad; a band's middle is not the outline's, and the robo
 _SURFACE = 0.2  # m from a robot's middle to its sides, where the band is
 _SURFACE_SIGMA = 0.1  # m
 _HALF_WIDTH = 0.25  # m of a robot
-_LEAST_SHARE = 0.4  # of its width that must be in the picture: so much of a band is plain
+_MIN_SHARE = 0.4  # of its width that must be in the picture: so much of a band is plain
 _NEAREST = 0.4  # m from the lens to the middle; nearer ones fill the picture
 _BODY = 0.5  # m from a body's middle; what the laser sees nearer to the lens stands before it
 _FAR = 1e6
@@ -109,7 +109,7 @@ class BandMatcher:
     def _in_view(self, each: _Sighted) -> bool:
         """Tell whether enough of it is in the picture, wherever it is by two sigma."""
         outer = abs(each.bearing) + 2.0 * each.bearing_sigma
-        farthest = self._half_view + (1.0 - 2.0 * _LEAST_SHARE) * _half_angle(each.distance)
+        farthest = self._half_view + (1.0 - 2.0 * _MIN_SHARE) * _half_angle(each.distance)
         return _NEAREST <= each.distance <= self._range - 0.8 and outer < farthest
 
 

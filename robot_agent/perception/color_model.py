@@ -18,7 +18,7 @@ _SHIFT = 8 - _BITS
 _FLOOR = 6.0  # counts added to each channel: keeps the logarithms of dark pixels tame
 _NOISE = 1.5  # counts; one sigma of noise, coding and quantization in a channel
 _GREY_VARIANCE = 0.12  # of either coordinate over walls, floors, furniture and skin
-_LEAST_BRIGHTNESS = 18.0  # counts of the brightest channel
+_MIN_BRIGHTNESS = 18.0  # counts of the brightest channel
 _ADVANTAGE = 1.5  # of the log likelihood over that of grey: such colours are rare
 
 
@@ -58,7 +58,7 @@ def _table(settings: ColorSettings) -> NDArray[np.bool_]:
     grey = ColorModelSettings(mean=(0.0, 0.0), covariance=(_GREY_VARIANCE, 0.0, _GREY_VARIANCE))
     mine = likelihood > _fit(place, noise, grey)[1] + _ADVANTAGE
     mine &= distance < settings.gate
-    mine &= np.maximum(np.maximum(blue, green), red) >= _LEAST_BRIGHTNESS
+    mine &= np.maximum(np.maximum(blue, green), red) >= _MIN_BRIGHTNESS
     for other in settings.others:
         mine &= likelihood > _fit(place, noise, other)[1]
     return np.asarray(mine)

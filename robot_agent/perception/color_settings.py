@@ -44,7 +44,7 @@ class ColorSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     """m of the band's middle above the floor."""
     tilt_allowance: Positive = 0.06
     """rad the camera may pitch, or be mounted off level."""
-    least_confidence: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)] = 0.3
+    min_confidence: Annotated[float, msgspec.Meta(gt=0.0, lt=1.0)] = 0.3
     """Blobs of less are not told."""
     range: Positive = 4.0
     """m; beyond it no blob is believed, and its absence tells nothing."""

@@ -20,7 +20,7 @@ _WRONG_SIZE = -0.25  # seen whole and not as large as a robot
 _REFLECTOR = 1.0  # reflecting tape at the laser's height
 
 _TEAMMATE, _STRANGER = 1.5, -1.5  # nats at which somebody becomes one
-_MOST_BY_LASER = 2.0  # nats either way; three pictures are enough against it
+_MAX_BY_LASER = 2.0  # nats either way; three pictures are enough against it
 _KEPT = 0.0  # nats down (or up) to which somebody stays one
 
 
@@ -58,25 +58,25 @@ class Identity:
         teammate = 1.0 / (1.0 + math.exp(-self._log_odds))
         return Probabilities(known * teammate, known * (1.0 - teammate), 1.0 - known)
 
-    def note_band(self, confidence: float) -> None:
+    def on_band(self, confidence: float) -> None:
         """A picture shows the team's band on it, with a confidence of 0 to 1."""
         self.by_color = True
         self._add(_BAND * confidence)
 
-    def note_no_band(self) -> None:
+    def on_missing_band(self) -> None:
         """A picture shows it without a band."""
         self.by_color = True
         self._add(_NO_BAND)
 
-    def note_robot_like(self) -> None:
+    def on_robot_shape(self) -> None:
         """A Pioneer's outline fits it, and it moves as one."""
         if not self._told_by_color:
-            self._add(min(_ROBOT_LIKE, max(_MOST_BY_LASER - self._log_odds, 0.0)))
+            self._add(min(_ROBOT_LIKE, max(_MAX_BY_LASER - self._log_odds, 0.0)))
 
-    def note_other_shape(self) -> None:
+    def on_other_shape(self) -> None:
         """It is as large as a Pioneer, whose outline does not fit."""
         if not self._told_by_color:
-            self._add(max(_OTHER_SHAPE, min(-_MOST_BY_LASER - self._log_odds, 0.0)))
+            self._add(max(_OTHER_SHAPE, min(-_MAX_BY_LASER - self._log_odds, 0.0)))
 
     @property
     def _told_by_color(self) -> bool:
@@ -84,15 +84,15 @@ class Identity:
         teammate may carry what changes its own."""
         return self.by_color and self.kind is not Kind.UNKNOWN
 
-    def note_too_fast(self) -> None:
+    def on_too_fast(self) -> None:
         """It is faster than a robot."""
         self._add(_TOO_FAST)
 
-    def note_wrong_size(self) -> None:
+    def on_wrong_size(self) -> None:
         """It was seen whole, and is no robot by its size."""
         self._add(_WRONG_SIZE)
 
-    def note_reflector(self) -> None:
+    def on_reflector(self) -> None:
         """It has a reflector that teammates wear."""
         self._add(_REFLECTOR)
 

@@ -22,10 +22,10 @@ HALF_LENGTH, HALF_WIDTH = 0.2555, 0.2125  # m
 
 _HEADINGS = 18  # over half a turn: a rectangle looks the same the other way round
 _STEPS = 2  # of the assignment of points to sides
-_MOST_POINTS = 20  # of one segment; more tell the same
+_MAX_POINTS = 20  # of one segment; more tell the same
 _POINT_SIGMA = 0.02  # m; range noise, and a body that is no exact rectangle
 _FIRST_SIGMA = 0.15  # m; of the centre before the fit, which holds it where nothing else does
-_LEAST_VARIANCE = 0.012**2  # m^2; errors that all points of a segment share
+_MIN_VARIANCE = 0.012**2  # m^2; errors that all points of a segment share
 
 _THETA = np.arange(_HEADINGS) * (math.pi / _HEADINGS)
 _COS, _SIN = np.cos(_THETA), np.sin(_THETA)
@@ -140,7 +140,7 @@ class _Points:
     @classmethod
     def of(cls, parts: Sequence[NDArray[np.float64]]) -> _Points:
         """Take points of each segment, evenly spread where there are many."""
-        parts = [part[:: math.ceil(len(part) / _MOST_POINTS)] for part in parts]
+        parts = [part[:: math.ceil(len(part) / _MAX_POINTS)] for part in parts]
         counts = np.array([len(part) for part in parts])
         starts = np.concatenate(([0], np.cumsum(counts)[:-1]))
         points = np.concatenate(parts).T
@@ -204,8 +204,8 @@ def _mean_over_headings(
         (
             mean_x,
             mean_y,
-            (weights * var_x).sum(axis=0) + _LEAST_VARIANCE,
-            (weights * var_y).sum(axis=0) + _LEAST_VARIANCE,
+            (weights * var_x).sum(axis=0) + _MIN_VARIANCE,
+            (weights * var_y).sum(axis=0) + _MIN_VARIANCE,
             (weights * cov_xy).sum(axis=0),
         )
     )

@@ -92,7 +92,7 @@ class Perception:
         """Update tracks with a picture's bands; pose: map_from_base when it was taken, if known."""
         self.camera.on_picture(event)
         if pose is not None and event.sight == "clear":
-            self.tracker.see_bands(event.taken, pose, event.blobs)
+            self.tracker.on_bands(event.taken, pose, event.blobs)
 
     def on_picture(self, event: PictureTaken, pose: Pose | None) -> tuple[Intruder, str] | None:
         """Return the intruder a picture was asked for, with its cut-out (JPEG, base64).

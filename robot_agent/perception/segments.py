@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 from robot_agent.perception.outline_fit import SightEdge, fit_outlines
 from robot_agent.perception.settings import PerceptionSettings
 
-_LEAST_POINTS = 3
+_MIN_POINTS = 3
 _LEG = 0.05  # m; less is a chair's leg or noise
 _LEG_SIGMA = 0.12  # m; a person's middle from the legs, one of which stands still
 _BESIDE = 0.45  # m from the middle of a robot within which thin things are parts of it
 _REFLECTOR_REACH = 0.45  # m from a robot's middle to a reflector on it
-_LEAST_FILL = 0.6  # share of the beams a solid object of this width would return
-_MOST_SEGMENTS = 6  # nearest ones kept: a scan that fits no map must not flood the tracker
+_MIN_FILL = 0.6  # share of the beams a solid object of this width would return
+_MAX_SEGMENTS = 6  # nearest ones kept: a scan that fits no map must not flood the tracker
 _COARSEST_INCREMENT = math.radians(1.0)
 _FINEST_INCREMENT = math.radians(0.25)
 _EDGE_SIGMA = 0.01  # m; of an edge, beyond what the beams' spacing leaves open
@@ -94,14 +94,14 @@ def find_segments(
     one, where the laser tells.
     """
     indices = np.flatnonzero(unexplained)
-    if len(indices) < _LEAST_POINTS:
+    if len(indices) < _MIN_POINTS:
         return []
     increment = _angular_increment(points)
     firsts, lasts = _runs(points, ranges, indices, increment, settings.segment_gap)
     runs = [
         run
         for first, last in zip(firsts.tolist(), lasts.tolist(), strict=True)
-        if last - first + 1 >= _LEAST_POINTS
+        if last - first + 1 >= _MIN_POINTS
         and (run := _run(points, ranges, first, last, increment, settings)) is not None
     ]
     segments = [each.segment for each in runs if not each.segment.robot_sized]
@@ -110,7 +110,7 @@ def find_segments(
         segments = [_with_reflector(segment, points, reflectors) for segment in segments]
     segments = _people(segments, settings)
     segments.sort(key=_distance)
-    return segments[:_MOST_SEGMENTS]
+    return segments[:_MAX_SEGMENTS]
 
 
 def _fitted(points: NDArray[np.float64], runs: list[_Run]) -> list[Segment]:
@@ -156,11 +156,11 @@ def _people(segments: list[Segment], settings: PerceptionSettings) -> list[Segme
         for each in segments
         if each not in robots
         and (
-            each.extent > settings.most_extent
+            each.extent > settings.max_extent
             or all(_apart(each, robot) > _BESIDE for robot in robots)
         )
     ]
-    legs = [each for each in segments if each.extent < settings.least_person_extent and each.whole]
+    legs = [each for each in segments if each.extent < settings.min_person_extent and each.whole]
     found = [each for each in segments if each not in legs]
     while legs:
         leg = legs.pop()
@@ -205,13 +205,13 @@ def _runs(
     ranges: NDArray[np.float64],
     indices: NDArray[np.intp],
     increment: float,
-    least_gap: float,
+    min_gap: float,
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return first and last index of each run of neighbouring points without a gap."""
     steps = np.diff(points[indices], axis=0)
     gaps = np.hypot(steps[:, 0], steps[:, 1])
     # Beams fan out: the gap allowed leaves room for one missing return.
-    allowed = np.maximum(least_gap, 2.5 * increment * ranges[indices[1:]])
+    allowed = np.maximum(min_gap, 2.5 * increment * ranges[indices[1:]])
     breaks = np.flatnonzero((np.diff(indices) > 1) | (gaps > allowed))
     firsts = indices[np.concatenate(([0], breaks + 1))]
     lasts = indices[np.concatenate((breaks, [len(indices) - 1]))]
@@ -249,14 +249,14 @@ def _run(
     count = last - first + 1
     partial = Edge.HIDDEN in (right, left)
     clear = right is Edge.CLEAR and left is Edge.CLEAR
-    robot_sized = settings.least_extent <= extent <= settings.most_extent
+    robot_sized = settings.min_extent <= extent <= settings.max_extent
     if partial and not robot_sized:
-        if not settings.least_partial_extent <= extent < settings.least_extent:
+        if not settings.min_partial_extent <= extent < settings.min_extent:
             return None
-    elif not robot_sized and not (clear and _LEG <= extent <= settings.most_stranger_extent):
+    elif not robot_sized and not (clear and _LEG <= extent <= settings.max_stranger_extent):
         return None
     span = _angle_between(points[first], points[last])
-    if count < _LEAST_FILL * (1.0 + span / increment):
+    if count < _MIN_FILL * (1.0 + span / increment):
         return None
 
     if robot_sized or partial:
@@ -273,7 +273,7 @@ def _run(
         var_y=uy * uy * along_variance + ux * ux * across_variance,
         cov_xy=ux * uy * (along_variance - across_variance),
         points=count,
-        whole=extent >= settings.least_extent or not partial,
+        whole=extent >= settings.min_extent or not partial,
         robot_sized=robot_sized or partial,
     )
     edges = tuple(
@@ -315,14 +315,14 @@ def _edge(
     index: int,
     step: int,
     increment: float,
-    least_gap: float,
+    min_gap: float,
 ) -> Edge:
     """Return how the run that ends at ``index`` ends towards its neighbour in direction step."""
     neighbour = index + step
     if not 0 <= neighbour < len(points):
         return Edge.HIDDEN
     dx, dy = points[neighbour] - points[index]
-    if math.hypot(dx, dy) <= max(least_gap, 2.5 * increment * ranges[index]):
+    if math.hypot(dx, dy) <= max(min_gap, 2.5 * increment * ranges[index]):
         return Edge.JOINED
     if ranges[neighbour] < ranges[index] - _OCCLUDER_STEP:
         return Edge.HIDDEN

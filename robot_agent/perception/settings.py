@@ -26,11 +26,11 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
 
     # What a Pioneer looks like in the plane of the laser.
     segment_gap: Positive = 0.10  # m between neighbouring points of one object, close up
-    least_extent: Positive = 0.30  # m across the line of sight, both edges in view
-    least_partial_extent: Positive = 0.12  # m, an edge hidden by something nearer or out of view
-    most_extent: Positive = 0.75  # m
-    most_stranger_extent: Positive = 1.1  # m; larger things are furniture
-    least_person_extent: Positive = 0.22  # m; smaller ones are legs, and count by twos
+    min_extent: Positive = 0.30  # m across the line of sight, both edges in view
+    min_partial_extent: Positive = 0.12  # m, an edge hidden by something nearer or out of view
+    max_extent: Positive = 0.75  # m
+    max_stranger_extent: Positive = 1.1  # m; larger things are furniture
+    min_person_extent: Positive = 0.22  # m; smaller ones are legs, and count by twos
     stride: Positive = 0.55  # m between two legs of one person
     half_width: Positive = 0.27  # m from the centre to an edge, mean over headings
 
@@ -49,14 +49,14 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         0.45  # m from the centre of a track just seen: its beams tell nothing of walls
     )
     cover_memory: Positive = 0.5  # s that a track counts as just seen
-    most_covered: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] = 0.5  # of a scan's beams
+    max_covered: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] = 0.5  # of a scan's beams
     velocity_decay: Positive = 1.0  # s; time constant of an unseen track's velocity
 
     # What makes a robot-sized track a teammate where no camera tells: it moves.
     motion_window: Positive = 2.5  # s over which displacement is judged
     motion_distance: Positive = 0.20  # m, beyond twice the position's sigma
 
-    most_robot_speed: Positive = 0.65  # m/s; whoever is faster is none of the team
+    max_robot_speed: Positive = 0.65  # m/s; whoever is faster is none of the team
     reflecting_bands: bool = False  # teammates wear reflecting tape at the laser's height
 
     # What sonars tell of a track that no laser sees.
@@ -78,14 +78,12 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
 
     def __post_init__(self) -> None:
         """Check the order of limits."""
-        if not self.least_partial_extent <= self.least_extent < self.most_extent:
-            raise ValueError(
-                "extents must satisfy least_partial_extent <= least_extent < most_extent"
-            )
-        if not self.least_person_extent <= self.least_extent:
-            raise ValueError("least_person_extent must be at most least_extent")
-        if self.most_stranger_extent < self.most_extent:
-            raise ValueError("most_stranger_extent must be at least most_extent")
+        if not self.min_partial_extent <= self.min_extent < self.max_extent:
+            raise ValueError("extents must satisfy min_partial_extent <= min_extent < max_extent")
+        if not self.min_person_extent <= self.min_extent:
+            raise ValueError("min_person_extent must be at most min_extent")
+        if self.max_stranger_extent < self.max_extent:
+            raise ValueError("max_stranger_extent must be at least max_extent")
         if self.detection_range < self.visibility + self.visibility_margin:
             raise ValueError(
                 "detection_range must be at least visibility + visibility_margin "

@@ -21,7 +21,7 @@ _START = 0.1  # m; how far off whoever starts or stops between two scans may be
 _MANOEUVRE_GATE = 9.2  # squared Mahalanobis distance (99 %) beyond which its speed has changed
 _FITS, _FITS_NOT = 0.6, 1.0  # misfit of most robots, and of few
 _OFTEN = 3  # scans in a row whose outline fits, for somebody who may be a robot
-_LEAST_SPEED, _MOST_SPEED = 0.2, 0.55  # m/s of a robot that patrols; people walk faster
+_MIN_SPEED, _MAX_SPEED = 0.2, 0.55  # m/s of a robot that patrols; people walk faster
 _POSITION_OF_STATE = np.eye(2, 4)
 
 
@@ -164,7 +164,7 @@ class TrackFilter:
         self._kalman, self._t, self.misses = newer._kalman, newer._t, newer.misses
         self.last_seen, self.supported = newer.last_seen, newer.supported
 
-    def hear(self, t: float, x: float, y: float, sigma: float) -> None:
+    def update_by_echo(self, t: float, x: float, y: float, sigma: float) -> None:
         """Take in a sonar's echo of it from (x, y), m, map frame; call ``predict(t)`` before."""
         self._kalman.update(np.array((x, y)), R=sigma**2 * np.eye(2))
         self.supported = t
@@ -218,19 +218,17 @@ class TrackFilter:
             return
         self._next_evidence = t + _SAMPLE_PERIOD
         speed = math.hypot(*self._kalman.x[2:].tolist())
-        if speed > self._settings.most_robot_speed:
-            self.identity.note_too_fast()
+        if speed > self._settings.max_robot_speed:
+            self.identity.on_too_fast()
         if detection.whole and detection.robot_sized:
             if detection.misfit > _FITS_NOT:
-                self.identity.note_other_shape()
-            elif (
-                detection.misfit < _FITS and self._has_moved and _LEAST_SPEED < speed < _MOST_SPEED
-            ):
-                self.identity.note_robot_like()
+                self.identity.on_other_shape()
+            elif detection.misfit < _FITS and self._has_moved and _MIN_SPEED < speed < _MAX_SPEED:
+                self.identity.on_robot_shape()
         if self._whole >= _SIZE_KNOWN and not self.robot_sized:
-            self.identity.note_wrong_size()
+            self.identity.on_wrong_size()
         if detection.reflecting and self._settings.reflecting_bands:
-            self.identity.note_reflector()
+            self.identity.on_reflector()
 
     def _judge_motion(self, t: float) -> None:
         """Note once that it has moved farther than errors can explain.

@@ -90,7 +90,7 @@ class TeammateTracker:
             self._filters.append(TrackFilter(self._settings, self._next_id, t, detection))
             self._next_id += 1
 
-    def see_bands(self, t: float, pose: Pose, blobs: Sequence[Blob]) -> None:
+    def on_bands(self, t: float, pose: Pose, blobs: Sequence[Blob]) -> None:
         """Take in what a clear picture taken at t, s, shows; pose: map_from_base then."""
         self._pictured_at = t
         seen = [
@@ -101,9 +101,9 @@ class TeammateTracker:
         tracks = [each.track_at(t) for each in seen]
         matches = self._matcher.match(pose, tracks, blobs, move_points(self._points, self._pose))
         for index, confidence in matches.banded.items():
-            seen[index].identity.note_band(confidence)
+            seen[index].identity.on_band(confidence)
         for index in matches.bare:
-            seen[index].identity.note_no_band()
+            seen[index].identity.on_missing_band()
 
     def awaits_echo(self, t: float) -> bool:
         """Tell whether a teammate is out of the laser's sight at t, s, and may be heard yet."""
@@ -117,7 +117,7 @@ class TeammateTracker:
             if each.teammate and each.misses and t - each.last_seen <= memory
         ]
 
-    def hear(self, t: float, pose: Pose, echoes: NDArray[np.float64]) -> None:
+    def on_echoes(self, t: float, pose: Pose, echoes: NDArray[np.float64]) -> None:
         """Take in sonar echoes (n, 2), m, base_link at t, s; pose: map_from_base.
 
         They keep up a track that no laser sees, for a while, but never start one: a sonar hears
@@ -137,7 +137,7 @@ class TeammateTracker:
             if away.size and float(away.min()) < self._settings.sonar_gate:
                 x, y = in_map[int(away.argmin())].tolist()
                 each.predict(t)
-                each.hear(t, x, y, self._settings.sonar_sigma)
+                each.update_by_echo(t, x, y, self._settings.sonar_sigma)
 
     def covered(
         self, t: float, pose: Pose, points: NDArray[np.float64]
@@ -156,7 +156,7 @@ class TeammateTracker:
             dx, dy = track.x - pose.x, track.y - pose.y
             away = np.hypot(points[:, 0] - (c * dx + s * dy), points[:, 1] - (c * dy - s * dx))
             covered |= away < self._settings.cover
-        if np.count_nonzero(covered) > self._settings.most_covered * len(points):
+        if np.count_nonzero(covered) > self._settings.max_covered * len(points):
             return None
         return covered
 

@@ -100,7 +100,7 @@ class PoseMemory:
         self._last: float | None = None
         self._forgotten = False
 
-    def note(
+    def update(
         self,
         t: float,
         estimate: Estimate | None,

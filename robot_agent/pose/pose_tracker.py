@@ -73,7 +73,7 @@ class PoseTracker:
         (n, 2), m, base_link. ignored: (n,) which of them end on what the map does not have.
         """
         estimate = self.localizer.update(scanned, odometry, points, ignored)
-        # Trusted once localized, until lost: unsure alone gives no trust and takes none.
+        # FreshnessLimit once localized, until lost: unsure alone gives no trust and takes none.
         self.trusted = estimate.health is not Health.LOST and (
             self.trusted or estimate.health is Health.LOCALIZED
         )
@@ -116,7 +116,7 @@ class PoseTracker:
         state = self.odometry.latest
         if state is None:
             return
-        kept = self._memory.note(
+        kept = self._memory.update(
             t,
             self.localizer.estimate,
             Pose(state.x, state.y, wrap_angle(state.theta)),

@@ -157,7 +157,7 @@ class Runtime:
             self._notifier.alive(event.t)  # by this thread: the one that must not hang
             if isinstance(event, Shutdown):
                 self._notifier.stopping()
-                self._say_farewell()
+                self._log_end()
                 return
 
     def _check_workers(self) -> None:
@@ -192,9 +192,9 @@ class Runtime:
                 self._recorder.record_effect(event.t, effect)
         now = self._clock()
         if self._watch.handled(event.t, now):
-            self._tell_of_process(now)
+            self._publish_process(now)
 
-    def _tell_of_process(self, t: float) -> None:
+    def _publish_process(self, t: float) -> None:
         """Tell operator and recording how the process fares, and of a recorder in trouble."""
         lost, trouble = 0, ""
         if self._recorder is not None:
@@ -205,10 +205,10 @@ class Runtime:
         self._note("process", "process", report, t)
         if not trouble and lost:
             trouble = "the disk is too slow: parts of the recording are lost"
-        self._tell_trouble("recorder", trouble, t)
-        self._tell_trouble("telemetry", self._telemetry.failed, t)
+        self._publish_trouble("recorder", trouble, t)
+        self._publish_trouble("telemetry", self._telemetry.failed, t)
 
-    def _tell_trouble(self, part: str, trouble: str, t: float) -> None:
+    def _publish_trouble(self, part: str, trouble: str, t: float) -> None:
         """Tell once what is wrong with a part beside the agent."""
         if trouble and trouble != self._troubles.get(part):
             stamp = timestamp_at(t, self._clock.start_wall_ns)
@@ -239,7 +239,7 @@ class Runtime:
                 if stream == "event":
                     self._journal.write(payload)
 
-    def _say_farewell(self) -> None:
+    def _log_end(self) -> None:
         """Keep serving for a moment so that the last commands leave in their due order."""
         until = self._clock() + FAREWELL_S
         while (now := self._clock()) < until:

@@ -26,19 +26,19 @@ class ServiceNotifier:
 
     def ready(self) -> None:
         """The agent serves its devices, present or not."""
-        self._tell("READY=1\nSTATUS=patrolling agent started")
+        self._send("READY=1\nSTATUS=patrolling agent started")
 
     def alive(self, t: float) -> None:
         """The control loop goes round at ``t``, s; tells it no more often than needed."""
         if self.period is not None and t - self._told_at >= self.period:
             self._told_at = t
-            self._tell("WATCHDOG=1")
+            self._send("WATCHDOG=1")
 
     def stopping(self) -> None:
         """The agent was told to end."""
-        self._tell("STOPPING=1")
+        self._send("STOPPING=1")
 
-    def _tell(self, message: str) -> None:
+    def _send(self, message: str) -> None:
         """Send a datagram; a manager that does not listen is no reason to stop."""
         if not self._address:
             return

@@ -16,7 +16,7 @@ from typing import BinaryIO
 
 from robot_agent.messages.effects import Effect
 from robot_agent.messages.events import Event
-from robot_agent.recording.recording_retention import DiskRoom
+from robot_agent.recording.recording_retention import RecordingRetention
 from robot_agent.recording.recording_writer import Gap, Note, RecordingWriter
 from robot_agent.recording.run_header import RunHeader
 
@@ -45,7 +45,7 @@ class Recorder:
         drain_period: float = DRAIN_S,
         flush_period: float = FLUSH_S,
         close_wait: float = CLOSE_S,
-        room: DiskRoom | None = None,
+        room: RecordingRetention | None = None,
     ) -> None:
         """Create the file, with its header, and start writing; ``room`` bounds the disk's use."""
         self.path = path

@@ -10,7 +10,7 @@ from robot_agent.config import RecorderSettings
 MEGABYTE = 1_000_000
 
 
-class DiskRoom:
+class RecordingRetention:
     """Deletes a robot's oldest runs as the one being recorded grows. For the recorder's thread."""
 
     def __init__(self, current: Path, settings: RecorderSettings, older: str = "") -> None:

@@ -1,6 +1,6 @@
 """What a recording is made of, and the writer that puts it into an MCAP file.
 
-Layout 2 of a recording (``run_header.SCHEMA_VERSION``):
+Layout 3 of a recording (``run_header.SCHEMA_VERSION``):
 
 - metadata record ``run``: the fields of ``RunHeader`` as text;
 - attachments: ``configuration`` (the effective configuration) and ``map/<file>`` (the map folder);

@@ -12,7 +12,7 @@ from pathlib import Path
 from maps.map_folder import MapFolder
 from robot_agent.config import AgentConfig, format_config
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 DEPENDENCIES = ("numpy", "scipy", "opencv-python-headless", "shapely", "filterpy", "scikit-fuzzy")
 """Libraries whose arithmetic goes into decisions."""
 _BOOT_ID = Path("/proc/sys/kernel/random/boot_id")

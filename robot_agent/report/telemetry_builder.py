@@ -144,7 +144,7 @@ class TelemetryBuilder:
         t: float,
         pose: Pose,
         decision: PatrolDecision,
-        wish: tuple[float, float],
+        requested: tuple[float, float],
         gate: GateDecision,
         neighbor: Track | None,
     ) -> list[tuple[str, Payload]]:
@@ -167,7 +167,7 @@ class TelemetryBuilder:
             runner_up=decision.runner_up,
             pose=PlanarPose(*pose),
             velocity=Velocity(*decision.velocity),
-            wish=Twist(*wish),
+            requested=Twist(*requested),
             command=Twist(gate.v, gate.w),
             gate_reason=None if gate.reason is GateReason.NONE else str(gate.reason),
             blocked=decision.blocked,

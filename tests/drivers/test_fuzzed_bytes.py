@@ -155,7 +155,7 @@ def robot_frames() -> list[bytes]:
     for step in range(200):
         t = 0.01 * step
         emulator.turn_odometer(*emulator.advance(t))
-        data += b"".join(sent.data for sent in emulator.take_output(t))
+        data += b"".join(sent.data for sent in emulator.pop_output(t))
     short = [encode_packet(ConfigPacket(name="R2").encode())]
     return short + [encode_packet(packet) for packet in PacketFramer().feed(data)]
 
@@ -179,7 +179,7 @@ def laser_frames() -> list[bytes]:
     for payload in (b"\x3a", b"\x31", b"\x32", b"\x74", b"\x3b\xb4\x00\x64\x00", b"\x20\x24"):
         emulator.feed(encode_telegram(payload), t)
         t += 0.2
-        data += b"".join(sent.data for sent in emulator.take_output(t))
+        data += b"".join(sent.data for sent in emulator.pop_output(t))
     payloads = TelegramReader(LASER_ADDRESSES).feed(data)
     return [encode_telegram(payload, 0x80) for payload in payloads]
 
@@ -202,7 +202,7 @@ def base_session() -> Callable[[bytes, float], object]:
             session.drive(t, state.x, state.theta)
         session.enable_motors(t)
         session.tick(t)
-        session.take_requests()
+        session.pop_requests()
 
     return feed
 
@@ -213,7 +213,7 @@ def emulated_base() -> Callable[[bytes, float], object]:
     def feed(data: bytes, t: float) -> None:
         emulator.feed(data, t)
         emulator.turn_odometer(*emulator.advance(t))
-        emulator.take_output(t)
+        emulator.pop_output(t)
 
     return feed
 
@@ -225,7 +225,7 @@ def laser_session() -> Callable[[bytes, float], object]:
     def feed(data: bytes, t: float) -> None:
         session.feed(data, t)
         session.tick(t)
-        session.take_requests()
+        session.pop_requests()
 
     return feed
 
@@ -235,7 +235,7 @@ def emulated_laser() -> Callable[[bytes, float], object]:
 
     def feed(data: bytes, t: float) -> None:
         emulator.feed(data, t)
-        emulator.take_output(t)
+        emulator.pop_output(t)
 
     return feed
 

@@ -143,7 +143,7 @@ def test_session_reaches_scans(make_port: Port, start_baud: int) -> None:
                     found = session.feed(what, t)
                     scans += found
                     arrivals += [t] * len(found)
-            for request in session.take_requests():
+            for request in session.pop_requests():
                 if isinstance(request, SetBaud):
                     link.set_baud(request.baud)
                 else:

@@ -20,7 +20,7 @@ from maps.pose import Pose
 APART = 9.0  # m between the two rooms
 
 
-def rival_search(room, seed: int = 3) -> RivalSearch:
+def alternative_search(room, seed: int = 3) -> RivalSearch:
     settings, rng = LocalizationSettings(), np.random.default_rng(seed)
     return RivalSearch(
         settings,
@@ -32,13 +32,13 @@ def rival_search(room, seed: int = 3) -> RivalSearch:
     )
 
 
-def walked(rivals: RivalSearch, room, poses: list[Pose]) -> RivalSearch:
+def walked(alternatives: RivalSearch, room, poses: list[Pose]) -> RivalSearch:
     """Let it see a way; every pose is a scan."""
     rng = np.random.default_rng(7)
-    rivals.remember(None, room.scan(poses[0], rng))
+    alternatives.remember(None, room.scan(poses[0], rng))
     for before, now in itertools.pairwise(poses):
-        rivals.remember(before.between(now), room.scan(now, rng))
-    return rivals
+        alternatives.remember(before.between(now), room.scan(now, rng))
+    return alternatives
 
 
 def distance(a: Pose, b: Pose) -> float:
@@ -49,11 +49,11 @@ def test_the_true_place_wins_over_its_look_alike_and_it_over_no_other(
     near_twin_rooms, circle
 ) -> None:
     way = circle[:60]
-    rivals = walked(rival_search(near_twin_rooms), near_twin_rooms, way)
+    alternatives = walked(alternative_search(near_twin_rooms), near_twin_rooms, way)
     truth = way[-1]
     look_alike = truth._replace(x=truth.x + APART)
 
-    right, wrong = rivals.find(truth), rivals.find(look_alike)
+    right, wrong = alternatives.find(truth), alternatives.find(look_alike)
 
     assert right is not None
     assert right.odds > 2.0
@@ -66,19 +66,19 @@ def test_the_true_place_wins_over_its_look_alike_and_it_over_no_other(
 
 
 def test_twins_share_the_belief(twin_rooms, circle) -> None:
-    rival = walked(rival_search(twin_rooms), twin_rooms, circle[:60]).find(circle[59])
-    assert rival is not None
-    assert rival.share == pytest.approx(0.5, abs=0.3)
+    alternative = walked(alternative_search(twin_rooms), twin_rooms, circle[:60]).find(circle[59])
+    assert alternative is not None
+    assert alternative.share == pytest.approx(0.5, abs=0.3)
 
 
 def test_the_way_is_forgotten_and_remembered_a_stop_at_a_time(room) -> None:
-    rivals = rival_search(room)
+    alternatives = alternative_search(room)
     step = Pose(LocalizationSettings().search.stop_xy / 4.1, 0.0, 0.0)
     start = Pose(3.0, 2.0, 0.0)
-    walked(rivals, room, [start.compose(Pose(i * step.x, 0.0, 0.0)) for i in range(11)])
-    assert rivals.stops == 3
-    rivals.forget()
-    assert rivals.stops == 0
+    walked(alternatives, room, [start.compose(Pose(i * step.x, 0.0, 0.0)) for i in range(11)])
+    assert alternatives.stops == 3
+    alternatives.forget()
+    assert alternatives.stops == 0
 
 
 def test_in_one_of_two_same_rooms_it_never_says_localized(twin_rooms, circle) -> None:

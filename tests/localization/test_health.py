@@ -33,10 +33,10 @@ def after(health: Health, count: int, evidence: Evidence) -> Health:
         (Health.LOCALIZED, CLOUDY, 3, Health.UNSURE),
         (Health.LOCALIZED, replace(GOOD, spread=0.6), 3, Health.UNSURE),
         (Health.LOCALIZED, replace(GOOD, share=0.5), 3, Health.UNSURE),
-        (Health.LOCALIZED, replace(GOOD, through=0.5), 3, Health.UNSURE),
+        (Health.LOCALIZED, replace(GOOD, wall_crossing=0.5), 3, Health.UNSURE),
         (Health.LOCALIZED, replace(GOOD, jump_xy=0.6), 3, Health.UNSURE),
         (Health.LOCALIZED, replace(GOOD, jump_theta=0.6), 3, Health.UNSURE),
-        (Health.LOCALIZED, replace(GOOD, strayed=True), 3, Health.UNSURE),
+        (Health.LOCALIZED, replace(GOOD, relocated=True), 3, Health.UNSURE),
         (Health.LOCALIZED, BLIND, 3, Health.UNSURE),
         (Health.LOCALIZED, NOTHING_FITS, 3, Health.LOST),
         (Health.UNSURE, NOTHING_FITS, 3, Health.LOST),
@@ -52,13 +52,16 @@ def test_transition_after_enough_updates_in_a_row(
 @pytest.mark.parametrize(
     ("health", "evidence"),
     [
-        (Health.LOCALIZED, Evidence(fit=Fit(0.65, 0.65), spread=0.35, share=0.75, through=0.35)),
+        (
+            Health.LOCALIZED,
+            Evidence(fit=Fit(0.65, 0.65), spread=0.35, share=0.75, wall_crossing=0.35),
+        ),
         (Health.LOCALIZED, replace(GOOD, jump_xy=0.45, jump_theta=0.45)),
         (Health.UNSURE, replace(GOOD, fit=Fit(0.65, 0.65))),
         (Health.UNSURE, replace(GOOD, spread=0.35)),
         (Health.UNSURE, replace(GOOD, share=0.75)),
-        (Health.UNSURE, replace(GOOD, through=0.3)),
-        (Health.UNSURE, replace(GOOD, strayed=True)),
+        (Health.UNSURE, replace(GOOD, wall_crossing=0.3)),
+        (Health.UNSURE, replace(GOOD, relocated=True)),
         (Health.UNSURE, replace(GOOD, fit=Fit(0.48, 0.48))),
         (Health.LOST, replace(GOOD, fit=Fit(0.48, 0.48))),
         (Health.LOST, BLIND),
@@ -72,11 +75,11 @@ def test_between_the_thresholds_nothing_changes(health: Health, evidence: Eviden
 
 
 def test_scans_from_the_same_place_count_in_part() -> None:
-    repeated = replace(NOTHING_FITS, worth=0.3)
+    repeated = replace(NOTHING_FITS, information=0.3)
     assert after(Health.LOCALIZED, 9, repeated) is Health.LOCALIZED
     assert after(Health.LOCALIZED, 10, repeated) is Health.LOST
-    assert after(Health.LOST, 16, replace(GOOD, worth=0.3)) is Health.LOST
-    assert after(Health.LOST, 17, replace(GOOD, worth=0.3)) is Health.LOCALIZED
+    assert after(Health.LOST, 16, replace(GOOD, information=0.3)) is Health.LOST
+    assert after(Health.LOST, 17, replace(GOOD, information=0.3)) is Health.LOCALIZED
 
 
 def test_an_interrupted_run_of_bad_scans_does_not_count() -> None:

@@ -89,7 +89,7 @@ def test_a_particle_that_slipped_is_likely_to_slip_again_by_as_much() -> None:
 
 
 def test_slipping_particles_lose_no_more_than_the_most() -> None:
-    settings = MotionSettings(slip_share=0.1, slip_most=0.4, slip_xy=0.0, slip_theta=0.0)
+    settings = MotionSettings(slip_share=0.1, max_slip=0.4, slip_xy=0.0, slip_theta=0.0)
     _, slips = move_particles(
         np.zeros((COUNT, 3)),
         np.zeros(COUNT, np.float32),

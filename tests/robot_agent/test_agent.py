@@ -258,7 +258,7 @@ def test_what_only_the_sonars_hear_behind_slows_a_turn_towards_it(folder: MapFol
     state = agent.odometry.latest
     assert state is not None
     behind = replace(state, sonar=((11, 0.1), (12, 0.1)))
-    agent.surroundings.hear(behind, Pose(state.x, state.y, state.theta), agent.base.model)
+    agent.surroundings.on_sonar(behind, Pose(state.x, state.y, state.theta), agent.base.model)
     inputs = msgspec.structs.replace(agent._gate_inputs(state.t, state), v=0.0, w=0.0, bumpers=0)
     with_sonar, without = (
         msgspec.structs.replace(inputs, obstacles=points)
@@ -342,7 +342,7 @@ def test_what_had_waited_through_a_pause_is_not_believed(folder: MapFolder) -> N
         moment = round(moment + 0.01, 6)
         robot.rig.advance(moment)
         for link, device in devices.items():
-            waiting[link] += b"".join(item.data for item in device.take_output(moment))
+            waiting[link] += b"".join(item.data for item in device.pop_output(moment))
     robot.agent.handle(Tick(moment))
     for link, old in waiting.items():
         assert old

@@ -219,5 +219,5 @@ class FaultInjector:
 
     def lose_output(self, t: float) -> None:
         """Let go what the devices have sent by t to nobody."""
-        self.base.take_output(t)
-        self.laser.take_output(t)
+        self.base.pop_output(t)
+        self.laser.pop_output(t)

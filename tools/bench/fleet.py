@@ -134,7 +134,7 @@ class Fleet:
     def _make_camera(self, rig: RobotRig, settings: AgentConfig) -> LockstepCamera:
         color = settings.perception.color
         emulated = EmulatedCamera(self.world, rig.body, settings.camera, color, self.seed)
-        return LockstepCamera(emulated.take, settings.camera, color)
+        return LockstepCamera(emulated.picture_at, settings.camera, color)
 
     def shut_down(self) -> None:
         """End every agent in good order."""

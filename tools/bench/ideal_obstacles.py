@@ -13,7 +13,7 @@ from maps.clearance import border_clearance
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose
 from robot_agent.motion.gate_settings import GateSettings
-from robot_agent.obstacles.teammate_keep_out import turning_room
+from robot_agent.obstacles.teammate_keep_out import teammate_keep_out
 from robot_agent.patrol.actions import PATROLLING
 from tools.bench.ideal_robot import STEP_S, IdealRobot
 from tools.simulation.robot_body import Outline
@@ -64,7 +64,7 @@ class IdealObstacles:
         if not near:
             return points
         middles = np.array([robots[other].body.rectangle()[:2] for other in near])
-        return np.concatenate((points, turning_room((middles - here) @ into_base)))
+        return np.concatenate((points, teammate_keep_out((middles - here) @ into_base)))
 
     def _sight(self, robot: IdealRobot) -> float:
         """Return how far from base_link the gate looks at most in its next step, m."""

@@ -70,7 +70,7 @@ class IdealRobot:
         """
         pose = self.body.pose
         decision = self.patrol.step(t, pose, teammate, held=held_by_obstacle(self.gate_decision))
-        wish = self.heading_loop.command(
+        requested = self.heading_loop.command(
             t,
             decision.velocity,
             pose.theta,
@@ -90,7 +90,7 @@ class IdealRobot:
             v=self.v,
             w=self.w,
         )
-        gate = self.gate.permit(t, wish, inputs)
+        gate = self.gate.permit(t, requested, inputs)
         self.gate_stops += begins_hold(self.gate_decision, gate)
         self.decision, self.gate_decision = decision, gate
         self._order = (gate.v, gate.w)

@@ -15,14 +15,14 @@ LOSS = 0.01
 STALL_S = 1.0
 SEGMENT_BYTES = 1400
 SEED = 1
-_MOST_WAITING = 200  # segments: a link has little room, then the sender must wait
+_MAX_WAITING = 200  # segments: a link has little room, then the sender must wait
 
 
 async def pass_on(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
     """Pass on one direction until it ends."""
     rng = random.Random(SEED)  # noqa: S311 - losses, not secrets
     loop = asyncio.get_running_loop()
-    waiting: asyncio.Queue[tuple[float, bytes]] = asyncio.Queue(_MOST_WAITING)
+    waiting: asyncio.Queue[tuple[float, bytes]] = asyncio.Queue(_MAX_WAITING)
 
     async def deliver() -> None:
         while True:

@@ -78,7 +78,7 @@ class LoadedDriver:
         return time.clock_gettime(time.pthread_getcpuclockid(self._ident))
 
     def _carry_out(self) -> None:
-        for request in self._session.take_requests():
+        for request in self._session.pop_requests():
             if isinstance(request, SetBaud):
                 self._link.set_baud(request.baud)
             else:

@@ -18,8 +18,8 @@ from robot_agent.messages.events import BlobsSeen, Event
 from tools.calibration.color_calibration import CalibrationError
 from tools.logs.recording import Recording
 
-LEAST_PAIRS = 20
-LEAST_SPREAD = 0.15  # rad, one sigma of the bearings: a focal length shows at the sides only
+MIN_PAIRS = 20
+MIN_SPREAD = 0.15  # rad, one sigma of the bearings: a focal length shows at the sides only
 _FARTHEST = 0.5  # rad between a band and the only robot, whatever the mount may be
 _ALONE = 0.6  # a band of less confidence is no witness
 _FRESH = 0.3  # s
@@ -86,14 +86,14 @@ def fit_camera(pairs: Sequence[Pair], camera: CameraSettings) -> CameraFit:
 
     Raises CalibrationError for too few pairs, or all in one direction.
     """
-    if len(pairs) < LEAST_PAIRS:
+    if len(pairs) < MIN_PAIRS:
         raise CalibrationError(
-            f"{len(pairs)} moments with one robot before laser and camera, {LEAST_PAIRS} are "
+            f"{len(pairs)} moments with one robot before laser and camera, {MIN_PAIRS} are "
             "needed: record a robot with its band that drives about before this one"
         )
     bearings = np.array([pair.bearing for pair in pairs])
     across = np.array([pair.across for pair in pairs])
-    if bearings.std() < LEAST_SPREAD:
+    if bearings.std() < MIN_SPREAD:
         raise CalibrationError(
             f"the robot stayed within {math.degrees(bearings.std()):.1f} degrees (one sigma) of "
             "one direction: let it cross the whole picture"

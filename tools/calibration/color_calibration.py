@@ -14,9 +14,9 @@ from robot_agent.perception.color_settings import ColorModelSettings
 
 LAMP_SIGMA = 0.12
 """By which another lamp shifts either coordinate; added to what one place's pictures show."""
-_LEAST_PIXELS = 50
+_MIN_PIXELS = 50
 _DARKEST, _BRIGHTEST = 25, 250  # counts of the strongest channel: others have lost their colour
-_LEAST_CHROMA = 0.35  # from grey, in log chromaticity
+_MIN_CHROMA = 0.35  # from grey, in log chromaticity
 _TRIMMED = 0.1  # share of the pixels, the oddest ones, that is left out
 _POINT_REACH = 12.0  # counts a channel may differ from its neighbour within a band
 
@@ -85,16 +85,16 @@ def learn_color(
     )
     strongest = pixels.max(axis=1)
     usable = pixels[(strongest >= _DARKEST) & (strongest <= _BRIGHTEST)]
-    if len(usable) < _LEAST_PIXELS:
+    if len(usable) < _MIN_PIXELS:
         raise CalibrationError(
             f"{len(usable)} of {len(pixels)} pixels are neither too dark nor too bright, "
-            f"{_LEAST_PIXELS} are needed: go nearer, or change the light or the exposure"
+            f"{_MIN_PIXELS} are needed: go nearer, or change the light or the exposure"
         )
     places = log_chromaticity(usable)
     off = np.abs(places - np.median(places, axis=0)).max(axis=1)
     kept = places[off <= np.quantile(off, 1.0 - _TRIMMED)]
     mean = kept.mean(axis=0)
-    if float(np.hypot(*mean)) < _LEAST_CHROMA:
+    if float(np.hypot(*mean)) < _MIN_CHROMA:
         raise CalibrationError(
             "what is marked is grey: mark the band itself, or choose a stronger colour"
         )

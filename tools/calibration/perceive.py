@@ -17,7 +17,7 @@ from robot_agent.perception.tracker import TeammateTracker
 from tools.logs.carmen import LogError
 from tools.logs.log_step import LogStep
 
-LEAST_STEP_S = 0.1
+MIN_STEP_S = 0.1
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ def perceive(
         progress(number + 1)
         if estimate.health is not Health.LOCALIZED:
             continue
-        t = number * LEAST_STEP_S
+        t = number * MIN_STEP_S
         sigma = PoseSigma.of(estimate.covariance)
         tracker.update(t, estimate.pose, step.points, sigma=sigma)
         scans += 1

@@ -155,7 +155,7 @@ class AgentStage:
 
     def mount_camera(self) -> None:
         """Give the robot a camera, which the next agent is told of."""
-        self._camera = CameraServer(EmulatedCamera(self.world, self.rig.body).take)
+        self._camera = CameraServer(EmulatedCamera(self.world, self.rig.body).picture_at)
 
     def step(self) -> Moment:
         """Let one step of real time pass; return what is true after it."""

@@ -56,9 +56,9 @@ class OrderTap:
             self._read(packet, t)
         self._device.feed(data, t)
 
-    def take_output(self, t: float) -> list[TimedBytes]:
+    def pop_output(self, t: float) -> list[TimedBytes]:
         """Pass on what has left the device."""
-        output = self._device.take_output(t)
+        output = self._device.pop_output(t)
         if output:
             self._last_output = t
         return output
@@ -78,12 +78,12 @@ class OrderTap:
             self._turn_rate = value
             self._note(f"RVEL {value}", t)
         elif number == CommandNumber.ENABLE:
-            self._take_enable(value, t)
+            self._on_enable(value, t)
         elif number in _STANDING_ORDERS:
             self._speed = self._turn_rate = 0
             self._note(CommandNumber(number).name, t)
 
-    def _take_enable(self, value: int, t: float) -> None:
+    def _on_enable(self, value: int, t: float) -> None:
         if not value:
             self._speed = self._turn_rate = 0
         self._note(f"ENABLE {value}", t)

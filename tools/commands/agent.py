@@ -20,7 +20,7 @@ from robot_agent.process.pose_file import PoseFile
 from robot_agent.process.runtime import Clock, Runtime, end_on_signals
 from robot_agent.process.telemetry import Telemetry
 from robot_agent.recording.recorder import Recorder
-from robot_agent.recording.recording_retention import DiskRoom
+from robot_agent.recording.recording_retention import RecordingRetention
 from robot_agent.recording.run_header import header_of_run
 
 RUN_STAMP = "[0-9]" * 8 + "T" + "[0-9]" * 6 + "Z"
@@ -108,4 +108,4 @@ def make_recorder(
     path = wanted or Path(config.recorder.folder) / f"{name}-{stamp}.mcap"
     path.parent.mkdir(parents=True, exist_ok=True)
     older = "" if wanted else f"{name}-{RUN_STAMP}.mcap"
-    return Recorder(path, header, room=DiskRoom(path, config.recorder, older))
+    return Recorder(path, header, room=RecordingRetention(path, config.recorder, older))

@@ -51,7 +51,9 @@ class WorldServer:
         self._truth = truth
         self._strangers = strangers
         self.cameras = {
-            rig.name: CameraServer(EmulatedCamera(world, rig.body).take) for rig in rigs if cameras
+            rig.name: CameraServer(EmulatedCamera(world, rig.body).picture_at)
+            for rig in rigs
+            if cameras
         }
         self._ended = False
         self.ports = {rig.name: (PtyPort(rig.base), PtyPort(rig.laser)) for rig in rigs}

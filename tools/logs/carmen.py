@@ -23,7 +23,7 @@ from maps.pose import Pose
 _INCREMENT_DEGREES = {180: 1.0, 181: 1.0, 360: 0.5, 361: 0.5}
 _LASER_REACH = 80.0  # m; an LMS never measures more, larger readings are its error codes
 _CLIPPED_REACH = 50.0  # m; written for "no return" by loggers that clip there
-_LEAST_STEP = 0.03  # s; between two scans: an LMS's two mirror turns, whatever a logger stamped
+_MIN_STEP = 0.03  # s; between two scans: an LMS's two mirror turns, whatever a logger stamped
 _SAME_POSE = 1e-6  # m and rad; an ODOM line this close to a scan's pose repeats it
 
 
@@ -342,7 +342,7 @@ def _scan_times(scans: Sequence[_ScanLine]) -> list[float]:
     """Return the scans' log times, a scan stamped too early put as near as a laser can measure."""
     times: list[float] = []
     for scan in scans:
-        times.append(max(scan.t, times[-1] + _LEAST_STEP) if times else scan.t)
+        times.append(max(scan.t, times[-1] + _MIN_STEP) if times else scan.t)
     return times
 
 

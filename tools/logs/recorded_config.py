@@ -8,7 +8,13 @@ from typing import Any, get_args, get_type_hints
 import msgspec
 import tomli_w
 
-from robot_agent.config import AgentConfig, ConfigError, parse_config
+from robot_agent.config import (
+    FIXED_KEYS,
+    RENAMED_KEYS,
+    AgentConfig,
+    ConfigError,
+    parse_config,
+)
 from tools.logs.recording import Recording
 
 
@@ -21,14 +27,26 @@ def recorded_config(recording: Recording) -> tuple[AgentConfig, list[str]]:
 
 
 def parse_old_config(content: bytes, source: str) -> tuple[AgentConfig, list[str]]:
-    """Decode a configuration as ``parse_config`` does, but leave out keys nobody knows any more."""
+    """Decode a configuration of any age: follows renamed keys, leaves out those that are gone.
+
+    Those left out are named unless they had the value that is a constant now.
+    """
+    table, left_out = _modernized(content, source)
+    return parse_config(tomli_w.dumps(table).encode(), source), left_out
+
+
+def _modernized(content: bytes, source: str) -> tuple[dict[str, Any], list[str]]:
     try:
         table = tomllib.loads(content.decode())
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{source}: is not TOML: {error}; the recording is damaged") from error
     left_out: list[str] = []
-    known = _known(table, AgentConfig, "", left_out)
-    return parse_config(tomli_w.dumps(known).encode(), source), left_out
+    for key in [key for key in RENAMED_KEYS if _lookup(table, key) is not None]:
+        _put(table, RENAMED_KEYS[key], _lookup(table, key))
+        _drop(table, key)
+    for key in [key for key, value in FIXED_KEYS.items() if _lookup(table, key) == value]:
+        _drop(table, key)
+    return _known(table, AgentConfig, "", left_out), left_out
 
 
 def changed_config(content: bytes, source: str, changes: list[str]) -> AgentConfig:
@@ -36,7 +54,7 @@ def changed_config(content: bytes, source: str, changes: list[str]) -> AgentConf
 
     Raises ConfigError naming the change.
     """
-    table = tomllib.loads(content.decode())
+    table, _left_out = _modernized(content, source)
     for change in changes:
         _apply(table, change)
     return parse_config(tomli_w.dumps(table).encode(), f"{source} with {', '.join(changes)}")
@@ -56,6 +74,27 @@ def _apply(table: dict[str, Any], change: str) -> None:
         if not isinstance(table, dict):
             raise ConfigError(f"--set {change}: {section} is no section; see --print-config")
     table[name] = value
+
+
+def _lookup(table: dict[str, Any], key: str) -> Any:
+    """Return the value of a dotted key; None if it is not there."""
+    value: Any = table
+    for name in key.split("."):
+        value = value.get(name) if isinstance(value, dict) else None
+    return value
+
+
+def _put(table: dict[str, Any], key: str, value: Any) -> None:
+    *sections, name = key.split(".")
+    for section in sections:
+        table = table.setdefault(section, {})
+    table[name] = value
+
+
+def _drop(table: dict[str, Any], key: str) -> None:
+    """Remove a dotted key that is there."""
+    section, _, name = key.rpartition(".")
+    del _lookup(table, section)[name]
 
 
 def _known(table: dict[str, Any], shape: type, place: str, left_out: list[str]) -> dict[str, Any]:

@@ -32,7 +32,7 @@ def recorded_scans(recording: Recording, config: AgentConfig) -> Iterator[LogSte
         if isinstance(item, Reference):
             reference = item
         elif isinstance(item, Event):
-            for t, odometry, points in decoder.take(item):
+            for t, odometry, points in decoder.on_event(item):
                 yield LogStep(t, odometry, points, _belonging(reference, t))
 
 
@@ -45,7 +45,7 @@ class ScanDecoder:
         mount = config.laser.mount or load_model(config.base.model).laser_mount
         self._projector = ScanProjector(Pose(*mount))
 
-    def take(self, event: Event) -> list[tuple[float, Pose, NDArray[np.float64]]]:
+    def on_event(self, event: Event) -> list[tuple[float, Pose, NDArray[np.float64]]]:
         """Take one event; return the scans it completes: time, odometry, points (n, 2)."""
         return [
             (scan.t, odometry, self._projector.points(scan, *self._odometry.twist_at(scan.t)))
@@ -75,8 +75,8 @@ class ScanDecoder:
             case LinkDown(t, "base" | "laser" as link):
                 self._session(link).link_down(t)
         # What the sessions ask of their links was done, and recorded, long ago.
-        self._base.take_requests()
-        self._laser.take_requests()
+        self._base.pop_requests()
+        self._laser.pop_requests()
         located = [(scan, self._odometry.at(scan.t)) for scan in scans]
         return [(scan, odometry) for scan, odometry in located if odometry is not None]
 

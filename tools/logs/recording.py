@@ -75,6 +75,8 @@ class Recording:
         self, path: Path, header: RunHeader, truncated: str | None, upgrades: list[str]
     ) -> None:
         self.path = path
+        self.layout = SCHEMA_VERSION - len(upgrades)
+        """The layout the file was written in."""
         self.header = header
         self.upgrades = upgrades
         """The steps that brought its header from an earlier layout to the present one."""

@@ -26,6 +26,7 @@ def _identify(fields: Fields, map_files: Mapping[str, bytes]) -> Fields:
 
 UPGRADES: dict[int, Upgrade] = {
     1: Upgrade("identity of map, border and software", _identify),
+    2: Upgrade("decisions with overrides, by today's names", lambda fields, _files: fields),
 }
 """By the layout they start from."""
 

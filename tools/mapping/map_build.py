@@ -25,7 +25,7 @@ Scans = Literal["all", "even", "odd"]
 
 _CHOICE = {"all": slice(None), "even": slice(0, None, 2), "odd": slice(1, None, 2)}
 _MARGIN = 1.0  # m of unknown cells round everything seen
-_MOST_CELLS = 100_000_000  # 0.9 GB while building
+_MAX_CELLS = 100_000_000  # 0.9 GB while building
 
 
 class PosedScan(Protocol):
@@ -84,7 +84,7 @@ def build_map(
     scans: Scans = "all",
     max_range: float = 20.0,
     occupied_share: float = 0.25,
-    least_sightings: int = 2,
+    min_sightings: int = 2,
     progress: Callable[[float], None] | None = None,
 ) -> MapBuild:
     """Build an occupancy map of a log's scans at their reference poses.
@@ -92,7 +92,7 @@ def build_map(
     resolution: cell side, m. scans: all, or every second one starting with the first (even) or
     the second (odd), so that a map can be judged on scans it was not built from. max_range, m:
     longer beams are left out. occupied_share: of the scans that saw a cell, the share that must
-    have ended in it. least_sightings: cells seen by fewer scans stay unknown. progress: called
+    have ended in it. min_sightings: cells seen by fewer scans stay unknown. progress: called
     with the number of scans done.
 
     Raises MapError if there is no scan to use, or no sensible grid to put them in.
@@ -105,7 +105,7 @@ def build_map(
         raise MapError(f"{log.path}: no {scans} scans in the log, a map needs some")
     beams = [_beams(scan, max_range) for scan in chosen]
     origin, shape = _extent(chosen, beams, resolution)
-    if shape[0] * shape[1] > _MOST_CELLS:
+    if shape[0] * shape[1] > _MAX_CELLS:
         width, height = shape[1] * resolution, shape[0] * resolution
         raise MapError(
             f"{log.path}: the scans span {width:.0f} x {height:.0f} m, too much for cells of "
@@ -118,7 +118,7 @@ def build_map(
         if progress is not None:
             progress(number)
     cells, origin = _crop(
-        _classify(hits, misses, occupied_share, least_sightings), resolution, origin
+        _classify(hits, misses, occupied_share, min_sightings), resolution, origin
     )
     return MapBuild(
         map=OccupancyMap(cells, resolution, origin),
@@ -193,12 +193,12 @@ def _count(
 
 
 def _classify(
-    hits: NDArray[np.int32], misses: NDArray[np.int32], occupied_share: float, least_sightings: int
+    hits: NDArray[np.int32], misses: NDArray[np.int32], occupied_share: float, min_sightings: int
 ) -> NDArray[np.uint8]:
     """Decide each cell's state from its counts."""
     sightings = hits + misses
     cells = np.where(hits > occupied_share * sightings, OCCUPIED, FREE).astype(np.uint8)
-    cells[sightings < least_sightings] = UNKNOWN
+    cells[sightings < min_sightings] = UNKNOWN
     return cells
 
 

@@ -14,8 +14,8 @@ from maps.map_folder import DEFAULT_BORDER, load_map_folder
 from maps.occupancy_map import OCCUPIED, UNKNOWN, MapError, OccupancyMap
 from robot_agent.patrol.settings import PatrolSettings
 
-_LEAST_TURNING_RADIUS = PatrolSettings().turning_radius  # m
-_LEAST_KNOWN_SHARE = 0.05  # of a map's cells
+_MIN_TURNING_RADIUS = PatrolSettings().turning_radius  # m
+_MIN_KNOWN_SHARE = 0.05  # of a map's cells
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +65,7 @@ def _map_findings(occupancy: OccupancyMap) -> list[Finding]:
     walls = int(np.count_nonzero(occupancy.cells == OCCUPIED))
     return [
         Finding("map", ok=True, text=f"{cols} x {rows} cells of {occupancy.resolution:g} m"),
-        Finding("known cells", known >= _LEAST_KNOWN_SHARE, f"{100.0 * known:.1f} %"),
+        Finding("known cells", known >= _MIN_KNOWN_SHARE, f"{100.0 * known:.1f} %"),
         Finding("occupied cells", walls > 0, f"{walls}, a robot finds its place by them"),
     ]
 
@@ -79,8 +79,8 @@ def _border_findings(occupancy: OccupancyMap, border: Border) -> list[Finding]:
         Finding("border", ok=True, text=f"{border.length:.2f} m, {kind}"),
         Finding(
             "turning radius",
-            radius >= _LEAST_TURNING_RADIUS,
-            f"{turning}, at least {_LEAST_TURNING_RADIUS:g} m needed",
+            radius >= _MIN_TURNING_RADIUS,
+            f"{turning}, at least {_MIN_TURNING_RADIUS:g} m needed",
         ),
         Finding(
             "clearance",

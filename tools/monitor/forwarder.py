@@ -30,7 +30,7 @@ class Forwarder:
         with self._lock:
             return sum(robot.dropped for robot in self._robots.values())
 
-    def take(self, key: str, payload: bytes, _wall: float) -> None:
+    def on_payload(self, key: str, payload: bytes, _wall: float) -> None:
         """Pass on a payload that came under a key; takes microseconds."""
         *parts, stream = key.split("/")
         with self._lock:

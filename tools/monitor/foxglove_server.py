@@ -47,7 +47,7 @@ class FoxgloveServer:
         """Where it listens."""
         return self._server.port
 
-    def take(self, key: str, payload: bytes, wall: float) -> None:
+    def on_payload(self, key: str, payload: bytes, wall: float) -> None:
         """Show a payload that came under a key at wall, s since 1970."""
         channel = self._channels.get(key)
         if channel is None:

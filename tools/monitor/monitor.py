@@ -88,13 +88,13 @@ class Monitor:
         if options.record is not None:
             self._recorder = TeamRecorder(options.record, options.site.folder, options.border)
             stack.callback(self._recorder.close)
-            yield self._recorder.take
+            yield self._recorder.on_payload
         if options.forward is not None:
             forwarder = Forwarder(options.forward)
             stack.callback(forwarder.close)
-            yield forwarder.take
+            yield forwarder.on_payload
         if options.foxglove is not None:
-            yield stack.enter_context(FoxgloveServer(options.foxglove)).take
+            yield stack.enter_context(FoxgloveServer(options.foxglove)).on_payload
 
     def _ailments(self) -> Iterator[Condition]:
         """Yield what is wrong with the monitor itself."""

@@ -69,7 +69,7 @@ def _decision(robot: RobotState) -> dict[str, Any]:
         "degrees": [decision.degrees.get(action, 0.0) for action in ACTIONS],
         "winner": _text(decision.winner),
         "runnerUp": _text(decision.runner_up),
-        "wish": [decision.wish.v, decision.wish.w],
+        "requested": [decision.requested.v, decision.requested.w],
         "command": [decision.command.v, decision.command.w],
         "gate": None if decision.gate_reason is None else _text(decision.gate_reason),
         "blocked": decision.blocked,

@@ -37,7 +37,7 @@ HOLDING_REASONS = frozenset({*DENIALS, GateReason.OBSTACLE})
 
 def held_by_gate(decision: DecisionPayload) -> bool:
     """Tell whether the gate keeps a robot that wishes to move from moving at all."""
-    wished = abs(decision.wish.v) > _STANDING or abs(decision.wish.w) > _STANDING
+    wished = abs(decision.requested.v) > _STANDING or abs(decision.requested.w) > _STANDING
     moves = abs(decision.command.v) > _STANDING or abs(decision.command.w) > _STANDING
     return decision.gate_reason in HOLDING_REASONS and wished and not moves
 

@@ -49,7 +49,7 @@ class TeamRecorder:
         self._thread = threading.Thread(target=self._run, name="team recorder", daemon=True)
         self._thread.start()
 
-    def take(self, key: str, payload: bytes, wall: float) -> None:
+    def on_payload(self, key: str, payload: bytes, wall: float) -> None:
         """Queue a payload that came at wall, s since 1970; takes microseconds, from any thread."""
         if self.failed or len(self._queue) >= CAPACITY:
             self.lost += 1

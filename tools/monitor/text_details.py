@@ -28,7 +28,7 @@ def _decision_parts(decision: DecisionPayload | None) -> Iterator[str]:
         f"{action} {decision.degrees.get(action, 0.0):.2f}{marks.get(action, '')}"
         for action in ACTIONS
     )
-    yield f"asked for {decision.wish.v:.2f} m/s {decision.wish.w:.2f} rad/s"
+    yield f"asked for {decision.requested.v:.2f} m/s {decision.requested.w:.2f} rad/s"
     yield f"neighbor state {decision.gamma:.2f}, at {decision.abscissa:.1f} m of the border"
 
 

@@ -35,7 +35,7 @@ class Session(Protocol[T_co]):
     def tick(self, t: float) -> None:
         """Notice what is overdue."""
 
-    def take_requests(self) -> list[Request]:
+    def pop_requests(self) -> list[Request]:
         """Return what the link must do."""
 
     def shut_down(self, t: float) -> None:
@@ -114,7 +114,7 @@ class DeviceTrial(Generic[T]):
         """Handle what was heard, and time."""
         try:
             while True:
-                self._take(self._inbox.get_nowait())
+                self._on_item(self._inbox.get_nowait())
         except Empty:
             pass
         now = time.monotonic()
@@ -132,7 +132,7 @@ class DeviceTrial(Generic[T]):
         """Close the port; idempotent."""
         self._link.close()
 
-    def _take(self, heard: _Heard) -> None:
+    def _on_item(self, heard: _Heard) -> None:
         line = self.line
         if heard.what is None:
             line.opened = True
@@ -148,7 +148,7 @@ class DeviceTrial(Generic[T]):
         self._carry_out()
 
     def _carry_out(self) -> None:
-        for request in self._session.take_requests():
+        for request in self._session.pop_requests():
             if isinstance(request, SetBaud):
                 self._baud = request.baud
                 if request.baud not in self.line.bauds_tried:

@@ -33,7 +33,7 @@ from tools.preflight.finding import Finding, Verdict, failed, ok, skipped, warni
 
 TRIAL_LIMIT_S = 10.0
 """How long silent devices are waited for: once through all their rates."""
-LEAST_DISK_BYTES = 500_000_000
+MIN_DISK_BYTES = 500_000_000
 EARLIEST_YEAR = 2025
 """A clock before this program was written is wrong."""
 OPERATOR_LIMIT_S = 1.0
@@ -145,7 +145,7 @@ def examine_clock(
     return ok("clock", text)
 
 
-def examine_recorder(folder: str, least: int = LEAST_DISK_BYTES) -> Finding:
+def examine_recorder(folder: str, least: int = MIN_DISK_BYTES) -> Finding:
     """Check that recordings can be written and have room, bytes."""
     if not folder:
         return skipped("disk", "recorder.folder is not set: nothing is recorded")

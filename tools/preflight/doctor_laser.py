@@ -15,8 +15,8 @@ from tools.preflight.doctor_port import describe_line, examine_line, examine_ope
 from tools.preflight.finding import Finding, failed, ok, warning
 
 LISTENING_S = 1.0  # to the stream
-LEAST_SHARE = 0.8  # of the scans the line could carry
-LEAST_RETURNS = 0.1  # of a scan's beams: fewer see nothing, or a cover
+MIN_SHARE = 0.8  # of the scans the line could carry
+MIN_RETURNS = 0.1  # of a scan's beams: fewer see nothing, or a cover
 
 _BITS_PER_BYTE = 10
 _SCAN_OVERHEAD = 10  # bytes of a scan's telegram besides its values
@@ -93,11 +93,11 @@ class LaserExamination:
             f"{rate:.1f} scans/s of {last.ranges.size} beams every {step:.2g} deg "
             f"({best:.1f} possible), {100 * seen:.0f} % of the beams return"
         )
-        if rate < LEAST_SHARE * best:
+        if rate < MIN_SHARE * best:
             return warning(
                 "laser scans", text, "see the counters of its line; ease the computer's load"
             )
-        if seen < LEAST_RETURNS:
+        if seen < MIN_RETURNS:
             return failed(
                 "laser scans", text, "take the cover off; turn the robot to see its walls"
             )

@@ -77,9 +77,9 @@ class WatchdogTrial:
         elif self._last_sent is not None and t - self._last_sent > GIVE_UP_S:
             self.over = True
 
-    def take_requests(self) -> list[Request]:
+    def pop_requests(self) -> list[Request]:
         """Return what the session sends; nothing in the silence."""
-        requests = self.session.take_requests()
+        requests = self.session.pop_requests()
         if self._silent and not self.over:
             return []
         if requests:

@@ -24,7 +24,7 @@ from tools.simulation.lockstep import LockstepAgent
 LEAD_IN_S = 10.0
 """Time before the log's first moment, for both devices' handshakes."""
 SIP_PERIOD_S = 0.1
-LEAST_STEP_S = 0.01
+MIN_STEP_S = 0.01
 """Odometry closer than this to the next is left out: the line could not carry it in time."""
 BASE_BAUD = 38400
 LASER_BAUD = 500000
@@ -70,7 +70,7 @@ def _without_crowds(found: list[Moment]) -> list[Moment]:
     kept = [
         moment
         for moment, following in pairwise(found)
-        if moment.scan is not None or following.t - moment.t >= LEAST_STEP_S
+        if moment.scan is not None or following.t - moment.t >= MIN_STEP_S
     ]
     return [*kept, found[-1]]
 

@@ -87,7 +87,7 @@ class RecordedDevice:
         self.clock.start(t)
         self.received += len(data)
 
-    def take_output(self, t: float) -> list[TimedBytes]:
+    def pop_output(self, t: float) -> list[TimedBytes]:
         """Return what the device had sent by t at one rate."""
         now = self.clock.recorded(t)
         if now is None:
@@ -190,6 +190,6 @@ def _pump(port: PtyPort | TcpPort, device: RecordedDevice, now: float) -> None:
         port.plug_in()
     else:
         port.unplug()
-        device.take_output(now)  # nobody hears it
+        device.pop_output(now)  # nobody hears it
         return
     port.pump(now)

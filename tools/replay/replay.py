@@ -21,6 +21,7 @@ from robot_agent.recording.recording_writer import Gap, Note, Reference
 from robot_agent.recording.run_header import versions
 from tools.logs.recorded_config import recorded_config
 from tools.logs.recording import Recording
+from tools.replay.comparison import same_effects
 from tools.replay.what_if import WhatIf
 
 SHOWN = 200
@@ -115,7 +116,9 @@ class Replay:
             self._count(result, effects)
             if what_if is not None and step.complete:
                 what_if.compare(t, step.effects, effects)
-            if check and not _same(step, effects):
+            if check and not same_effects(
+                step.effects, effects, self._recording.layout, complete=step.complete
+            ):
                 result.difference = _describe(step, effects)
                 break
         result.wall = time.perf_counter() - started
@@ -180,12 +183,6 @@ class Replay:
 
 def _milliseconds(t: float) -> int:
     return round(t * 1000)
-
-
-def _same(step: Step, effects: list[Effect]) -> bool:
-    if step.complete:
-        return effects == step.effects
-    return effects[: len(step.effects)] == step.effects
 
 
 def _describe(step: Step, effects: list[Effect]) -> str:

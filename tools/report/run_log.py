@@ -220,15 +220,15 @@ class _Reader:
             "status": _appender(_Status, log.status),
             "process": _appender(_Process, log.process),
             "reference": _appender(_Reference, self._references),
-            "event": self._take_line,
-            "process_log": self._take_line,
-            "link": self._take_link,
+            "event": self._on_line,
+            "process_log": self._on_line,
+            "link": self._on_link,
             "gap": lambda t, data: log.gaps.append((t, msgspec.json.decode(data, type=_Gap).lost)),
-            "base/tx": self._take_orders,
+            "base/tx": self._on_orders,
             "base/rx": lambda _t, _data: None,
             "laser/rx": lambda _t, _data: None,
             "tick": lambda _t, _data: None,
-            "shutdown": self._take_end,
+            "shutdown": self._on_end,
         }
 
     def read(self, progress: Callable[[float], None]) -> RunLog:
@@ -273,18 +273,18 @@ class _Reader:
     def _array(self, topic: str) -> Floats:
         return np.array(self._times[topic], dtype=np.float64)
 
-    def _take_line(self, t: float, data: bytes) -> None:
+    def _on_line(self, t: float, data: bytes) -> None:
         line = msgspec.json.decode(data, type=_Log)
         self._log.lines.append(LogLine(t, line.level, line.name, line.message))
 
-    def _take_link(self, t: float, data: bytes) -> None:
+    def _on_link(self, t: float, data: bytes) -> None:
         change = msgspec.json.decode(data, type=_Link)
         self._log.links.append(LinkChange(t, change.link, change.up, change.reason))
 
-    def _take_end(self, t: float, _data: bytes) -> None:
+    def _on_end(self, t: float, _data: bytes) -> None:
         self._log.told_to_end = t
 
-    def _take_orders(self, t: float, data: bytes) -> None:
+    def _on_orders(self, t: float, data: bytes) -> None:
         """Follow what the base is told: to move, or to stand."""
         for packet in self._framer.feed(data):
             command = decode_command(packet)

@@ -33,4 +33,4 @@ class Cable:
         if self._port is not None:
             self._port.pump(t)
         else:
-            self._device.take_output(t)
+            self._device.pop_output(t)

@@ -19,7 +19,7 @@ BALANCE_K = 4500.0
 _GAMMA = 2.2
 _SHUTTER_LIMIT_LUX = 40.0  # less light makes pictures darker: exposure and gain are at their ends
 _DARKEST_NOISE = 9.0  # counts at 10 lux; falls with the square root of the light
-_LEAST_NOISE = 1.2  # counts
+_MIN_NOISE = 1.2  # counts
 _NOISE_PICTURES = 6
 
 
@@ -43,7 +43,7 @@ class Light:
     @property
     def noise(self) -> float:
         """One sigma, counts."""
-        return _LEAST_NOISE + _DARKEST_NOISE * min(math.sqrt(10.0 / self.lux), 1.0)
+        return _MIN_NOISE + _DARKEST_NOISE * min(math.sqrt(10.0 / self.lux), 1.0)
 
 
 class LitCamera:

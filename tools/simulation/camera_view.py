@@ -28,7 +28,7 @@ SIGHT = 12.0  # m; things farther away are not painted
 _NEAREST = 0.05  # m; depth of a wall that touches the lens
 _FLOOR, _CEILING, _WALL = (70, 80, 90), (225, 225, 215), np.array((165.0, 190.0, 200.0))
 _FADING = 14.0  # m over which a wall's brightness falls to 1/e
-_LEAST_BRIGHTNESS = 0.4
+_MIN_BRIGHTNESS = 0.4
 _COLUMNS_A_RAY = 2
 _CLOTHES: tuple[Color, ...] = (
     (120, 60, 40), (40, 40, 45), (60, 120, 70), (60, 60, 190), (190, 180, 170), (90, 60, 130),
@@ -138,7 +138,7 @@ class CameraView:
         camera = self._camera
         ranges = self._world.free_ways(lens.x, lens.y, lens.theta + self._bearings)
         rays = np.maximum(ranges * self._flatten, _NEAREST)
-        brightness = np.clip(np.exp(-rays / _FADING), _LEAST_BRIGHTNESS, 1.0)
+        brightness = np.clip(np.exp(-rays / _FADING), _MIN_BRIGHTNESS, 1.0)
         depth = np.repeat(rays, _COLUMNS_A_RAY)[: camera.width]
         inverse = (camera.focal_length / depth).astype(np.float32)
         middle = (camera.height - 1) / 2

@@ -150,7 +150,7 @@ def open_port(
 def open_camera(port: int, world: World, body: RobotBody) -> CameraServer:
     """Serve what a robot sees; raises EmulateError if the port cannot be had."""
     try:
-        return CameraServer(EmulatedCamera(world, body).take, port)
+        return CameraServer(EmulatedCamera(world, body).picture_at, port)
     except (OSError, OverflowError) as error:
         raise EmulateError(
             f"--camera {port}: cannot listen there ({error}); choose another port, or 0 for any"

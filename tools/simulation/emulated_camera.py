@@ -46,7 +46,7 @@ class EmulatedCamera:
         )
         self._lit = LitCamera(np.random.default_rng((seed, body.index)))
 
-    def take(self, t: float, pose: Pose | None = None) -> NDArray[np.uint8]:
+    def picture_at(self, t: float, pose: Pose | None = None) -> NDArray[np.uint8]:
         """Return the picture (height, width, 3; blue, green, red) taken at t, s.
 
         pose: map_from_base then, instead of the body's present one.

@@ -63,7 +63,7 @@ class LockstepAgent:
         """Deliver everything that reached the agent by t, and the ticks due by then, in order."""
         arrivals: list[Event] = [] if self._camera is None else self._camera.arrivals(t)
         for link, device in self._devices.items():
-            self._take_arrivals(link, device, t, arrivals)
+            self._handle_arrivals(link, device, t, arrivals)
         if len(arrivals) > 1:
             arrivals.sort(key=_time)
         for event in arrivals:
@@ -79,13 +79,13 @@ class LockstepAgent:
         """End the agent as SIGTERM does."""
         self._handle(Shutdown(round(t, 6)))
 
-    def _take_arrivals(
+    def _handle_arrivals(
         self, link: LinkName, device: EmulatedDevice, t: float, arrivals: list[Event]
     ) -> None:
         """Add what the line delivered by t, garbled where the rates differ."""
         while True:
             baud = device.baud  # a device may change its rate after a reply
-            chunks = device.take_output(t)
+            chunks = device.pop_output(t)
             if not chunks:
                 return
             for chunk in chunks:

@@ -81,12 +81,12 @@ class RobotRig:
         self._next_sonar += SONAR_PERIOD_S
         return True
 
-    def looks(self, t: float) -> Fan | None:
+    def next_fan(self, t: float) -> Fan | None:
         """Return the rays of the mirror turn that is due by t, if any, for ``see``."""
         turn = self.laser.turn_due(t)
         return None if turn is None else self._fan(*turn[:3])
 
-    def see(self, t: float, ranges: NDArray[np.float64] | None) -> None:
+    def on_ranges(self, t: float, ranges: NDArray[np.float64] | None) -> None:
         """Let the laser run to t; ranges (n,) m: what the rays that ``looks`` returned met."""
         self._seen = ranges
         self.laser.advance(t)
@@ -135,11 +135,11 @@ def sense(rigs: Sequence[RobotRig], t: float) -> None:
         echoes = world.sonars([rig.body for rig in listening], ring)
         for rig, ranges in zip(listening, echoes, strict=True):
             rig.base.set_sonar(ranges)
-    fans = [rig.looks(t) for rig in rigs]
+    fans = [rig.next_fan(t) for rig in rigs]
     looking = [fan for fan in fans if fan is not None]
     scans = iter(rigs[0].world.scans(looking) if looking else ())
     for rig, fan in zip(rigs, fans, strict=True):
-        rig.see(t, None if fan is None else next(scans))
+        rig.on_ranges(t, None if fan is None else next(scans))
 
 
 def make_rigs(world: World, starts: Sequence[Pose], t: float) -> list[RobotRig]:

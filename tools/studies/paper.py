@@ -24,7 +24,7 @@ from tools.metrics.metrics import Meeting, RobotRun, meetings
 from tools.studies.worker_pool import worker_pool
 
 MAP, BORDER, ROBOTS, DURATION_S = "paper_lab", "border", 3, 1800.0
-P99_M, MOST_M = 0.05, 0.10
+P99_M, MAX_M = 0.05, 0.10
 STEPS = 2
 """Control steps between the turns of two robots that count as at the same time."""
 _REACTION_S = 12.0  # to turn after coming within sight, or to keep going again after turning
@@ -151,7 +151,7 @@ def claims(run: PaperRun) -> dict[str, Any]:
     at_once = [turn for turn in paired if (turn.steps_apart or 0) <= STEPS]
     held = {
         "p99_below_0.05_m": distance["p99"] is not None and distance["p99"] < P99_M,
-        "never_above_0.10_m": distance["max"] is not None and distance["max"] < MOST_M,
+        "never_above_0.10_m": distance["max"] is not None and distance["max"] < MAX_M,
         "every_meeting_cw_and_ccw_then_apart": len(paired) == len(found),
         "every_turn_within_two_steps": len(at_once) == len(found),
         "no_contact": run.figures["contacts"] == 0,
@@ -167,7 +167,7 @@ def claims(run: PaperRun) -> dict[str, Any]:
             "head_on": len(found),
             "cw_and_ccw_then_apart": len(paired),
             "within_two_steps": len(at_once),
-            "most_steps_apart": max((turn.steps_apart or 0 for turn in both), default=0),
+            "max_steps_apart": max((turn.steps_apart or 0 for turn in both), default=0),
         },
         "held": held,
         "turns": [asdict(turn) for turn in found],
@@ -193,7 +193,7 @@ def over_seeds(told: Sequence[dict[str, Any]]) -> dict[str, Any]:
         ),
         "meetings": {
             **{name: sum(each["meetings"][name] for each in told) for name in counts},
-            "most_steps_apart": max(each["meetings"]["most_steps_apart"] for each in told),
+            "max_steps_apart": max(each["meetings"]["max_steps_apart"] for each in told),
         },
         "held": {name: all(each["held"][name] for each in told) for name in told[0]["held"]},
     }

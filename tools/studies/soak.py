@@ -25,7 +25,7 @@ from robot_agent.messages.effects import Effect
 from robot_agent.messages.events import Event
 from robot_agent.motion.gate_reason import LATCHED, GateReason
 from robot_agent.recording.recorder import Recorder
-from robot_agent.recording.recording_retention import DiskRoom
+from robot_agent.recording.recording_retention import RecordingRetention
 from robot_agent.recording.run_header import RunHeader, header_of_run
 from tools.bench.bench_fault import BenchFault, FaultKind
 from tools.bench.fleet import Fleet, FleetRobot
@@ -110,7 +110,9 @@ class HourlyRecording:
         path = self._target / f"{self._name}-{20000101 + day}T{hour:02d}0000Z.mcap"
         settings = RecorderSettings(keep_mb=KEEP_MB, leave_free_mb=0.0)
         return Recorder(
-            path, self._header, room=DiskRoom(path, settings, f"{self._name}-????????T??????Z.mcap")
+            path,
+            self._header,
+            room=RecordingRetention(path, settings, f"{self._name}-????????T??????Z.mcap"),
         )
 
     def record_event(self, event: Event) -> None:

@@ -142,7 +142,7 @@ class Lms200Emulator:
             return None
         return self._mirror.due(self.variant, self._wire_free, t)
 
-    def take_output(self, t: float) -> list[TimedBytes]:
+    def pop_output(self, t: float) -> list[TimedBytes]:
         """Return what has wholly left the wire by ``t``, in order.
 
         One call returns bytes of one rate: what was sent after a rate change comes with the next.

@@ -113,7 +113,7 @@ class EmulatedBase:
             self.battery.drain(dt, distance)
             self._t = t if idle else self._t + dt
 
-    def take_motion(self) -> tuple[float, float]:
+    def pop_motion(self) -> tuple[float, float]:
         """Return the wheels' motion since the last call as (distance m, rotation rad)."""
         moved, self._moved = self._moved, (0.0, 0.0)
         return moved

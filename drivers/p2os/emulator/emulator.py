@@ -124,7 +124,7 @@ class P2osEmulator:
         """Run the controller to ``t``; return the wheels' motion since the last call as
         (distance m, rotation rad)."""
         self.base.run_to(t)
-        return self.base.take_motion()
+        return self.base.pop_motion()
 
     def turn_odometer(self, distance: float, rotation: float) -> None:
         """Count what the encoders saw: ``distance`` m along an arc of ``rotation`` rad."""
@@ -186,7 +186,7 @@ class P2osEmulator:
             else:
                 self._shake_hands(command, t)
 
-    def take_output(self, t: float) -> list[TimedBytes]:
+    def pop_output(self, t: float) -> list[TimedBytes]:
         """Report if a cycle has ended; return everything that has left the wire by ``t``."""
         self._run_to(t)
         if self._sip_period is not None and t >= self._next_sip - 1e-9:
@@ -194,19 +194,19 @@ class P2osEmulator:
             self._next_sip += self._sip_period
             if self._next_sip <= t:
                 self._next_sip = t + self._sip_period
-        return self._output.take(t)
+        return self._output.pop(t)
 
     def emit_sip(self, t: float) -> None:
         """Send a SIP and what streams with it now; nothing happens while no session is open."""
         if not self.session_open:
             return
-        fired = [(n, self._ranges[n]) for n in self._sonar.take_fired(t)]
+        fired = [(n, self._ranges[n]) for n in self._sonar.pop_fired(t)]
         sonar = fired if self.sonar_on else None
         sip = sip_report(self.base, self._pins, sonar, later_firmware=self._later_firmware)
         self._send(sip.encode(), t)
-        if self._streams.take_due(CommandNumber.IOREQUEST):
+        if self._streams.pop_due(CommandNumber.IOREQUEST):
             self._send(io_report(self.base, self._pins).encode(), t)
-        if self._streams.take_due(CommandNumber.ENCODER):
+        if self._streams.pop_due(CommandNumber.ENCODER):
             self._send(encoder_report(self.base).encode(), t)
 
     def _send(self, data: bytes, t: float) -> None:

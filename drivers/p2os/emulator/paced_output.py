@@ -22,7 +22,7 @@ class PacedOutput:
         self._free_at = max(t, self._free_at) + len(data) * BITS_PER_BYTE / baud
         self._queue.append(TimedBytes(self._free_at, data))
 
-    def take(self, t: float) -> list[TimedBytes]:
+    def pop(self, t: float) -> list[TimedBytes]:
         """Return and forget what has left the wire by ``t``, in order."""
         left = []
         while self._queue and self._queue[0].t <= t:

@@ -40,7 +40,7 @@ class SonarFiring:
         """Cease firing."""
         self._firing_since = None
 
-    def take_fired(self, t: float) -> list[int]:
+    def pop_fired(self, t: float) -> list[int]:
         """Return the transducers that fired since the last call, in order, each at most once."""
         if self._firing_since is None:
             return []

@@ -23,7 +23,7 @@ class EmulatedStreams:
         """Forget every request."""
         self._wanted.clear()
 
-    def take_due(self, number: CommandNumber) -> bool:
+    def pop_due(self, number: CommandNumber) -> bool:
         """Tell whether a packet of a kind goes out in this cycle."""
         wanted = self._wanted.get(number, 0)
         if 0 < wanted < STREAM:

@@ -23,7 +23,7 @@ class Echo:
         self.heard += data
         self._output.append(TimedBytes(t, data))
 
-    def take_output(self, t: float) -> list[TimedBytes]:
+    def pop_output(self, t: float) -> list[TimedBytes]:
         output, self._output = self._output, []
         return output
 
@@ -40,8 +40,8 @@ def sent_through(spec: str, pieces: int = 200, seed: int = 1) -> tuple[bytes, Li
     for number in range(pieces):
         t = 0.1 * number
         line.feed(bytes((number % 256,)) * 50, t)
-        back += b"".join(item.data for item in line.take_output(t))
-    back += b"".join(item.data for item in line.take_output(1e9))
+        back += b"".join(item.data for item in line.pop_output(t))
+    back += b"".join(item.data for item in line.pop_output(1e9))
     return back, line, device
 
 
@@ -81,7 +81,7 @@ def test_bad_specifications_name_the_part_and_a_remedy(part: str) -> None:
 def test_without_faults_everything_passes_in_time() -> None:
     line, device = faulty("")
     line.feed(b"hello", 1.0)
-    assert line.take_output(1.0) == [TimedBytes(1.0, b"hello")]
+    assert line.pop_output(1.0) == [TimedBytes(1.0, b"hello")]
     assert device.heard == b"hello"
     assert line.counters.passed_bytes == 10
     assert line.baud == 9600
@@ -114,7 +114,7 @@ def test_split_pieces_arrive_whole_in_the_end() -> None:
     line, device = faulty("split=1")
     line.feed(b"0123456789", 1.0)
     assert 1 <= len(device.heard) < 10
-    line.take_output(1.5)
+    line.pop_output(1.5)
     assert device.heard == b"0123456789"
     assert line.counters.splits >= 1
 
@@ -123,11 +123,11 @@ def test_delayed_pieces_keep_their_order() -> None:
     line, device = faulty("delay=1:0.5")
     line.feed(b"first", 0.0)
     line.feed(b"second", 0.1)
-    line.take_output(0.4)
+    line.pop_output(0.4)
     assert device.heard == b""
-    line.take_output(0.55)
+    line.pop_output(0.55)
     assert device.heard == b"first"
-    line.take_output(0.65)
+    line.pop_output(0.65)
     assert device.heard == b"firstsecond"
 
 
@@ -145,7 +145,7 @@ def test_cuts_and_resets_happen_once_each_at_their_time() -> None:
     line.on_restored = lambda t: log.append(("restored", t))
     line.on_reset = lambda t: log.append(("reset", t))
     for step in range(100):
-        line.take_output(100.0 + 0.1 * step)
+        line.pop_output(100.0 + 0.1 * step)
     assert [name for name, _ in log] == ["cut", "restored", "reset", "reset"]
     assert [t for _, t in log] == pytest.approx([102.0, 103.0, 105.0, 105.0], abs=0.11)
     assert (line.counters.cuts, line.counters.resets) == (1, 2)

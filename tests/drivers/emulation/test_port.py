@@ -78,7 +78,7 @@ def test_pty_passes_every_byte_value_unchanged() -> None:
         def feed(self, data: bytes, t: float) -> None:
             self.data += data
 
-        def take_output(self, t: float) -> list[TimedBytes]:
+        def pop_output(self, t: float) -> list[TimedBytes]:
             data, self.data = self.data, b""
             return [TimedBytes(t, data)] if data else []
 

@@ -54,7 +54,7 @@ class Line:
             t, baud, data = self._on_wire.pop(0)
             self.emulator.feed(self.spoil(self._received(data, baud)), t)
         baud = self.emulator.baud
-        for item in self.emulator.take_output(self.t):
+        for item in self.emulator.pop_output(self.t):
             data = self._received(item.data, self.host_baud, baud)
             self.from_laser.append(data)
             self.scans += self.session.feed(data, item.t)
@@ -69,7 +69,7 @@ class Line:
         return data if matching else bytes(octet ^ 0x5A for octet in data)
 
     def _carry_out(self) -> None:
-        for request in self.session.take_requests():
+        for request in self.session.pop_requests():
             if isinstance(request, SetBaud):
                 self.host_baud = request.baud
             elif isinstance(request, Write):

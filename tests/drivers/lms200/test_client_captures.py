@@ -47,7 +47,7 @@ def replies_between(emulator: Lms200Emulator, begin: float, end: float) -> list[
     t = begin
     while t < end:
         t = min(t + POLL, end)
-        for item in emulator.take_output(t):
+        for item in emulator.pop_output(t):
             found += [i for i in framer.feed(item.data) if isinstance(i, Telegram)]
     return found
 
@@ -112,7 +112,7 @@ def test_client_gets_the_answers_it_got_in_their_order(data_folder: Path, name: 
     for command in [*host_side(capture), Recorded(7.0, 9600, b"")]:
         while now < command.t:
             now = min(now + POLL, command.t)
-            for item in emulator.take_output(now):
+            for item in emulator.pop_output(now):
                 found = framer.feed(item.data)
                 ours += ["ack" if isinstance(i, Ack) else f"{i.code:02x}" for i in found]  # type: ignore[union-attr]
         emulator.feed(command.data, command.t)

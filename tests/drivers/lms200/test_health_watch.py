@@ -22,9 +22,9 @@ def set_up() -> HealthWatch:
     """A watch that has heard the answers of a healthy laser's set-up and its first scan."""
     watch = HealthWatch()
     assert watch.health is None
-    watch.take(device_status())
-    watch.take(errors())
-    watch.see_scan(0x10)
+    watch.on_telegram(device_status())
+    watch.on_telegram(errors())
+    watch.on_scan_status(0x10)
     assert watch.health is not None
     assert watch.health.ok
     return watch
@@ -33,21 +33,21 @@ def set_up() -> HealthWatch:
 def test_healthy_laser_is_asked_nothing() -> None:
     watch = set_up()
     for step in range(200):
-        watch.see_scan(0x10)
+        watch.on_scan_status(0x10)
         assert watch.next_command(0.1 * step) is None
 
 
 def test_changed_status_byte_shows_at_once_and_is_asked_about() -> None:
     watch = set_up()
-    watch.see_scan(POLLUTED)
+    watch.on_scan_status(POLLUTED)
     assert watch.health is not None
     assert watch.health.pollution
     assert watch.next_command(1.0) == telegrams.READ_ERRORS
     assert watch.next_command(1.1) is None
-    watch.take(errors(ErrorEntry(Severity.WARNING, 17, present=True), status=POLLUTED))
+    watch.on_telegram(errors(ErrorEntry(Severity.WARNING, 17, present=True), status=POLLUTED))
     assert watch.health.text.startswith("warning 17")
     assert watch.next_command(1.2) == telegrams.READ_STATUS
-    watch.take(device_status(defective=True))
+    watch.on_telegram(device_status(defective=True))
     assert watch.health.defective
     assert watch.next_command(1.3) == telegrams.SELECT_CONTINUOUS
     assert watch.next_command(9.0) is None
@@ -55,18 +55,18 @@ def test_changed_status_byte_shows_at_once_and_is_asked_about() -> None:
 
 def test_stream_that_goes_on_by_itself_is_not_started_again() -> None:
     watch = set_up()
-    watch.see_scan(POLLUTED)
+    watch.on_scan_status(POLLUTED)
     watch.next_command(1.0)
-    watch.take(errors(status=POLLUTED))
+    watch.on_telegram(errors(status=POLLUTED))
     watch.next_command(1.1)
-    watch.see_scan(POLLUTED)
-    watch.take(device_status())
+    watch.on_scan_status(POLLUTED)
+    watch.on_telegram(device_status())
     assert watch.next_command(1.2 + STEP_LIMIT) is None
 
 
 def test_unanswered_questions_are_passed_over_in_time() -> None:
     watch = set_up()
-    watch.see_scan(POLLUTED)
+    watch.on_scan_status(POLLUTED)
     asked = [
         (0.1 * step, command)
         for step in range(30)
@@ -84,24 +84,24 @@ def test_flickering_status_is_asked_about_only_so_often() -> None:
     watch = set_up()
     questions = 0
     for step in range(600):
-        watch.see_scan(POLLUTED if step % 2 else 0x10)
+        watch.on_scan_status(POLLUTED if step % 2 else 0x10)
         questions += watch.next_command(0.1 * step) == telegrams.READ_ERRORS
     assert 2 <= questions <= 60.0 / PAUSE + 1
 
 
 def test_new_session_asks_for_itself() -> None:
     watch = set_up()
-    watch.see_scan(POLLUTED)
+    watch.on_scan_status(POLLUTED)
     watch.next_command(0.0)
     watch.forget_questions()
     assert watch.next_command(9.0) is None
-    watch.take(errors())
-    watch.see_scan(0x10)
+    watch.on_telegram(errors())
+    watch.on_scan_status(0x10)
     assert watch.next_command(20.0) is None
 
 
 def test_short_status_telegrams_and_other_replies_tell_nothing() -> None:
     watch = HealthWatch()
-    watch.take(Telegram(0x80, b"\xb1\x10"))
-    watch.take(Telegram(0x80, b"\xa0\x00\x10"))
+    watch.on_telegram(Telegram(0x80, b"\xb1\x10"))
+    watch.on_telegram(Telegram(0x80, b"\xa0\x00\x10"))
     assert watch.health is None

@@ -289,13 +289,13 @@ def test_shut_down_stops_the_stream(line: Any) -> None:
     wire.connect()
     wire.run_until(STREAMING, limit=3.0)
     wire.session.shut_down(wire.t)
-    assert wire.session.take_requests() == [Write(encode_telegram(b"\x20\x25"))]
+    assert wire.session.pop_requests() == [Write(encode_telegram(b"\x20\x25"))]
     assert wire.session.state is SessionState.DOWN
     emulator.feed(encode_telegram(b"\x20\x25"), wire.t)
     assert emulator.mode is Mode.ON_REQUEST
     assert wire.session.feed(encode_telegram(b"\x90\x10", 0x80), wire.t) == []
     wire.session.tick(wire.t + 100)
-    assert wire.session.take_requests() == []
+    assert wire.session.pop_requests() == []
 
 
 def test_link_down_ends_and_link_up_starts_again(line: Any) -> None:
@@ -339,7 +339,7 @@ def test_noise_with_acknowledgements_does_not_hold_up_the_search() -> None:
     for step in range(600):
         session.feed(b"\xff\x06\x15\x06\x33", step * 0.02)
         session.tick(step * 0.02)
-        tried |= {r.baud for r in session.take_requests() if isinstance(r, SetBaud)}
+        tried |= {r.baud for r in session.pop_requests() if isinstance(r, SetBaud)}
     assert tried == {38400, 9600, 19200, 500000}
 
 
@@ -374,7 +374,7 @@ def test_any_bytes_never_raise(chunks: list[bytes]) -> None:
     for step, chunk in enumerate(chunks):
         session.feed(chunk, step * 0.1)
         session.tick(step * 0.1)
-        session.take_requests()
+        session.pop_requests()
 
 
 @pytest.mark.parametrize(

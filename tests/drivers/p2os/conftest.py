@@ -68,7 +68,7 @@ class Bench:
         self.t = round(self._steps * STEP, 6)
         self._move_body()
         self._deliver_to_robot()
-        for sent in self.emulator.take_output(self.t):
+        for sent in self.emulator.pop_output(self.t):
             if not self.cut:
                 data = sent.data if self.baud == self.emulator.baud else garble(sent.data)
                 self.states += self.session.feed(data, sent.t)
@@ -83,7 +83,7 @@ class Bench:
         self.emulator.turn_odometer(distance * self.drift, rotation * self.drift)
 
     def _carry_out_requests(self) -> None:
-        for request in self.session.take_requests():
+        for request in self.session.pop_requests():
             if isinstance(request, SetBaud):
                 self.baud = request.baud
                 continue

@@ -79,7 +79,7 @@ def replay_robot(capture: Capture) -> tuple[P2osSession, list[BaseState]]:
             session.tick(ticks * 0.05)
             ticks += 1
         states += session.feed(data, t)
-        session.take_requests()
+        session.pop_requests()
     return session, states
 
 
@@ -136,7 +136,7 @@ def test_emulator_answers_the_client_like_the_simulator(capture: Capture) -> Non
         while now < t:
             now = min(now + 0.01, t)
             emulator.turn_odometer(*emulator.advance(now))
-            packets += [p for sent in emulator.take_output(now) for p in framer.feed(sent.data)]
+            packets += [p for sent in emulator.pop_output(now) for p in framer.feed(sent.data)]
         emulator.feed(data, t)
     recorded = PacketFramer().feed(b"".join(data for _, data in capture.side(ROBOT)))
     assert kinds(packets) == kinds(recorded)
@@ -179,7 +179,7 @@ def test_damaged_traffic_raises_nothing_at_either_end(
         if line["dir"] == HOST:
             emulator.feed(bytes(data), t)
             emulator.turn_odometer(*emulator.advance(t))
-            emulator.take_output(t)
+            emulator.pop_output(t)
         else:
             for state in session.feed(bytes(data), t):
                 session.drive(t, state.x, state.theta)
@@ -206,7 +206,7 @@ def test_any_packets_raise_nothing_at_either_end(packets: list[bytes], opened: b
         session.tick(t)
         emulator.feed(encode_packet(packet), t)
         emulator.turn_odometer(*emulator.advance(t))
-        emulator.take_output(t)
+        emulator.pop_output(t)
     assert (session.identity is not None) >= opened
     assert (emulator.counters.sessions > 0) >= opened
 
@@ -217,7 +217,7 @@ def test_emulator_survives_a_client_that_hunts_for_it(
     emulator = P2osEmulator(load_model("p2dx"))
     for t, data in read_capture("client-silent-robot").side(HOST):
         emulator.feed(data, t)
-    replies = PacketFramer().feed(b"".join(sent.data for sent in emulator.take_output(10.0)))
+    replies = PacketFramer().feed(b"".join(sent.data for sent in emulator.pop_output(10.0)))
     # To a controller that awaits SYNC1 the client's OPEN is one.
     assert set(replies) == {b"\x00", b"\x01"}
     assert not emulator.session_open

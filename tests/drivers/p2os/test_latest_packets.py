@@ -16,7 +16,7 @@ def test_the_latest_of_each_kind_is_kept_with_its_time() -> None:
     encoder, gyro = EncoderPacket(3, 4), GyroPacket(())
     io, joystick = IoPacket(b"\xff", b"", ()), JoystickPacket(1, 0, 512, 512, 0)
     for t, packet in enumerate((EncoderPacket(1, 2), encoder, gyro, io, joystick)):
-        latest.take(packet, float(t))
+        latest.update(packet, float(t))
     assert (latest.encoder, latest.gyro, latest.io, latest.joystick) == (
         encoder,
         gyro,
@@ -30,6 +30,6 @@ def test_the_latest_of_each_kind_is_kept_with_its_time() -> None:
 def test_each_auxiliary_port_has_its_own() -> None:
     latest = LatestPackets()
     first, second = AuxPacket(1, b"a"), AuxPacket(3, b"b")
-    latest.take(first, 0.0)
-    latest.take(second, 1.0)
+    latest.update(first, 0.0)
+    latest.update(second, 1.0)
     assert latest.aux == {1: first, 3: second}

@@ -20,9 +20,9 @@ def report(*, motors: bool, stalled: bool = False, button: bool = False) -> Base
 
 def running() -> MotorWatch:
     watch = MotorWatch()
-    watch.take(report(motors=False), commands_pending=False)
+    watch.update(report(motors=False), commands_pending=False)
     watch.ask(0.0)
-    watch.take(report(motors=True), commands_pending=False)
+    watch.update(report(motors=True), commands_pending=False)
     assert watch.state is MotorState.ON
     return watch
 
@@ -31,22 +31,22 @@ def test_motors_are_off_until_asked_for_and_on_when_reported() -> None:
     watch = MotorWatch()
     assert watch.state is MotorState.UNKNOWN
     assert not watch.may_be_asked
-    watch.take(report(motors=False), commands_pending=False)
+    watch.update(report(motors=False), commands_pending=False)
     assert watch.state is MotorState.OFF
     assert watch.may_be_asked
     watch.ask(1.0)
-    watch.take(report(motors=False), commands_pending=False)
+    watch.update(report(motors=False), commands_pending=False)
     assert watch.state is MotorState.ENABLING
-    watch.take(report(motors=True), commands_pending=True)
+    watch.update(report(motors=True), commands_pending=True)
     assert watch.state is MotorState.ENABLING  # ENABLE has not left yet: not its answer
-    watch.take(report(motors=True), commands_pending=False)
+    watch.update(report(motors=True), commands_pending=False)
     assert watch.state is MotorState.ON
     assert watch.trouble(99.0) is None
 
 
 def test_enable_is_asked_again_and_then_people_are() -> None:
     watch = MotorWatch()
-    watch.take(report(motors=False), commands_pending=False)
+    watch.update(report(motors=False), commands_pending=False)
     watch.ask(1.0)
     assert not watch.is_overdue(1.4)
     assert watch.is_overdue(1.5)
@@ -58,28 +58,28 @@ def test_enable_is_asked_again_and_then_people_are() -> None:
 
 def test_motors_that_go_off_by_themselves_were_switched_off_by_a_person() -> None:
     watch = running()
-    watch.take(report(motors=False), commands_pending=False)
+    watch.update(report(motors=False), commands_pending=False)
     assert watch.state is MotorState.STOP_BUTTON
     assert not watch.may_be_asked
     assert watch.trouble(9.0) == "stopped by the robot's stop button: press MOTORS on the robot"
-    watch.take(report(motors=False), commands_pending=False)
+    watch.update(report(motors=False), commands_pending=False)
     assert watch.state is MotorState.STOP_BUTTON
-    watch.take(report(motors=True), commands_pending=False)
+    watch.update(report(motors=True), commands_pending=False)
     assert watch.state is MotorState.ON
 
 
 def test_a_stall_is_not_a_stop_button() -> None:
     watch = running()
-    watch.take(report(motors=False, stalled=True), commands_pending=False)
+    watch.update(report(motors=False, stalled=True), commands_pending=False)
     assert watch.state is MotorState.OFF
     assert watch.may_be_asked
 
 
 def test_reported_button_is_told_apart_while_it_is_held() -> None:
     watch = running()
-    watch.take(report(motors=False, button=True), commands_pending=False)
+    watch.update(report(motors=False, button=True), commands_pending=False)
     assert watch.state is MotorState.STOP_BUTTON
     assert "release it and press MOTORS" in (watch.trouble(0.0) or "")
-    watch.take(report(motors=False), commands_pending=False)
+    watch.update(report(motors=False), commands_pending=False)
     assert watch.state is MotorState.STOP_BUTTON
     assert "release" not in (watch.trouble(0.0) or "")

@@ -31,7 +31,7 @@ def test_rate_that_once_worked_is_tried_long_and_first() -> None:
     search = RateSearch(9600)
     search.restart()
     search.advance()
-    search.note_success()
+    search.on_success()
     search.advance()
     search.restart()
     assert (search.baud, search.tries) == (38400, TRIES_AT_KNOWN_RATE)

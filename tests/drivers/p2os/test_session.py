@@ -29,7 +29,7 @@ IDLE_SIP = bytes.fromhex(
 
 def written(session: P2osSession) -> list[Command]:
     framer = PacketFramer()
-    writes = (r.data for r in session.take_requests() if isinstance(r, Write))
+    writes = (r.data for r in session.pop_requests() if isinstance(r, Write))
     return [decode_command(packet) for data in writes for packet in framer.feed(data)]
 
 
@@ -77,7 +77,7 @@ def ready(
         session.feed(sip(flags), t)
         session.tick(t)
     assert session.state is SessionState.READY
-    session.take_requests()
+    session.pop_requests()
     return session
 
 
@@ -207,7 +207,7 @@ def test_rates_are_tried_in_order_and_again() -> None:
     rates: list[int] = []
     for tick in range(260):
         session.tick(0.05 * tick)
-        rates += [r.baud for r in session.take_requests() if isinstance(r, SetBaud)]
+        rates += [r.baud for r in session.pop_requests() if isinstance(r, SetBaud)]
     assert rates[:6] == [38400, 9600, 19200, 115200, 57600, 38400]
     assert rates[6:11] == [9600, 38400, 19200, 38400, 115200]
 
@@ -254,10 +254,10 @@ def test_half_finished_handshake_is_unstuck(bench: MakeBench) -> None:
     wire = bench()
     for number in range(3):
         wire.emulator.feed(Command(number).encode(), 0.0)
-    wire.emulator.take_output(1.0)
+    wire.emulator.pop_output(1.0)
     session = wire.session
     session.link_up(0.0)
-    session.take_requests()
+    session.pop_requests()
     session.tick(0.3)
     assert written(session) == [Command(0)]
     session.tick(0.8)
@@ -326,13 +326,13 @@ def test_drive_sends_changes_at_once_and_refreshes() -> None:
 def test_stale_wish_becomes_standstill_and_pulses_wait_for_it() -> None:
     session = ready()
     session.drive(1.0, 0.3, 0.2)
-    session.take_requests()
+    session.pop_requests()
     moving = sip(left=300, right=300)
     sent = [(t, c) for t in keep_reporting(session, 1.0, 3.0, moving) for c in written(session)]
     first = [(round(t, 2), c.number, c.integer) for t, c in sent[:2]]
     assert first in ([(1.35, N.VEL, 0), (1.35, N.RVEL, 0)], [(1.3, N.VEL, 0), (1.3, N.RVEL, 0)])
     assert PULSE.number not in [c.number for _, c in sent]
-    assert session.counters.stale_wishes == 1
+    assert session.counters.stale_requests == 1
     sent = [(t, c) for t in keep_reporting(session, 3.0, 5.0, sip()) for c in written(session)]
     assert {c.number for _, c in sent} == {PULSE.number}
     gaps = [b - a for (a, _), (b, _) in itertools.pairwise(sent)]
@@ -351,7 +351,7 @@ def test_idle_session_holds_off_the_watchdog(bench: MakeBench) -> None:
 def test_wish_that_is_no_number_is_standstill(wish: tuple[float, float]) -> None:
     session = ready()
     session.drive(1.0, 0.3, 0.1)
-    session.take_requests()
+    session.pop_requests()
     session.drive(1.1, *wish)
     assert written(session) == [Command(N.VEL, 0), Command(N.RVEL, 0)]
 
@@ -359,7 +359,7 @@ def test_wish_that_is_no_number_is_standstill(wish: tuple[float, float]) -> None
 def test_frozen_process_sends_stop_before_anything_else() -> None:
     session = ready()
     session.drive(1.0, 0.3, 0.0)
-    session.take_requests()
+    session.pop_requests()
     session.feed(sip(), 3.1)
     session.drive(3.1, 0.2, 0.0)
     assert written(session)[:2] == [STOP, Command(N.VEL, 200)]
@@ -370,7 +370,7 @@ def test_frozen_process_sends_stop_before_anything_else() -> None:
 def test_stop_is_immediate_and_whole() -> None:
     session = ready()
     session.drive(1.0, 0.3, 0.0)
-    session.take_requests()
+    session.pop_requests()
     session.stop(1.01)
     assert written(session) == [STOP, Command(N.VEL, 0), Command(N.RVEL, 0)]
     session.stop(1.02)
@@ -393,7 +393,7 @@ def test_shut_down_leaves_a_closed_robot_standing(bench: MakeBench) -> None:
     assert wire.emulator.velocity == (0.0, 0.0)
     wire.session.drive(wire.t, 0.3, 0.0)
     wire.session.shut_down(wire.t)
-    assert wire.session.take_requests() == []
+    assert wire.session.pop_requests() == []
 
 
 @pytest.mark.parametrize("phase", [0.04 * step for step in range(13)])
@@ -438,7 +438,7 @@ def test_link_lost_and_back(bench: MakeBench) -> None:
     wire.run(1.0, lambda t: wire.session.drive(t, 0.3, 0.0))
     wire.session.link_down(wire.t)
     assert wire.session.state is SessionState.DOWN
-    assert wire.session.take_requests() == []
+    assert wire.session.pop_requests() == []
     wire.run(0.5, lambda t: wire.session.drive(t, 0.3, 0.0))
     wire.heard.clear()
     wire.connect()
@@ -614,7 +614,7 @@ def test_port_that_hears_itself_is_told() -> None:
     for step in range(200):
         t = 0.05 * step
         session.tick(t)
-        for request in session.take_requests():
+        for request in session.pop_requests():
             if isinstance(request, Write):
                 session.feed(request.data, t + 0.01)
     assert session.state is SessionState.SYNCING

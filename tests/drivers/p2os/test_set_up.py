@@ -48,7 +48,7 @@ class Desk:
             self.outbox.flush(t)
             asked = any(what.number == N.CONFIG for what in self.sent[before:])
             if asked and self.answer is not None:
-                self.set_up.take_config(self.answer)
+                self.set_up.on_config(self.answer)
         raise AssertionError("never prepared")
 
 

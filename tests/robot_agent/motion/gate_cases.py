@@ -26,13 +26,13 @@ END = 1.2  # s, time of the last step
 
 @dataclass(frozen=True)
 class Case:
-    """A wish held from standstill while all is well, and one last step with some inputs changed."""
+    """A request held from standstill while all is well, and a last step with other inputs."""
 
-    wish: tuple[float, float]
+    requested: tuple[float, float]
     expected: tuple[float, float]
     reason: str = "none"
     inputs: dict[str, Any] = field(default_factory=dict)
-    last_wish: tuple[float, float] | None = None
+    last_requested: tuple[float, float] | None = None
     steps: int = STEPS
     settings: dict[str, float] = field(default_factory=dict)
     last_time: float = END
@@ -43,9 +43,9 @@ def run(case: Case, module: ModuleType = gate) -> Any:
     tested = module.SafetyGate(module.GateSettings(**case.settings))
     for k in range(STEPS - case.steps, STEPS):
         t = 0.1 * k
-        tested.permit(t, case.wish, inputs(module, t))
+        tested.permit(t, case.requested, inputs(module, t))
     t = case.last_time
-    return tested.permit(t, case.last_wish or case.wish, inputs(module, t, **case.inputs))
+    return tested.permit(t, case.last_requested or case.requested, inputs(module, t, **case.inputs))
 
 
 def inputs(module: ModuleType, t: float, **changed: Any) -> Any:
@@ -129,8 +129,8 @@ CASES = [
     Case((0.2, 0.3), (0.2, 0.3), inputs={"v": 0.4, "obstacles": [(0.0, -0.9)]}),
     Case(ZERO, ZERO),
     # numbers that are none
-    Case(DRIVE, ZERO, "invalid", last_wish=(math.nan, 0.0)),
-    Case(DRIVE, ZERO, "invalid", last_wish=(0.1, math.inf)),
+    Case(DRIVE, ZERO, "invalid", last_requested=(math.nan, 0.0)),
+    Case(DRIVE, ZERO, "invalid", last_requested=(0.1, math.inf)),
     denied("invalid", v=math.nan),
     denied("invalid", w=math.nan),
     denied("invalid", battery=math.nan),
@@ -170,8 +170,8 @@ CASES = [
     denied("overspeed", w=1.71),
     denied("overspeed", w=-1.71),
     permitted(w=1.69),
-    Case(DRIVE, ZERO, "backing", last_wish=(-0.01, 0.3)),
-    Case((0.0, 0.5), (0.0, 0.5), last_wish=(0.0, 0.5)),
+    Case(DRIVE, ZERO, "backing", last_requested=(-0.01, 0.3)),
+    Case((0.0, 0.5), (0.0, 0.5), last_requested=(0.0, 0.5)),
     # the first reason is the one told
     denied("stale_base", base_time=None, scan_time=None, health="lost"),
     denied("stale_laser", scan_time=None, health="lost"),
@@ -221,7 +221,7 @@ CASES = [
     denied("stalled", limited=True, stalled=True),
     denied("bumper", limited=True, bumpers=2),
     denied("overspeed", limited=True, v=0.71),
-    Case(DRIVE, ZERO, "backing", {"limited": True}, last_wish=(-0.01, 0.3)),
+    Case(DRIVE, ZERO, "backing", {"limited": True}, last_requested=(-0.01, 0.3)),
     Case(DRIVE, ZERO, "obstacle", {"limited": True, "obstacles": [(0.25, 0.1)]}),
     # getting faster
     Case(DRIVE, (0.0, 0.0), "acceleration", steps=0),
@@ -231,14 +231,14 @@ CASES = [
     Case((0.0, -1.2), (0.0, -0.2), "acceleration", steps=1),
     Case(DRIVE, (0.15, 0.0), "acceleration", steps=1, last_time=9.0),
     Case(DRIVE, (0.0, 0.0), "acceleration", steps=1, last_time=END - 0.2),
-    Case((0.0, 1.0), (0.0, 0.8), "acceleration", last_wish=(0.0, -1.2)),
+    Case((0.0, 1.0), (0.0, 0.8), "acceleration", last_requested=(0.0, -1.2)),
     Case((0.7, 0.0), (0.025, 0.0), "speed_limit", steps=1),
     # turning follows the base both ways; driving slower is never delayed
-    Case(DRIVE, (0.1, 0.0), last_wish=(0.1, 0.0)),
-    Case(DRIVE, ZERO, last_wish=ZERO),
-    Case((0.0, 1.2), (0.0, 1.0), "acceleration", last_wish=(0.0, 0.1)),
-    Case((0.0, -1.2), (0.0, -1.0), "acceleration", last_wish=ZERO),
-    Case((0.0, 1.2), (0.0, 1.1), last_wish=(0.0, 1.1)),
+    Case(DRIVE, (0.1, 0.0), last_requested=(0.1, 0.0)),
+    Case(DRIVE, ZERO, last_requested=ZERO),
+    Case((0.0, 1.2), (0.0, 1.0), "acceleration", last_requested=(0.0, 0.1)),
+    Case((0.0, -1.2), (0.0, -1.0), "acceleration", last_requested=ZERO),
+    Case((0.0, 1.2), (0.0, 1.1), last_requested=(0.0, 1.1)),
     # an obstacle ahead: front 0.21 + front margin 0.20, and the stopping way
     Case(DRIVE, DRIVE, "none", {"obstacles": [(0.4101 + S, 0.0)]}),
     Case(DRIVE, (ahead(0.35, 11), 0.0), "obstacle", {"obstacles": [(0.4099 + S, 0.0)]}),
@@ -396,7 +396,7 @@ class Step:
     t: float
     reason: str
     inputs: dict[str, Any] = field(default_factory=dict)
-    wish: tuple[float, float] = DRIVE
+    requested: tuple[float, float] = DRIVE
     v: float | None = None
     between: bool = False
     """Between two reports: only ages are looked at; the reason may be that it GOES_ON."""
@@ -419,7 +419,7 @@ def holds(story: Story, module: ModuleType = gate) -> bool:
         if step.between:
             decision = tested.expire(step.t, given.base_time, given.scan_time)
         else:
-            decision = tested.permit(step.t, step.wish, given)
+            decision = tested.permit(step.t, step.requested, given)
         if decision is None and step.reason == GOES_ON:
             continue
         if decision.reason != step.reason:
@@ -452,7 +452,7 @@ def stalled_at(*times: float) -> list[Step]:
 
 
 def battery(t: float, volts: float, reason: str = "none") -> Step:
-    return Step(t, reason, {"battery": volts}, wish=ZERO)
+    return Step(t, reason, {"battery": volts}, requested=ZERO)
 
 
 STORIES = [
@@ -476,8 +476,8 @@ STORIES = [
     ),
     Story(
         [
-            Step(0.0, GOES, wish=(0.0, 1.2)),
-            Step(0.1, GOES, wish=(0.0, 1.2)),
+            Step(0.0, GOES, requested=(0.0, 1.2)),
+            Step(0.1, GOES, requested=(0.0, 1.2)),
             between(0.15, "stale_laser", scan=0.5),  # a turn is withdrawn too
         ],
         {"stale_laser": 1},
@@ -508,17 +508,17 @@ STORIES = [
     Story(
         [
             *(Step(0.1 * k, GOES, v=v) for k, v in enumerate((0.0, 0.025, 0.075, 0.125))),
-            Step(0.4, "none", wish=(0.1, 0.0), v=0.1),
+            Step(0.4, "none", requested=(0.1, 0.0), v=0.1),
             Step(0.5, GOES, v=0.125),
             Step(0.6, GOES, v=0.175),
         ]
     ),
-    # a gain cut short by the wish counts as it was
+    # a gain cut short by the requested counts as it was
     Story(
         [
             Step(0.0, GOES, v=0.0),
             Step(0.1, GOES, v=0.025),
-            Step(0.2, "none", wish=(0.035, 0.0), v=0.035),
+            Step(0.2, "none", requested=(0.035, 0.0), v=0.035),
             Step(0.3, GOES, v=0.07),
         ]
     ),
@@ -629,16 +629,16 @@ STORIES = [
             Step(0.4, GOES),
             Step(0.5, "obstacle", {"obstacles": [(0.25, 0.1)]}),
             Step(0.6, "obstacle", {"obstacles": [(0.25, 0.1)]}),
-            Step(0.7, "limited", {"limited": True}, wish=(0.3, 0.0)),
-            Step(0.8, "unsure", {"health": "unsure"}, wish=(0.3, 0.0)),
+            Step(0.7, "limited", {"limited": True}, requested=(0.3, 0.0)),
+            Step(0.8, "unsure", {"health": "unsure"}, requested=(0.3, 0.0)),
         ],
         {"stale_base": 2, "not_localized": 1, "obstacle": 1},
     ),
     Story(
         [
-            Step(0.0, "acceleration", wish=(0.2, 0.8)),
-            Step(0.1, "obstacle", {"obstacles": [(0.27, 0.0)]}, wish=(0.2, 0.8), v=0.0),
-            Step(0.2, "obstacle", {"obstacles": [(0.27, 0.0)]}, wish=(0.2, 0.0), v=0.0),
+            Step(0.0, "acceleration", requested=(0.2, 0.8)),
+            Step(0.1, "obstacle", {"obstacles": [(0.27, 0.0)]}, requested=(0.2, 0.8), v=0.0),
+            Step(0.2, "obstacle", {"obstacles": [(0.27, 0.0)]}, requested=(0.2, 0.0), v=0.0),
         ],
     ),
     Story(

@@ -8,7 +8,7 @@ LATE, IN_TIME = 0.11, 0.1
 def watch_of(*misses: float) -> DeadlineWatch:
     watch = DeadlineWatch()
     for t in misses:
-        watch.note(t, LATE)
+        watch.update(t, LATE)
     return watch
 
 
@@ -22,13 +22,13 @@ def test_it_ends_when_the_first_of_them_is_older():
     watch = watch_of(1.0, 1.5, 2.0)
     assert watch.overloaded(3.9)
     assert not watch.overloaded(4.0)
-    watch.note(4.1, LATE)
+    watch.update(4.1, LATE)
     assert watch.overloaded(4.1)
 
 
 def test_what_is_in_time_is_no_miss():
     watch = DeadlineWatch()
     for step in range(100):
-        watch.note(0.01 * step, IN_TIME)
+        watch.update(0.01 * step, IN_TIME)
     assert watch.missed == 0
     assert not watch.overloaded(1.0)

@@ -6,8 +6,8 @@ from drivers.lms200.settings import LaserSettings
 from robot_agent.motion.freshness_limits import (
     BASE,
     LASER,
-    TRUSTED,
-    TrustWatch,
+    LIMITS,
+    FreshnessWatch,
     markdown,
     scan_age_limit,
 )
@@ -45,12 +45,12 @@ def test_one_scan_may_be_lost_at_the_usual_rate():
 
 
 def test_every_stream_may_miss_one_of_its_own():
-    for stream in TRUSTED:
+    for stream in LIMITS:
         assert stream.max_age >= 1.0 / stream.rate
 
 
 def test_a_stream_is_missed_once_and_comes_back_once():
-    watch = TrustWatch()
+    watch = FreshnessWatch()
     assert watch.changes(0.0) == []
     watch.well(BASE, 1.0)
     assert watch.changes(0.99 + BASE.max_age) == []

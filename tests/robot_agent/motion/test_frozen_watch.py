@@ -7,7 +7,7 @@ def test_frozen_after_repeats_while_moving_until_a_reading_differs():
     watch = FrozenWatch(2)
     seen = []
     for reading in (b"a", b"a", b"a", b"a", b"b", b"b", b"c"):
-        watch.take(reading, moving=True)
+        watch.update(reading, moving=True)
         seen.append(watch.frozen)
     assert seen == [False, False, True, True, False, False, False]
 
@@ -15,13 +15,13 @@ def test_frozen_after_repeats_while_moving_until_a_reading_differs():
 def test_at_rest_a_sensor_may_repeat_itself():
     watch = FrozenWatch(2)
     for _ in range(10):
-        watch.take(b"a", moving=False)
+        watch.update(b"a", moving=False)
     assert not watch.frozen
 
 
 def test_standing_still_does_not_make_a_frozen_sensor_well():
     watch = FrozenWatch(1)
-    watch.take(b"a", moving=True)
-    watch.take(b"a", moving=True)
-    watch.take(b"a", moving=False)
+    watch.update(b"a", moving=True)
+    watch.update(b"a", moving=True)
+    watch.update(b"a", moving=False)
     assert watch.frozen

@@ -24,7 +24,7 @@ from tests.robot_agent.motion.gate_cases import (
 )
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda c: f"{c.reason}-{c.wish}-{c.inputs}"[:70])
+@pytest.mark.parametrize("case", CASES, ids=lambda c: f"{c.reason}-{c.requested}-{c.inputs}"[:70])
 def test_case(case):
     decision = run(case)
     assert fits(case, decision), (decision, case.expected, case.reason)
@@ -38,14 +38,14 @@ def test_story(story):
 ARCS = [(0.35, 0.7), (0.2, -1.0), (0.1, 1.2), (0.5, 0.3)]
 
 
-@pytest.mark.parametrize("wish", ARCS)
-def test_an_obstacle_on_the_arc_slows_along_the_arc(wish):
-    v, w = wish
+@pytest.mark.parametrize("requested", ARCS)
+def test_an_obstacle_on_the_arc_slows_along_the_arc(requested):
+    v, w = requested
     way = stopping(v)
     turn = way * w / v * 0.7
     middle = (math.sin(turn) * v / w, (1 - math.cos(turn)) * v / w)  # the axle's place at 70 %
     x, y = middle[0] + 0.21 * math.cos(turn), middle[1] + 0.21 * math.sin(turn)
-    decision = run(Case(wish, (0, 0), inputs={"obstacles": [(x, y)]}))
+    decision = run(Case(requested, (0, 0), inputs={"obstacles": [(x, y)]}))
     assert decision.reason == "obstacle"
     assert 0.0 <= decision.v < v
     if decision.v:
@@ -102,16 +102,19 @@ def test_never_touches_a_still_obstacle(seed):
     posts = posts[np.hypot(*posts.T) > 0.6]
     x = y = theta = v = w = 0.0
     pending = (0.0, 0.0)
-    wish = (0.3, 0.0)
+    requested = (0.3, 0.0)
     for k in range(150):
         t = 0.1 * k
         if k % 12 == 0:
-            wish = (float(rng.uniform(0, 0.6)), float(rng.uniform(-1.3, 1.3) * rng.integers(0, 2)))
+            requested = (
+                float(rng.uniform(0, 0.6)),
+                float(rng.uniform(-1.3, 1.3) * rng.integers(0, 2)),
+            )
         c, s = math.cos(theta), math.sin(theta)
         seen = (posts - (x, y)) @ np.array([[c, -s], [s, c]])
-        decision = tested.permit(t, wish, inputs(gate, t, obstacles=seen, v=v, w=w))
-        assert 0.0 <= decision.v <= wish[0]
-        assert abs(decision.w) <= max(abs(wish[1]), abs(pending[1]))
+        decision = tested.permit(t, requested, inputs(gate, t, obstacles=seen, v=v, w=w))
+        assert 0.0 <= decision.v <= requested[0]
+        assert abs(decision.w) <= max(abs(requested[1]), abs(pending[1]))
         for _ in range(5):
             v += min(max(pending[0] - v, -0.3 * 0.02), 0.3 * 0.02)
             w += min(max(pending[1] - w, -2.0 * 0.02), 2.0 * 0.02)

@@ -10,7 +10,7 @@ DT = 0.1
 
 
 def settled(velocity, theta, curvature=0.0, *, loop=None, steps=40, start=0.0):
-    """The command after a while of the same wish and heading."""
+    """The command after a while of the same requested and heading."""
     loop = loop or HeadingLoop(HeadingSettings())
     return [loop.command(start + DT * k, velocity, theta, curvature) for k in range(steps)][-1]
 

@@ -160,7 +160,7 @@ def test_a_key_is_good_for_its_moment_and_within_limits(
 ) -> None:
     teleop = Teleop(TeleopSettings())
     teleop.press(OperatorKey(10.0, ahead, left))
-    assert teleop.wish(10.0 + age) == expected
+    assert teleop.requested(10.0 + age) == expected
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

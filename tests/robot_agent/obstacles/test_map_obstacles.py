@@ -8,20 +8,20 @@ import pytest
 from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap
 from maps.pose import Pose
 from robot_agent.motion.gate_settings import GateSettings
-from robot_agent.motion.swept_footprint import SweptBody
-from robot_agent.obstacles.map_obstacles import KnownWalls
+from robot_agent.motion.swept_footprint import SweptFootprint
+from robot_agent.obstacles.map_obstacles import MapObstacles
 
 
 @pytest.fixture(scope="module")
-def walls() -> KnownWalls:
+def walls() -> MapObstacles:
     """Free from 0 to 4 m both ways, walls round it."""
     cells = np.full((82, 82), FREE, dtype=np.uint8)
     cells[[0, -1], :] = OCCUPIED
     cells[:, [0, -1]] = OCCUPIED
-    return KnownWalls(OccupancyMap(cells, 0.05, Pose(-0.05, -0.05, 0.0)), GateSettings())
+    return MapObstacles(OccupancyMap(cells, 0.05, Pose(-0.05, -0.05, 0.0)), GateSettings())
 
 
-def test_a_wall_near_by_is_where_it_is(walls: KnownWalls) -> None:
+def test_a_wall_near_by_is_where_it_is(walls: MapObstacles) -> None:
     behind = walls.around(Pose(0.38, 2.0, 0.0))
     assert behind[:, 0].max() == pytest.approx(-0.38, abs=0.005)  # its surface
     ahead = walls.around(Pose(3.6, 2.0, 0.0))
@@ -31,17 +31,17 @@ def test_a_wall_near_by_is_where_it_is(walls: KnownWalls) -> None:
 
 
 @pytest.mark.parametrize("heading", [0.0, 0.5, -2.0])
-def test_a_turn_stops_before_the_corner_meets_the_wall(walls: KnownWalls, heading: float) -> None:
+def test_a_turn_stops_before_the_corner_meets_the_wall(walls: MapObstacles, heading: float) -> None:
     # The robot stands along the wall at its right; its rear right corner would swing into it.
     pose = Pose(2.0, 0.30, 0.0)
-    body = SweptBody(GateSettings())
+    body = SweptFootprint(GateSettings())
     share = body.free_share(0.0, math.pi / 2, walls.around(pose))
     assert 0.0 < share < 0.5
     away = Pose(2.0, 0.60, heading)
     assert body.free_share(0.0, math.pi / 2, walls.around(away)) == 1.0
 
 
-def test_a_wall_in_the_body_is_an_error_of_the_pose(walls: KnownWalls) -> None:
+def test_a_wall_in_the_body_is_an_error_of_the_pose(walls: MapObstacles) -> None:
     pose = Pose(0.25, 2.0, 0.0)  # its rear would be 5 cm deep in the wall
     points = walls.around(pose)
     assert not ((points[:, 0] > -0.24) & (np.abs(points[:, 1]) < 0.15)).any()

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from maps.pose import Pose
 from robot_agent.motion.gate_settings import GateSettings
-from robot_agent.motion.swept_footprint import SweptBody
-from robot_agent.obstacles.recent_scan_memory import MEMORY, LeftBehind
+from robot_agent.motion.swept_footprint import SweptFootprint
+from robot_agent.obstacles.recent_scan_memory import MEMORY, RecentScanMemory
 from robot_agent.perception.scan_points import move_points
 
 GATE = GateSettings()
@@ -28,7 +28,7 @@ def turned(degrees: float) -> Pose:
 
 def test_a_turn_stops_before_a_rear_corner_meets_who_stood_beside() -> None:
     """Somebody stands beside the left front corner, and leaves the laser's sight as it turns."""
-    left, body = LeftBehind(GATE), SweptBody(GATE)
+    left, body = RecentScanMemory(GATE), SweptFootprint(GATE)
     person = move_points(np.array([(0.10, 0.31), (0.02, 0.31), (0.20, 0.33)]), START)
     reached = 0.0
     for k, degrees in enumerate(np.arange(0.0, -120.0, -3.0).tolist()):
@@ -37,7 +37,7 @@ def test_a_turn_stops_before_a_rear_corner_meets_who_stood_beside() -> None:
         before = turned(degrees + 3.0)
         points = move_points(person, before.between(Pose(0.0, 0.0, 0.0)))
         seen = move_points(points[in_view(points)], pose.between(before))
-        left.see(0.1 * k, pose, seen, in_view)
+        left.update(0.1 * k, pose, seen, in_view)
         known = np.concatenate((left.around(pose), seen[in_view(seen)]))
         if body.free_share(0.0, math.radians(-3.0), known) < 1.0:
             break
@@ -49,39 +49,39 @@ def test_a_turn_stops_before_a_rear_corner_meets_who_stood_beside() -> None:
 
 
 def test_what_is_seen_again_is_told_by_the_laser_alone() -> None:
-    left = LeftBehind(GATE)
+    left = RecentScanMemory(GATE)
     someone = move_points(np.array([(0.05, 0.4)]), START)
     seen = move_points(someone, turned(-20.0).between(Pose(0.0, 0.0, 0.0)))
-    left.see(0.1, turned(-20.0), seen, in_view)
+    left.update(0.1, turned(-20.0), seen, in_view)
     [[x, y]] = left.around(turned(-20.0))
     assert math.hypot(x, y) == pytest.approx(math.hypot(0.05, 0.4))
     assert x < 0.0
-    left.see(0.2, turned(5.0), np.empty((0, 2)), in_view)
+    left.update(0.2, turned(5.0), np.empty((0, 2)), in_view)
     assert left.around(turned(-20.0)).size == 0, "it has gone meanwhile"
 
 
 def test_old_far_and_touching_points_are_forgotten() -> None:
-    left = LeftBehind(GATE)
+    left = RecentScanMemory(GATE)
     touching, near, far = (-0.1, 0.22), (-0.1, 0.4), (-0.1, 0.8)
-    left.see(1.0, START, np.array([touching, near, far]), in_view)
+    left.update(1.0, START, np.array([touching, near, far]), in_view)
     assert left.around(START) == pytest.approx(np.array([near]))
-    left.see(1.0 + MEMORY, START, np.empty((0, 2)), in_view)
+    left.update(1.0 + MEMORY, START, np.empty((0, 2)), in_view)
     assert len(left.around(START)) == 1
     ahead = START.compose(Pose(0.5, 0.0, 0.0))
-    left.see(1.1 + MEMORY, START, np.empty((0, 2)), in_view)
+    left.update(1.1 + MEMORY, START, np.empty((0, 2)), in_view)
     assert len(left.around(START)) == 0
-    left.see(9.0, START, np.array([near]), in_view)
-    left.see(9.1, ahead, np.empty((0, 2)), in_view)
+    left.update(9.0, START, np.array([near]), in_view)
+    left.update(9.1, ahead, np.empty((0, 2)), in_view)
     assert len(left.around(ahead)) == 0
 
 
 def test_where_no_pose_is_known_nothing_is_forgotten_for_its_age() -> None:
     """The map tells of no wall then: a lost robot that looks around would turn into it."""
-    left = LeftBehind(GATE)
+    left = RecentScanMemory(GATE)
     left.lasts = True
-    left.see(1.0, START, np.array([(-0.1, 0.4)]), in_view)
-    left.see(99.0, START, np.empty((0, 2)), in_view)
+    left.update(1.0, START, np.array([(-0.1, 0.4)]), in_view)
+    left.update(99.0, START, np.empty((0, 2)), in_view)
     assert len(left.around(START)) == 1
     left.lasts = False
-    left.see(99.1, START, np.empty((0, 2)), in_view)
+    left.update(99.1, START, np.empty((0, 2)), in_view)
     assert len(left.around(START)) == 0

@@ -27,7 +27,7 @@ def report(t: float, *readings: tuple[int, float]) -> BaseState:
 
 def test_only_what_is_beside_or_behind_is_told() -> None:
     sonar = SonarObstacles(MODEL)
-    sonar.hear(report(1.0, *[(number, 1.0) for number in range(16)]), ORIGIN, MODEL)
+    sonar.update(report(1.0, *[(number, 1.0) for number in range(16)]), ORIGIN, MODEL)
     points = sonar.around(1.0, ORIGIN)
     assert len(points) == 10
     assert (points[:, 0] < 0.07).all()
@@ -39,25 +39,25 @@ def test_only_what_is_beside_or_behind_is_told() -> None:
 
 def test_echoes_stay_in_place_while_the_robot_moves_on() -> None:
     sonar = SonarObstacles(MODEL)
-    sonar.hear(report(1.0, (0, 1.0)), Pose(2.0, 3.0, math.pi / 2), MODEL)
+    sonar.update(report(1.0, (0, 1.0)), Pose(2.0, 3.0, math.pi / 2), MODEL)
     points = sonar.around(1.2, Pose(2.0, 3.1, math.pi / 2))
     assert points == pytest.approx(np.array([(-0.031, 1.136)]))
 
 
 def test_old_echoes_and_silent_transducers_are_left_out() -> None:
     sonar = SonarObstacles(MODEL)
-    sonar.hear(report(1.0, (0, 1.0), (15, 1.0), (8, MODEL.sonar_far)), ORIGIN, MODEL)
+    sonar.update(report(1.0, (0, 1.0), (15, 1.0), (8, MODEL.sonar_far)), ORIGIN, MODEL)
     assert len(sonar.around(1.0 + SONAR.max_age, ORIGIN)) == 2
-    sonar.hear(report(1.3, (0, MODEL.sonar_far)), ORIGIN, MODEL)
+    sonar.update(report(1.3, (0, MODEL.sonar_far)), ORIGIN, MODEL)
     assert len(sonar.around(1.3, ORIGIN)) == 1
     assert len(sonar.around(1.1 + SONAR.max_age, ORIGIN)) == 0
 
 
 def test_another_model_forgets_what_was_heard() -> None:
     sonar = SonarObstacles(MODEL)
-    sonar.hear(report(1.0, (0, 1.0)), ORIGIN, MODEL)
+    sonar.update(report(1.0, (0, 1.0)), ORIGIN, MODEL)
     other = load_model("p2at")
-    sonar.hear(report(1.1), ORIGIN, other)
+    sonar.update(report(1.1), ORIGIN, other)
     assert len(sonar.around(1.1, ORIGIN)) == 0
-    sonar.hear(report(1.2, (0, 1.0)), ORIGIN, other)
+    sonar.update(report(1.2, (0, 1.0)), ORIGIN, other)
     assert sonar.around(1.2, ORIGIN) == pytest.approx(np.array([(0.147, 1.136)]))

@@ -42,7 +42,7 @@ def looked(surroundings: Surroundings, heading: float) -> None:
         flags=np.zeros(181, dtype=np.uint8),
         reflectors=None,
     )
-    surroundings.see(scan, Pose(0.0, 0.0, heading), OdometryHistory())
+    surroundings.on_scan(scan, Pose(0.0, 0.0, heading), OdometryHistory())
 
 
 def around(surroundings: Surroundings, heading: float) -> np.ndarray:

@@ -6,23 +6,23 @@ import numpy as np
 import pytest
 
 from robot_agent.motion.gate_settings import GateSettings
-from robot_agent.motion.swept_footprint import SweptBody
-from robot_agent.obstacles.teammate_keep_out import RADIUS, turning_room
+from robot_agent.motion.swept_footprint import SweptFootprint
+from robot_agent.obstacles.teammate_keep_out import RADIUS, teammate_keep_out
 
 
 def test_a_robot_stops_before_another_ones_circle_where_both_can_turn() -> None:
     """Also before one that faces it, whose axle is nearer than its middle."""
-    body, gate = SweptBody(GateSettings()), GateSettings()
+    body, gate = SweptFootprint(GateSettings()), GateSettings()
     corner = math.hypot(gate.rear, gate.half_width)
     axle_before_middle = (gate.rear - gate.front) / 2.0
     for distance in np.arange(0.84, 1.6, 0.02):
-        free = 1.0 * body.free_share(1.0, 0.0, turning_room(np.array([[distance, 0.0]])))
+        free = 1.0 * body.free_share(1.0, 0.0, teammate_keep_out(np.array([[distance, 0.0]])))
         assert distance - free - axle_before_middle > 2 * corner
-    assert body.free_share(1.0, 0.0, turning_room(np.array([[2.2, 0.0]]))) == 1.0
+    assert body.free_share(1.0, 0.0, teammate_keep_out(np.array([[2.2, 0.0]]))) == 1.0
 
 
 @pytest.mark.parametrize("distance", [0.45, 0.6, 0.75])
 def test_nobody_is_kept_from_turning_away(distance: float) -> None:
-    room = turning_room(np.array([[distance, 0.0], [0.0, -distance]]))
-    assert SweptBody(GateSettings()).free_share(0.0, math.pi, room) == 1.0
+    room = teammate_keep_out(np.array([[distance, 0.0], [0.0, -distance]]))
+    assert SweptFootprint(GateSettings()).free_share(0.0, math.pi, room) == 1.0
     assert np.hypot(*room.T).min() > RADIUS

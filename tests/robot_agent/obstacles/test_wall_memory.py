@@ -7,7 +7,7 @@ import pytest
 
 from maps.pose import Pose
 from robot_agent.motion.gate_settings import GateSettings
-from robot_agent.obstacles.wall_memory import PassedWalls
+from robot_agent.obstacles.wall_memory import WallMemory
 from robot_agent.perception.scan_points import move_points
 
 POSTS = np.array([(2.0, 1.55), (2.0, 2.45)])  # of a door in a wall at x = 2 m
@@ -15,8 +15,8 @@ ODOM_FROM_WORLD = Pose(-7.012, 3.031, 1.1)
 
 
 @pytest.fixture
-def walls() -> PassedWalls:
-    return PassedWalls(GateSettings())
+def walls() -> WallMemory:
+    return WallMemory(GateSettings())
 
 
 def drive(walls, xs, *, seen=POSTS, noise=0.0):
@@ -26,7 +26,9 @@ def drive(walls, xs, *, seen=POSTS, noise=0.0):
         pose = Pose(x, 2.0, 0.0)
         ahead = move_points(seen, pose.inverse())
         ahead = ahead[ahead[:, 0] >= 0.0]
-        walls.see(ODOM_FROM_WORLD.compose(pose), ahead + noise * rng.standard_normal(ahead.shape))
+        walls.update(
+            ODOM_FROM_WORLD.compose(pose), ahead + noise * rng.standard_normal(ahead.shape)
+        )
     return ODOM_FROM_WORLD.compose(Pose(xs[-1], 2.0, 0.0))
 
 

@@ -15,17 +15,17 @@ def test_nobody_is_known_at_first() -> None:
 
 def test_two_pictures_with_a_band_make_a_teammate() -> None:
     identity = Identity()
-    identity.note_band(0.9)
+    identity.on_band(0.9)
     assert identity.kind is Kind.UNKNOWN
-    identity.note_band(0.9)
+    identity.on_band(0.9)
     assert identity.kind is Kind.TEAMMATE
     assert identity.probabilities.teammate > 0.6
 
 
 def test_two_pictures_without_one_make_a_stranger() -> None:
     identity = Identity()
-    identity.note_no_band()
-    identity.note_no_band()
+    identity.on_missing_band()
+    identity.on_missing_band()
     assert identity.kind is Kind.STRANGER
     assert identity.probabilities.stranger > 0.5
 
@@ -33,59 +33,59 @@ def test_two_pictures_without_one_make_a_stranger() -> None:
 def test_a_teammate_whose_band_is_hidden_for_a_second_stays_one() -> None:
     identity = Identity()
     for _ in range(10):
-        identity.note_band(0.9)
+        identity.on_band(0.9)
     for _ in range(5):
-        identity.note_no_band()
+        identity.on_missing_band()
         assert identity.kind is Kind.TEAMMATE
     for _ in range(5):
-        identity.note_no_band()
+        identity.on_missing_band()
     assert identity.kind is Kind.STRANGER, "but not for ever"
 
 
 def test_what_looks_and_moves_like_a_robot_is_a_teammate_until_pictures_say_otherwise() -> None:
     identity = Identity()
     for _ in range(3):
-        identity.note_robot_like()
+        identity.on_robot_shape()
         assert identity.kind is Kind.UNKNOWN
     for _ in range(50):
-        identity.note_robot_like()
+        identity.on_robot_shape()
     assert identity.kind is Kind.TEAMMATE
     assert not identity.by_color
     for _ in range(3):
-        identity.note_no_band()
+        identity.on_missing_band()
     assert identity.kind is Kind.UNKNOWN, "laser evidence never outweighs three pictures"
     for _ in range(2):
-        identity.note_no_band()
+        identity.on_missing_band()
     assert identity.kind is Kind.STRANGER
 
 
 def test_a_second_of_another_shape_makes_a_stranger_until_pictures_show_a_band() -> None:
     identity = Identity()
     for _ in range(5):
-        identity.note_other_shape()
+        identity.on_other_shape()
     assert identity.kind is Kind.STRANGER
     for _ in range(50):
-        identity.note_other_shape()
+        identity.on_other_shape()
     for _ in range(4):
-        identity.note_band(0.9)
+        identity.on_band(0.9)
     assert identity.kind is Kind.TEAMMATE
 
 
 def test_shape_does_not_undo_what_pictures_have_settled() -> None:
     banded, bare = Identity(), Identity()
     for _ in range(4):
-        banded.note_band(0.9)
-        bare.note_no_band()
+        banded.on_band(0.9)
+        bare.on_missing_band()
     for _ in range(50):
-        banded.note_other_shape()  # a teammate that carries something
-        bare.note_robot_like()  # a robot of another team
+        banded.on_other_shape()  # a teammate that carries something
+        bare.on_robot_shape()  # a robot of another team
     assert banded.kind is Kind.TEAMMATE
     assert bare.kind is Kind.STRANGER
 
 
 def test_probabilities_add_up_to_one() -> None:
     identity = Identity()
-    for note in (identity.note_too_fast, identity.note_wrong_size, identity.note_reflector):
+    for note in (identity.on_too_fast, identity.on_wrong_size, identity.on_reflector):
         note()
         told = identity.probabilities
         assert told.teammate + told.stranger + told.unknown == pytest.approx(1.0)

@@ -49,7 +49,7 @@ def test_a_band_arrives_as_an_event_and_an_unplugged_camera_too() -> None:
     scene = world()
     own = scene.add_body(Pose(3.0, 3.0, 0.0))
     scene.add_body(Pose(5.0, 3.4, 2.0))
-    server = CameraServer(EmulatedCamera(scene, own).take)
+    server = CameraServer(EmulatedCamera(scene, own).picture_at)
     inbox: SimpleQueue[Event] = SimpleQueue()
     settings = CameraSettings(url=server.url, delay=0.15)
     eye = CameraEye(settings, ColorSettings(), inbox.put)

@@ -100,7 +100,7 @@ def test_points_move_with_their_frame() -> None:
 def test_obstacles_come_nearer_as_the_robot_drives_on() -> None:
     obstacles = Obstacles()
     assert obstacles.seen_at is None
-    obstacles.see(1.0, Pose(0.0, 0.0, 0.0), np.array([(1.0, 0.0), (REACH + 1.0, 0.0)]))
+    obstacles.update(1.0, Pose(0.0, 0.0, 0.0), np.array([(1.0, 0.0), (REACH + 1.0, 0.0)]))
     assert obstacles.seen_at == 1.0
     around = obstacles.around(Pose(0.4, 0.0, math.pi / 2))
     assert around == pytest.approx(np.array([(0.0, -0.6)])), "the far point is dropped"

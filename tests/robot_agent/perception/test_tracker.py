@@ -331,7 +331,7 @@ def test_a_robot_that_turns_on_the_spot_counts_where_no_camera_tells(room: Room,
     assert track.kind is Kind.UNKNOWN
     assert tracker.closest(0.9, standing(0.9)) is not None
     # Pictures that say nothing of it: it is waited for what they will show.
-    tracker.see_bands(0.95, standing(0.95), [])
+    tracker.on_bands(0.95, standing(0.95), [])
     assert tracker.closest(1.0, standing(1.0)) is None
 
 

@@ -36,7 +36,7 @@ def watched(room: Room, seconds: float, *, worn: tuple[bool, ...]) -> TeammateTr
         tracker.update(t, HERE, room.scan(HERE, boxes, rng))
         if step % 2:
             bands = [band_on(box) for box, wears in zip(boxes, worn, strict=True) if wears]
-            tracker.see_bands(t, HERE, bands)
+            tracker.on_bands(t, HERE, bands)
     return tracker
 
 
@@ -74,7 +74,7 @@ def test_beside_the_picture_outline_and_motion_tell(
         body = Box(4.2, 5.6 - speed * t, -math.pi / 2, length, width)
         tracker.update(t, HERE, room.scan(HERE, [body], rng))
         if pictures:
-            tracker.see_bands(t, HERE, [])
+            tracker.on_bands(t, HERE, [])
     assert [track.kind for track in tracker.tracks] == [kind]
 
 
@@ -88,7 +88,7 @@ def test_a_sonar_keeps_up_a_teammate_behind_for_a_while(room: Room) -> None:
         t = last + PERIOD * (step + 1)
         tracker.update(t, turned, room.scan(turned, [], np.random.default_rng(step)))
         if tracker.awaits_echo(t):
-            tracker.hear(t, turned, np.array([[echo.x, echo.y]]))
+            tracker.on_echoes(t, turned, np.array([[echo.x, echo.y]]))
         if tracker.closest(t, turned) is not None:
             remembered = t - last
     assert 6.0 < remembered <= 9.1, "as long as a sonar counts, then the usual memory"
@@ -104,7 +104,7 @@ def test_a_teammate_that_only_sonars_hear_is_not_taken_to_be_nearer(room: Room) 
     for step in range(30):
         t = mate.last_seen + PERIOD * (step + 1)
         tracker.update(t, turned, room.scan(turned, [], np.random.default_rng(step)))
-        tracker.hear(t, turned, near_side)
+        tracker.on_echoes(t, turned, near_side)
     heard = tracker.closest(t, turned)
     assert heard is not None
     assert math.dist((heard.x, heard.y), HERE[:2]) == pytest.approx(distance, abs=0.05)
@@ -118,7 +118,7 @@ def test_an_echo_of_a_wall_keeps_up_nobody(room: Room) -> None:
     for step in range(50):
         t = last + PERIOD * (step + 1)
         tracker.update(t, turned, room.scan(turned, [], np.random.default_rng(step)))
-        tracker.hear(t, turned, np.array([[wall.x, wall.y]]))
+        tracker.on_echoes(t, turned, np.array([[wall.x, wall.y]]))
     assert tracker.tracks == []
 
 

@@ -97,7 +97,7 @@ def estimate(health: Health) -> Estimate:
 def note(
     memory: PoseMemory, t: float, health: Health, *, at_once: bool = False
 ) -> RememberedPose | str | None:
-    found = memory.note(t, estimate(health), Pose(0.0, 0.0, 0.0), (7, 8, 9), at_once=at_once)
+    found = memory.update(t, estimate(health), Pose(0.0, 0.0, 0.0), (7, 8, 9), at_once=at_once)
     if found is None:
         return None
     return (
@@ -125,8 +125,8 @@ def test_a_sure_pose_is_noted_now_and_then_and_forgotten_once_lost() -> None:
 
 def test_nothing_is_noted_unless_wanted() -> None:
     assert note(PoseMemory(MemorySettings()), 0.0, Health.LOCALIZED) is None
-    assert PoseMemory(KEEPING).note(0.0, None, Pose(0.0, 0.0, 0.0), (7, 8, 9)) is None
-    unread = PoseMemory(KEEPING).note(0.0, estimate(Health.LOCALIZED), Pose(0.0, 0.0, 0.0), None)
+    assert PoseMemory(KEEPING).update(0.0, None, Pose(0.0, 0.0, 0.0), (7, 8, 9)) is None
+    unread = PoseMemory(KEEPING).update(0.0, estimate(Health.LOCALIZED), Pose(0.0, 0.0, 0.0), None)
     assert unread is None
 
 
@@ -228,8 +228,8 @@ def killed_run(folder: MapFolder) -> tuple[Fleet, RememberedPose]:
     for _ in range(150):
         fleet.t = round(fleet.t + 0.02, 6)
         rig.advance(fleet.t)
-        rig.base.take_output(fleet.t)
-        rig.laser.take_output(fleet.t)
+        rig.base.pop_output(fleet.t)
+        rig.laser.pop_output(fleet.t)
     assert rig.base.velocity == (0.0, 0.0)
     return fleet, last_note(tape)
 

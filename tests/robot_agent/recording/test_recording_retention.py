@@ -9,7 +9,7 @@ import pytest
 from robot_agent.config import RecorderSettings
 from robot_agent.messages.events import Tick
 from robot_agent.recording.recorder import Recorder
-from robot_agent.recording.recording_retention import DiskRoom
+from robot_agent.recording.recording_retention import RecordingRetention
 from robot_agent.recording.run_header import RunHeader
 from tools.logs.recording import read_recording
 
@@ -32,7 +32,7 @@ def test_oldest_runs_make_room(tmp_path: Path) -> None:
         make_run(tmp_path, number, 400_000)
     current = make_run(tmp_path, 9, 400_000)
     (tmp_path / "other.mcap").write_bytes(bytes(9_000_000))
-    room = DiskRoom(current, RecorderSettings(keep_mb=1.0, leave_free_mb=0.0), "r-*.mcap")
+    room = RecordingRetention(current, RecorderSettings(keep_mb=1.0, leave_free_mb=0.0), "r-*.mcap")
     assert room.make() == ""
     assert names(tmp_path) == ["other.mcap", "r-3.mcap", "r-9.mcap"]
 
@@ -40,7 +40,7 @@ def test_oldest_runs_make_room(tmp_path: Path) -> None:
 def test_a_run_that_is_too_large_alone_has_to_end(tmp_path: Path) -> None:
     make_run(tmp_path, 1, 10)
     current = make_run(tmp_path, 9, 1_000_001)
-    room = DiskRoom(current, RecorderSettings(keep_mb=1.0, leave_free_mb=0.0), "r-*.mcap")
+    room = RecordingRetention(current, RecorderSettings(keep_mb=1.0, leave_free_mb=0.0), "r-*.mcap")
     assert "keep_mb = 1" in room.make()
     assert names(tmp_path) == ["r-9.mcap"]
 
@@ -48,13 +48,15 @@ def test_a_run_that_is_too_large_alone_has_to_end(tmp_path: Path) -> None:
 def test_without_a_pattern_nothing_is_deleted(tmp_path: Path) -> None:
     make_run(tmp_path, 1, 2_000_000)
     current = make_run(tmp_path, 9, 10)
-    assert DiskRoom(current, RecorderSettings(keep_mb=1.0, leave_free_mb=0.0)).make() == ""
+    assert (
+        RecordingRetention(current, RecorderSettings(keep_mb=1.0, leave_free_mb=0.0)).make() == ""
+    )
     assert names(tmp_path) == ["r-1.mcap", "r-9.mcap"]
 
 
 def test_a_disk_nearly_full_ends_the_recording_in_good_order(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
-    room = DiskRoom(path, RecorderSettings(leave_free_mb=1e12))
+    room = RecordingRetention(path, RecorderSettings(leave_free_mb=1e12))
     recorder = Recorder(path, HEADER, drain_period=0.001, flush_period=0.02, room=room)
     recorder.record_event(Tick(0.0))
     while not recorder.failed:

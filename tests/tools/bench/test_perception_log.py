@@ -69,7 +69,7 @@ class Stage:
                 tracker=SimpleNamespace(tracks_at=lambda _t: self.tracks),
                 intruders=SimpleNamespace(known=known),
             )
-            self.log.sample(t, self.robot, cast(Agent, SimpleNamespace(sight=sight)))
+            self.log.sample(t, self.robot, cast(Agent, SimpleNamespace(perception=sight)))
         return self.log.figures()
 
 

@@ -36,7 +36,7 @@ def base() -> P2osEmulator:
 def test_sound_line_passes_everything_on(base: P2osEmulator) -> None:
     line = LineFaults(base, FaultPlan(), np.random.default_rng(1))
     line.feed(SYNC0, 0.0)
-    assert b"".join(item.data for item in line.take_output(1.0)) == SYNC0
+    assert b"".join(item.data for item in line.pop_output(1.0)) == SYNC0
     assert line.baud == 9600
 
 
@@ -44,19 +44,19 @@ def test_deaf_line_takes_nothing_and_mute_line_gives_nothing(base: P2osEmulator)
     line = LineFaults(base, FaultPlan(), np.random.default_rng(1))
     line.deaf = True
     line.feed(SYNC0, 0.0)
-    assert line.take_output(1.0) == []
+    assert line.pop_output(1.0) == []
     line.deaf, line.mute = False, True
     line.feed(SYNC0, 1.0)
-    assert line.take_output(2.0) == []
+    assert line.pop_output(2.0) == []
     line.mute = False
-    assert line.take_output(3.0) == [], "what was sent meanwhile is lost"
+    assert line.pop_output(3.0) == [], "what was sent meanwhile is lost"
 
 
 def test_spoilt_packet_differs_in_one_byte(base: P2osEmulator) -> None:
     line = LineFaults(base, FaultPlan(), np.random.default_rng(1))
     line.spoilt = 1.0
     line.feed(SYNC0, 0.0)
-    received = b"".join(item.data for item in line.take_output(1.0))
+    received = b"".join(item.data for item in line.pop_output(1.0))
     assert len(received) == len(SYNC0)
     assert sum(a != b for a, b in zip(received, SYNC0, strict=True)) == 1
 
@@ -107,7 +107,7 @@ def test_cable_keeps_its_name_over_unplugging(base: P2osEmulator, tmp_path: Path
     cable.pump(1.0)
     cable.put_back()
     assert cable.path.is_char_device()
-    assert base.take_output(2.0) == [], "what the device said meanwhile is lost"
+    assert base.pop_output(2.0) == [], "what the device said meanwhile is lost"
     cable.pull()
     cable.pull()
 
@@ -116,8 +116,8 @@ def test_slow_line_gives_everything_late(base: P2osEmulator) -> None:
     line = LineFaults(base, FaultPlan(), np.random.default_rng(1))
     line.late = 0.5
     line.feed(SYNC0, 0.0)
-    assert line.take_output(0.4) == []
-    late = line.take_output(1.0)
+    assert line.pop_output(0.4) == []
+    late = line.pop_output(1.0)
     assert b"".join(item.data for item in late) == SYNC0
     assert all(item.t >= 0.5 for item in late)
 
@@ -125,7 +125,7 @@ def test_slow_line_gives_everything_late(base: P2osEmulator) -> None:
 def test_frozen_line_repeats_what_was_last_sent(base: P2osEmulator) -> None:
     line = LineFaults(base, FaultPlan(), np.random.default_rng(1))
     line.feed(SYNC0, 0.0)
-    line.take_output(1.0)
+    line.pop_output(1.0)
     line.frozen = True
     line.feed(SYNC1, 1.0)
-    assert b"".join(item.data for item in line.take_output(2.0)) == SYNC0
+    assert b"".join(item.data for item in line.pop_output(2.0)) == SYNC0

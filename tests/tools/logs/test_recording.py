@@ -10,7 +10,7 @@ from mcap.writer import Writer
 from robot_agent.messages.effects import Publish, Send
 from robot_agent.messages.events import BytesReceived, LinkUp, Tick
 from robot_agent.recording.recording_writer import RecordingWriter
-from robot_agent.recording.run_header import RunHeader
+from robot_agent.recording.run_header import SCHEMA_VERSION, RunHeader
 from tools.logs.recording import Item, RecordingError, read_recording
 
 HEADER = RunHeader(
@@ -194,7 +194,7 @@ def write_foreign(path: Path, metadata: dict[str, str] | None) -> None:
     ("metadata", "reason"),
     [
         (None, "has no `run` record"),
-        ({"schema_version": "3"}, "is of layout 3, this program reads up to 2"),
+        ({"schema_version": "99"}, f"is of layout 99, this program reads up to {SCHEMA_VERSION}"),
         ({"schema_version": "one"}, "its `run` record does not fit"),
         ({"robot": "r"}, "its `run` record does not fit"),
     ],

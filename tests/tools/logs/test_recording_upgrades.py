@@ -24,7 +24,11 @@ def test_there_is_a_step_from_every_earlier_layout() -> None:
 
 def test_a_recording_of_layout_1_is_read() -> None:
     recording = read_recording(LAYOUT_1)
-    assert recording.upgrades == ["1 to 2: identity of map, border and software"]
+    assert recording.upgrades == [
+        "1 to 2: identity of map, border and software",
+        "2 to 3: decisions with overrides, by today's names",
+    ]
+    assert recording.layout == 1
     header = recording.header
     assert header.schema_version == SCHEMA_VERSION
     assert (header.map_hash, header.border_hash) == identity(header.map_files)

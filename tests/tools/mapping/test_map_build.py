@@ -48,7 +48,7 @@ def log_of_room(scans: list[CarmenScan] | None = None) -> CarmenLog:
 
 
 def test_a_room_is_free_inside_with_walls_where_they_are() -> None:
-    built = build_map(log_of_room(), 0.1, least_sightings=1)
+    built = build_map(log_of_room(), 0.1, min_sightings=1)
     occupancy = built.map
     rows, cols = np.nonzero(occupancy.cells == OCCUPIED)
     x = occupancy.origin.x + (cols + 0.5) * 0.1
@@ -89,7 +89,7 @@ def test_someone_who_walked_by_disappears() -> None:
 def test_beams_beyond_the_limit_and_without_return_are_left_out() -> None:
     scan = scan_of_room(0.0, Pose(0.0, 0.0, 0.0))
     scan.ranges[:90] = math.inf
-    built = build_map(log_of_room([scan]), 0.1, max_range=3.0, least_sightings=1)
+    built = build_map(log_of_room([scan]), 0.1, max_range=3.0, min_sightings=1)
     assert built.beams == int(np.count_nonzero(scan.ranges < 3.0))
     _, cols = np.nonzero(built.map.cells != UNKNOWN)
     assert built.map.origin.x + (cols.max() + 1) * 0.1 < 3.0 + 0.1
@@ -97,9 +97,9 @@ def test_beams_beyond_the_limit_and_without_return_are_left_out() -> None:
 
 def test_even_and_odd_scans_are_those_of_the_log() -> None:
     log = log_of_room()
-    even = build_map(log, 0.1, scans="even", least_sightings=1)
-    odd = build_map(log, 0.1, scans="odd", least_sightings=1)
-    alone = build_map(log_of_room([log.scans[1], log.scans[3]]), 0.1, least_sightings=1)
+    even = build_map(log, 0.1, scans="even", min_sightings=1)
+    odd = build_map(log, 0.1, scans="odd", min_sightings=1)
+    alone = build_map(log_of_room([log.scans[1], log.scans[3]]), 0.1, min_sightings=1)
     assert (even.scans, odd.scans) == (2, 2)
     assert np.array_equal(odd.map.cells, alone.map.cells)
     assert not np.array_equal(even.map.cells, odd.map.cells)

@@ -62,7 +62,7 @@ def decision(t: float, **changes: Any) -> DecisionPayload:
         runner_up="patrol_clockwise",
         pose=PlanarPose(1.0, 2.0, 0.0),
         velocity=Velocity(0.35, 0.0),
-        wish=Twist(0.35, 0.0),
+        requested=Twist(0.35, 0.0),
         command=Twist(0.35, 0.0),
     )
     return msgspec.structs.replace(well, **changes)

@@ -69,7 +69,7 @@ def test_foxglove_viewer_gets_channels_with_schemas_and_payloads() -> None:
             ) as viewer,
         ):
             while True:
-                server.take("patrol/north/anna/pose", payload, time.time())
+                server.on_payload("patrol/north/anna/pose", payload, time.time())
                 try:
                     message = await viewer.receive(timeout=0.5)
                 except TimeoutError:
@@ -87,7 +87,7 @@ def test_foxglove_viewer_gets_channels_with_schemas_and_payloads() -> None:
                     await viewer.send_json(wanted)
 
     with FoxgloveServer("127.0.0.1:0") as server:
-        server.take("patrol/north/anna/nonsense", b"{}", time.time())
+        server.on_payload("patrol/north/anna/nonsense", b"{}", time.time())
         asyncio.run(look(server.port, server))
         with pytest.raises(WebError, match="--foxglove"):
             FoxgloveServer(f"127.0.0.1:{server.port}")

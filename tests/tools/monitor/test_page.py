@@ -103,7 +103,7 @@ def test_every_fact_is_on_the_page_with_its_value(live: LiveTeam) -> None:
     assert re.fullmatch(r"[+−]0\.\d\d s", live.fact("clock"))
     assert re.fullmatch(r"-?\d+\.\d\d", live.fact("gamma"))
     assert re.fullmatch(r"\d+\.\d m c?cw", live.fact("abscissa"))
-    for twist in ("wish", "command"):
+    for twist in ("requested", "command"):
         assert re.fullmatch(r"-?\d\.\d\d m/s, -?\d\.\d\d rad/s", live.fact(twist))
     degrees = [float(text) for text in browser.texts(f'[data-robot="{FIRST}"] [data-degree]')]
     assert len(degrees) == 5

@@ -41,7 +41,7 @@ def test_every_payload_is_kept_as_it_came(tmp_path: Path) -> None:
         ("patrol/north/bob/nonsense", b"", START + 0.2),
     ]
     for key, payload, wall in heard:
-        recorder.take(key, payload, wall)
+        recorder.on_payload(key, payload, wall)
     recorder.close()
     file = RecordedPayloads(path)
     kept = [(payload.key, payload.data, payload.t) for payload in file.payloads(0.0)]

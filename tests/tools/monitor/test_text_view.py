@@ -68,7 +68,7 @@ DECISION = DecisionPayload(
     runner_up="keep_going",
     pose=PlanarPose(1.0, -2.0, 1.57),
     velocity=Velocity(0.0, 0.35),
-    wish=Twist(0.35, 0.0),
+    requested=Twist(0.35, 0.0),
     command=Twist(0.2, -0.1),
     gate_reason="obstacle ahead",
 )

@@ -104,7 +104,7 @@ def test_silent_line_is_given_up_at_the_limit() -> None:
         def feed(self, data: bytes, t: float) -> None:
             pass
 
-        def take_output(self, t: float) -> list[TimedBytes]:
+        def pop_output(self, t: float) -> list[TimedBytes]:
             return []
 
     with served(PtyPort(Silence())) as url:

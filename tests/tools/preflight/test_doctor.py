@@ -72,13 +72,13 @@ class RobotOnTheBench:
         self.laser_line = LineFaults(self.rig.laser, FaultPlan(), rng)
         self.base_cable = Cable(self.base_line, folder / "base")
         self.laser_cable = Cable(self.laser_line, folder / "laser")
-        self.camera = CameraServer(EmulatedCamera(world, self.rig.body).take)
+        self.camera = CameraServer(EmulatedCamera(world, self.rig.body).picture_at)
         self.operator = socket.create_server(("127.0.0.1", 0))
         self.config_path = folder / "robot1.toml"
         self.config_path.write_text(self._configuration(folder))
         ports = (self.base_cable, self.laser_cable, self.camera)
         self._real_time = RealTimeRig(self.rig, ports)
-        self._wishes: SimpleQueue[Callable[[], object]] = SimpleQueue()
+        self._requests: SimpleQueue[Callable[[], object]] = SimpleQueue()
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run)
         self._thread.start()
@@ -107,14 +107,14 @@ folder = "{folder / "recordings"}"
     def _run(self) -> None:
         while not self._ended.is_set():
             try:
-                self._wishes.get_nowait()()
+                self._requests.get_nowait()()
             except Empty:
                 self._real_time.step()
 
-    def do(self, wish: Callable[[], object]) -> None:
+    def do(self, requested: Callable[[], object]) -> None:
         """Do something to the robot on the thread that runs it."""
         done = threading.Event()
-        self._wishes.put(lambda: (wish(), done.set()))
+        self._requests.put(lambda: (requested(), done.set()))
         assert done.wait(5.0)
 
     def close(self) -> None:

@@ -41,7 +41,7 @@ def test_capture_can_be_served(data_folder: Path, tmp_path: Path) -> None:
     summary = capture_to_recording(data_folder / "captures/client-sim-tcp.jsonl", path)
     base = recorded_devices(read_recording(path))["base"]
     base.feed(b"\xfa\xfb", 10.0)
-    played = b"".join(out.data for out in base.take_output(100.0))
+    played = b"".join(out.data for out in base.pop_output(100.0))
     assert len(played) == summary.received
     assert played.startswith(b"\xfa\xfb\x03\x00")
 

@@ -59,12 +59,12 @@ def test_unmodified_agent_runs_on_a_recording_as_on_a_robot(recording: Recording
 
 def test_nothing_is_said_before_the_driver_speaks(recording: Recording) -> None:
     base = recorded_devices(recording)["base"]
-    assert base.take_output(100.0) == []
+    assert base.pop_output(100.0) == []
     base.feed(b"\xfa\xfb", 200.0)
     first_at, first = base.chunks[0]
     early, late = 200.0 + first_at - 0.001, 200.0 + first_at + 0.001
-    assert base.take_output(early - base.clock.recorded(200.0)) == []  # type: ignore[operator]
-    assert [out.data for out in base.take_output(late)][:1] == [first]
+    assert base.pop_output(early - base.clock.recorded(200.0)) == []  # type: ignore[operator]
+    assert [out.data for out in base.pop_output(late)][:1] == [first]
 
 
 class Listener:

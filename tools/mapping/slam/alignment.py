@@ -17,11 +17,11 @@ from tools.mapping.slam.cloud import Cloud, rotation_of
 _SIGMA = 0.03  # m; of a laser point from the line through its neighbours
 _REACHES = (0.6, 0.4, 0.25)  # m; how far apart the same surface is taken for, shrinking
 _LAST_REACH = 0.15
-_MOST_STEPS = 20
+_MAX_STEPS = 20
 _CONVERGED = 1e-4  # m and rad
 _ARM = 3.0  # m; a turn of a radian moves the points about this far
 _TOLD = 0.03  # a direction with less than this share of the best one's information is not told
-_LEAST_PAIRS = 20
+_MIN_PAIRS = 20
 # What is left when the points' noise has averaged out: a scan taken while moving, a cloud not
 # quite in its place. Standard deviations, m, m, rad.
 _FLOOR = np.diag([0.015, 0.015, 0.004])
@@ -45,7 +45,7 @@ def align(points: NDArray[np.float64], cloud: Cloud, guess: Pose) -> Alignment |
     None if too few points have a counterpart.
     """
     pose = guess
-    for step in range(_MOST_STEPS):
+    for step in range(_MAX_STEPS):
         reach = _REACHES[step] if step < len(_REACHES) else _LAST_REACH
         equations = _linearize(points, cloud, pose, reach)
         if equations is None:
@@ -81,7 +81,7 @@ def _linearize(
     rotated = points @ rotation_of(pose.theta).T
     distance, index = cloud.nearest(rotated + pose[:2], reach)
     paired = np.isfinite(distance)
-    if np.count_nonzero(paired) < _LEAST_PAIRS:
+    if np.count_nonzero(paired) < _MIN_PAIRS:
         return None
     rotated, index = rotated[paired], index[paired]
     normals = cloud.normals[index]

@@ -16,8 +16,8 @@ from tools.mapping.slam.keyframe import Keyframe
 from tools.mapping.slam.pose_graph import Edge
 
 _BEFORE = 8  # keyframes matched with together
-_LEAST_SCORE = 0.4  # of a search worth following
-_LEAST_SHARE = 0.25  # of points on surfaces, for an alignment worth believing
+_MIN_SCORE = 0.4  # of a search worth following
+_MIN_SHARE = 0.25  # of points on surfaces, for an alignment worth believing
 _NEAR_PEAK = (0.3, math.radians(5.0))  # m, rad; farther from the search's peak it has slid away
 _LARGEST_TURN = math.radians(45.0)
 _LARGEST_STEP = 1.5  # m
@@ -67,9 +67,9 @@ def _match(frames: Sequence[Keyframe], poses: Sequence[Pose], guess: Pose) -> Ed
     window = min(0.2 + 0.25 * way + 0.1 * turn, _LARGEST_STEP)
     turn_window = min(0.06 + 0.15 * way + 0.2 * turn, _LARGEST_TURN)
     peak = search(points, target.points, expected, window, turn_window)
-    start = peak.pose if peak.score > _LEAST_SCORE else expected
+    start = peak.pose if peak.score > _MIN_SCORE else expected
     found = align(points, target, start)
-    if found is None or found.share < _LEAST_SHARE or not close(start, found.pose, _NEAR_PEAK):
+    if found is None or found.share < _MIN_SHARE or not close(start, found.pose, _NEAR_PEAK):
         return None
     return Edge(index - 1, index, found.pose, found.information)
 

@@ -17,7 +17,7 @@ _TURN = math.radians(10.0)  # rad; and turned less than this shows nothing new
 _REACH = 20.0  # m; beyond, beams are too far apart to tell a surface
 _NEIGHBOURS = 8  # beams to each side looked at for the direction of the surface
 _NEAR = 0.3  # m; those farther away are another surface
-_LEAST_POINTS = 3  # that tell a surface
+_MIN_POINTS = 3  # that tell a surface
 _FLATNESS = 0.05  # largest ratio of the variances across and along a surface
 
 
@@ -95,5 +95,5 @@ def surface_normals(points: NDArray[np.float64]) -> NDArray[np.float64]:
     spread = np.hypot(0.5 * (xx - yy), xy)
     largest, least = 0.5 * (xx + yy) + spread, 0.5 * (xx + yy) - spread
     normals = np.column_stack((-np.sin(along), np.cos(along)))
-    normals[(count < _LEAST_POINTS) | (least > _FLATNESS * largest)] = np.nan
+    normals[(count < _MIN_POINTS) | (least > _FLATNESS * largest)] = np.nan
     return normals

@@ -26,15 +26,15 @@ from tools.mapping.slam.pose_graph import Edge, optimize
 
 _EVERY = 2  # keyframes; each so many are searched for loops
 _STRETCH = 4  # keyframes to each side that make a stretch
-_LEAST_WAY = 12.0  # m travelled before a place can be seen again
+_MIN_WAY = 12.0  # m travelled before a place can be seen again
 _DRIFT = 0.06  # m per m travelled since the last known place, at most
 _TURN_DRIFT = math.radians(0.5)  # rad per m
 _NEAR = 2.5  # m; stretches no farther apart see the same, whatever the drift
 _WIDEST = 6.0  # m, largest drift searched for
 _WIDEST_TURN = math.radians(50.0)
-_MOST_PLACES = 3  # searched for each keyframe
-_LEAST_SCORE = 0.55
-_LEAST_SHARE = 0.6
+_MAX_PLACES = 3  # searched for each keyframe
+_MIN_SCORE = 0.55
+_MIN_SHARE = 0.6
 _DISTINCT = 0.9  # the largest ratio of the scores of the second best place and the best
 _TRUSTED_WAY = 15.0  # m; drift over less needs no second witness
 _WITNESSES_WITHIN = 8.0  # m travelled
@@ -90,7 +90,7 @@ class LoopCloser:
         """Return old keyframes to match one with, and the way over which drift may have grown."""
         unknown = self._unknown_way(index)
         here = np.array(self.poses[index][:2])
-        old = np.flatnonzero(self._way[: index + 1] < self._way[index] - _LEAST_WAY)
+        old = np.flatnonzero(self._way[: index + 1] < self._way[index] - _MIN_WAY)
         if not len(old):
             return []
         apart = np.hypot(*(np.array([self.poses[i][:2] for i in old]) - here).T)
@@ -102,7 +102,7 @@ class LoopCloser:
         visits = np.split(np.arange(len(old)), np.flatnonzero(np.diff(old) > 1) + 1)
         nearest = [visit[int(np.argmin(apart[visit]))] for visit in visits]
         nearest.sort(key=lambda i: float(apart[i]))
-        return [(int(old[i]), float(unknown[old[i]])) for i in nearest[:_MOST_PLACES]]
+        return [(int(old[i]), float(unknown[old[i]])) for i in nearest[:_MAX_PLACES]]
 
     def _unknown_way(self, index: int) -> NDArray[np.float64]:
         """Return, for each keyframe, the way to one along the graph: loops are short cuts."""
@@ -124,10 +124,10 @@ class LoopCloser:
         window = 0.5 + min(_DRIFT * unknown, _WIDEST)
         turn_window = math.radians(5.0) + min(_TURN_DRIFT * unknown, _WIDEST_TURN)
         peak = search(source.points, target.points, guess, window, turn_window)
-        if peak.score < _LEAST_SCORE or peak.rival > _DISTINCT * peak.score:
+        if peak.score < _MIN_SCORE or peak.rival > _DISTINCT * peak.score:
             return None
         found = align(source.points, target, peak.pose)
-        if found is None or found.share < _LEAST_SHARE:
+        if found is None or found.share < _MIN_SHARE:
             return None
         return _Candidate(Edge(place, index, found.pose, found.information), unknown)
 

@@ -17,7 +17,7 @@ from scipy.sparse.linalg import splu
 
 from maps.pose import Pose, wrap_angle
 
-_MOST_STEPS = 30
+_MAX_STEPS = 30
 _CONVERGED = 1e-4  # m and rad
 _ROUGH = 0.01  # m and rad, before the last scale
 _ROUGH_STEPS = 6
@@ -50,7 +50,7 @@ def optimize(poses: Sequence[Pose], edges: Sequence[Edge], scale: float = 3.0) -
     # al., "Graduated non-convexity", 2020): a right loop after much drift must not start as wrong.
     at = max(scale, 2.0 * float(np.sqrt(graph.squares(graph.errors(state)[0]).max())))
     while True:
-        for _ in range(_MOST_STEPS if at == scale else _ROUGH_STEPS):
+        for _ in range(_MAX_STEPS if at == scale else _ROUGH_STEPS):
             change = graph.step(state, at)
             state += change
             if np.abs(change).max() < (_CONVERGED if at == scale else _ROUGH):

@@ -21,8 +21,8 @@ from tools.mapping.slam.keyframe import Keyframe
 from tools.mapping.slam.pose_graph import Edge, optimize
 
 _NEAR = 3.0  # m between two scans' lasers
-_MOST_PARTNERS = 8  # of each scan, the nearest ones
-_LEAST_SHARE = 0.35
+_MAX_PARTNERS = 8  # of each scan, the nearest ones
+_MIN_SHARE = 0.35
 _CORRECTION = (0.3, math.radians(4.0))  # m, rad; more is a wrong match
 
 
@@ -69,7 +69,7 @@ def _partners(poses: Sequence[Pose]) -> list[list[int]]:
     for index, found in enumerate(near):
         earlier = np.array([other for other in found if other < index], dtype=int)
         apart = np.hypot(*(places[earlier] - places[index]).T)
-        partners.append([int(other) for other in earlier[np.argsort(apart)[:_MOST_PARTNERS]]])
+        partners.append([int(other) for other in earlier[np.argsort(apart)[:_MAX_PARTNERS]]])
     return partners
 
 
@@ -85,7 +85,7 @@ def _pairs(
     for partner in partners:
         guess = poses[partner].between(poses[index])
         found = align(frames[index].points, clouds[partner], guess)
-        if found is None or found.share < _LEAST_SHARE:
+        if found is None or found.share < _MIN_SHARE:
             continue
         if close(guess, found.pose, _CORRECTION):
             edges.append(Edge(partner, index, found.pose, found.information))

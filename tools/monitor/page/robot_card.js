@@ -10,7 +10,7 @@ const LEVEL_CLASS = { 3: "worry", 4: "bad", 5: "bad" };
 const FACTS = [
   ["border", "from border"], ["neighbor", "nearest"],
   ["abscissa", "along border"], ["gamma", "neighbor state"],
-  ["wish", "asked for", "wide"], ["command", "after gate", "wide"], ["gate", "gate", "wide"],
+  ["requested", "asked for", "wide"], ["command", "after gate", "wide"], ["gate", "gate", "wide"],
   ["localization", "localization", "wide"],
   ["battery", "battery"], ["motors", "motors"],
   ["base", "base link", "wide"], ["laser", "laser link", "wide"],
@@ -135,7 +135,7 @@ export class RobotCard {
     setText(facts.neighbor, quantity(decision?.neighbor, "m"));
     setText(facts.gamma, quantity(decision?.gamma, ""));
     setText(facts.abscissa, decision ? `${quantity(decision.abscissa, "m", 1)} ${decision.direction > 0 ? "cw" : "ccw"}` : ABSENT);
-    setText(facts.wish, twist(decision?.wish));
+    setText(facts.requested, twist(decision?.requested));
     setText(facts.command, twist(decision?.command));
     setText(facts.gate, decision ? (decision.gate ?? "lets all through") : ABSENT);
     setClass(facts.gate, "worry", Boolean(decision?.gate) && decision.gate !== "acceleration");

@@ -25,22 +25,22 @@ def flat(t: float, n: int, increment: float) -> NDArray[np.float64]:
 def ask(emulator: Lms200Emulator, payload: bytes, t: float = 0.0) -> list[str]:
     """Return ACK, NAK and reply payloads as hex."""
     emulator.feed(encode_telegram(payload), t)
-    output = b"".join(item.data for item in emulator.take_output(t + 1.0))
+    output = b"".join(item.data for item in emulator.pop_output(t + 1.0))
     found = TelegramFramer().feed(output)
     return [i.payload.hex() if isinstance(i, Telegram) else type(i).__name__ for i in found]
 
 
 def stream(emulator: Lms200Emulator, until: float) -> list[TimedBytes]:
     emulator.feed(encode_telegram(b"\x20\x24"), 0.0)
-    output = emulator.take_output(until)
+    output = emulator.pop_output(until)
     return [item for item in output if len(item.data) > 100]
 
 
 def test_acknowledgement_comes_before_the_reply_at_the_wire_rate() -> None:
     emulator = Lms200Emulator()
     emulator.feed(encode_telegram(b"\x20\x25"), 5.0)
-    assert emulator.take_output(5.001) == []
-    ack, reply = emulator.take_output(6.0)
+    assert emulator.pop_output(5.001) == []
+    ack, reply = emulator.pop_output(6.0)
     assert (ack.t, ack.data) == (pytest.approx(5.0 + 10 / 9600), b"\x06")
     assert reply.t == pytest.approx(5.0 + 100 / 9600)
     assert reply.data == bytes.fromhex("02 80 03 00 A0 00 10 16 0A")
@@ -49,7 +49,7 @@ def test_acknowledgement_comes_before_the_reply_at_the_wire_rate() -> None:
 def test_bad_crc_is_answered_with_nak() -> None:
     emulator = Lms200Emulator()
     emulator.feed(bytes.fromhex("02 00 01 00 31 15 13"), 0.0)
-    assert [item.data for item in emulator.take_output(1.0)] == [b"\x15"]
+    assert [item.data for item in emulator.pop_output(1.0)] == [b"\x15"]
 
 
 def test_telegram_that_stalls_half_way_is_forgotten() -> None:
@@ -61,7 +61,7 @@ def test_telegram_that_stalls_half_way_is_forgotten() -> None:
 def test_other_addresses_are_not_answered() -> None:
     emulator = Lms200Emulator()
     emulator.feed(encode_telegram(b"\x31", address=3), 0.0)
-    assert emulator.take_output(1.0) == []
+    assert emulator.pop_output(1.0) == []
 
 
 @pytest.mark.parametrize("unknown", [b"\x99", b"\x20\x2c", b"\x20", b"\x66\x02", b"\x3b\xb4"])
@@ -130,32 +130,32 @@ def test_variants(wanted: str, reply: str) -> None:
 def test_rate_changes_once_the_reply_has_left_at_the_old_rate() -> None:
     emulator = Lms200Emulator()
     emulator.feed(encode_telegram(b"\x20\x40"), 0.0)
-    emulator.take_output(0.010)
+    emulator.pop_output(0.010)
     assert emulator.baud == 9600
-    (reply,) = emulator.take_output(0.011)
+    (reply,) = emulator.pop_output(0.011)
     assert reply.data[4:6] == b"\xa0\x00"
     assert reply.t == pytest.approx(100 / 9600)
     assert emulator.baud == 38400
     emulator.feed(encode_telegram(b"\x32"), 1.0)
-    ack, _reply = emulator.take_output(2.0)
+    ack, _reply = emulator.pop_output(2.0)
     assert ack.t == pytest.approx(1.0 + 10 / 38400)
 
 
 def test_one_call_returns_bytes_of_one_rate() -> None:
     emulator = Lms200Emulator()
     emulator.feed(encode_telegram(b"\x20\x40") + encode_telegram(b"\x32"), 0.0)
-    assert b"".join(item.data for item in emulator.take_output(1.0))[-2:] == b"\x16\x0a"
-    assert b"".join(item.data for item in emulator.take_output(1.0))[-2:] == b"\x3f\x13"
+    assert b"".join(item.data for item in emulator.pop_output(1.0))[-2:] == b"\x16\x0a"
+    assert b"".join(item.data for item in emulator.pop_output(1.0))[-2:] == b"\x3f\x13"
 
 
 def test_reset_confirms_then_starts_at_9600() -> None:
     emulator = Lms200Emulator(baud=38400, boot_time=2.0)
     emulator.feed(encode_telegram(b"\x10"), 0.0)
-    output = emulator.take_output(1.0)
+    output = emulator.pop_output(1.0)
     assert [item.data for item in output] == [b"\x06", bytes.fromhex("02 80 02 00 91 10 79 30")]
     assert emulator.baud == 9600
     emulator.feed(encode_telegram(b"\x31"), 1.5)  # still booting: not heard
-    (power_on,) = emulator.take_output(3.0)
+    (power_on,) = emulator.pop_output(3.0)
     assert power_on.data[4] == 0x90
     assert power_on.t == pytest.approx(2.0 + (9 * 10) / 38400 + len(power_on.data) * 10 / 9600)
 
@@ -220,7 +220,7 @@ def test_stop_ends_the_stream_after_the_scan_under_way() -> None:
     emulator = Lms200Emulator(baud=38400, scan_source=flat)
     stream(emulator, until=1.0)
     emulator.feed(encode_telegram(b"\x20\x25"), 1.0)
-    rest = emulator.take_output(3.0)
+    rest = emulator.pop_output(3.0)
     assert [len(item.data) for item in rest] == [732, 1, 9]
 
 
@@ -228,7 +228,7 @@ def test_variant_stops_the_stream() -> None:
     emulator = Lms200Emulator(baud=38400, scan_source=flat)
     stream(emulator, until=1.0)
     emulator.feed(encode_telegram(bytes.fromhex("3B B4 00 64 00")), 1.0)
-    rest = emulator.take_output(3.0)
+    rest = emulator.pop_output(3.0)
     assert [len(item.data) for item in rest] == [732, 1, 13]
 
 
@@ -236,14 +236,14 @@ def test_other_requests_are_answered_between_scans() -> None:
     emulator = Lms200Emulator(baud=38400, scan_source=flat)
     stream(emulator, until=1.0)
     emulator.feed(encode_telegram(b"\x32"), 1.0)
-    rest = emulator.take_output(2.0)
+    rest = emulator.pop_output(2.0)
     assert [len(item.data) for item in rest][:5] == [732, 1, 8, 732, 732]
 
 
 def test_one_scan_on_request() -> None:
     emulator = Lms200Emulator(baud=38400, scan_source=flat, variant=Variant(180, 100))
     emulator.feed(encode_telegram(b"\x30\x01"), 0.0)
-    assert [len(item.data) for item in emulator.take_output(3.0)] == [1, 372]
+    assert [len(item.data) for item in emulator.pop_output(3.0)] == [1, 372]
 
 
 def test_playback_keeps_the_time_of_a_scan() -> None:
@@ -253,7 +253,7 @@ def test_playback_keeps_the_time_of_a_scan() -> None:
     stream(emulator, until=0.9)
     assert emulator.send_scan(ranges, 1.0)
     assert not emulator.send_scan(ranges, 1.05)  # the wire is busy
-    (item,) = emulator.take_output(2.0)
+    (item,) = emulator.pop_output(2.0)
     assert item.t == pytest.approx(1.0 + TURN / 2 + 372 * 10 / 38400)
     (found,) = TelegramFramer().feed(item.data)
     assert isinstance(found, Telegram)
@@ -266,7 +266,7 @@ def test_playback_of_one_beam_less_and_of_another_count() -> None:
     emulator = Lms200Emulator(baud=38400, variant=Variant(180, 100))
     stream(emulator, until=0.9)
     assert emulator.send_scan(np.full(180, 1.0), 1.0)
-    (item,) = emulator.take_output(2.0)
+    (item,) = emulator.pop_output(2.0)
     assert item.data[-7:-3] == bytes.fromhex("E8 03 FF 1F")
     with pytest.raises(ValueError, match="181 beams, not 361"):
         emulator.send_scan(np.full(361, 1.0), 3.0)
@@ -277,7 +277,7 @@ def test_power_off_is_silence() -> None:
     stream(emulator, until=1.0)
     emulator.power_off(1.0)
     emulator.feed(encode_telegram(b"\x31"), 1.5)
-    assert emulator.take_output(9.0) == []
+    assert emulator.pop_output(9.0) == []
 
 
 @given(st.lists(st.binary(max_size=50), max_size=20))
@@ -285,14 +285,14 @@ def test_any_bytes_never_raise(chunks: list[bytes]) -> None:
     emulator = Lms200Emulator(scan_source=flat)
     for step, chunk in enumerate(chunks):
         emulator.feed(chunk, step * 0.01)
-        emulator.take_output(step * 0.01)
+        emulator.pop_output(step * 0.01)
 
 
 @given(st.binary(min_size=1, max_size=40))
 def test_any_command_is_answered(payload: bytes) -> None:
     emulator = Lms200Emulator(scan_source=flat)
     emulator.feed(encode_telegram(payload), 0.0)
-    found = TelegramFramer().feed(b"".join(item.data for item in emulator.take_output(2.0)))
+    found = TelegramFramer().feed(b"".join(item.data for item in emulator.pop_output(2.0)))
     assert found[0] == Ack()
     assert len(found) >= 2
     assert Nak() not in found

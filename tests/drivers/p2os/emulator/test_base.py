@@ -82,9 +82,9 @@ def test_the_watchdog_is_what_the_flash_says() -> None:
 def test_motion_is_what_the_profile_says_and_is_fetched_once() -> None:
     robot = base(Command(N.VEL, 300))
     robot.run_to(1.0)
-    distance, rotation = robot.take_motion()
+    distance, rotation = robot.pop_motion()
     assert (distance, rotation) == (pytest.approx(0.15, abs=0.002), 0.0)
-    assert robot.take_motion() == (0.0, 0.0)
+    assert robot.pop_motion() == (0.0, 0.0)
 
 
 def test_stall_cuts_power_for_its_pause() -> None:

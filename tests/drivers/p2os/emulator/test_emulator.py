@@ -40,7 +40,7 @@ class Robot:
             self.rotation += rotation
             if refresh is not None and step % 50 == 0:
                 self.send(refresh)
-            for sent in self.emulator.take_output(self.t):
+            for sent in self.emulator.pop_output(self.t):
                 self.packets += [(sent.t, packet) for packet in self._framer.feed(sent.data)]
 
     def open(self, *, motors: bool = True) -> Robot:

@@ -15,8 +15,8 @@ N = CommandNumber
 def test_none_one_or_many_packets_are_sent(argument: int, due: list[bool]) -> None:
     streams = EmulatedStreams()
     streams.ask(Command(N.ENCODER, argument))
-    assert [streams.take_due(N.ENCODER) for _ in range(3)] == due
-    assert not streams.take_due(N.IOREQUEST)
+    assert [streams.pop_due(N.ENCODER) for _ in range(3)] == due
+    assert not streams.pop_due(N.IOREQUEST)
 
 
 def test_streams_end_when_asked_and_with_the_session() -> None:
@@ -24,7 +24,7 @@ def test_streams_end_when_asked_and_with_the_session() -> None:
     for number in (N.ENCODER, N.IOREQUEST):
         streams.ask(Command(number, 2))
     streams.ask(Command(N.ENCODER, 0))
-    assert not streams.take_due(N.ENCODER)
-    assert streams.take_due(N.IOREQUEST)
+    assert not streams.pop_due(N.ENCODER)
+    assert streams.pop_due(N.IOREQUEST)
     streams.stop()
-    assert not streams.take_due(N.IOREQUEST)
+    assert not streams.pop_due(N.IOREQUEST)

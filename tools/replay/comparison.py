@@ -1,0 +1,60 @@
+"""Whether an agent did again what a recording says it did.
+
+A recording of this layout is compared effect by effect, byte by byte. One of an earlier layout is
+compared in what it knew: every byte to the devices, every pose, scan and status, and every decision
+in the fields that were recorded; words for people may have changed since.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import msgspec
+
+from robot_agent.messages.effects import Effect, Publish
+from robot_agent.messages.streams import modernized
+from robot_agent.recording.run_header import SCHEMA_VERSION
+
+_WORDS = "event"
+_DECISION = "decision"
+
+
+def same_effects(
+    recorded: Sequence[Effect], now: Sequence[Effect], layout: int, *, complete: bool
+) -> bool:
+    """Tell whether the effects of one event agree with those recorded in a layout.
+
+    complete: False if the recorded ones may be cut off.
+    """
+    if layout < SCHEMA_VERSION:
+        recorded, now = _without_words(recorded), _without_words(now)
+    if len(now) < len(recorded) or (complete and len(now) > len(recorded)):
+        return False
+    return all(_same(a, b, layout) for a, b in zip(recorded, now, strict=False))
+
+
+def _without_words(effects: Sequence[Effect]) -> list[Effect]:
+    return [
+        effect
+        for effect in effects
+        if not (isinstance(effect, Publish) and effect.stream == _WORDS)
+    ]
+
+
+def _same(recorded: Effect, now: Effect, layout: int) -> bool:
+    if (
+        layout < SCHEMA_VERSION
+        and isinstance(recorded, Publish)
+        and isinstance(now, Publish)
+        and recorded.stream == now.stream == _DECISION
+    ):
+        return _same_decision(recorded.payload, now.payload)
+    return recorded == now
+
+
+def _same_decision(recorded: bytes, now: bytes) -> bool:
+    """Compare two decisions (JSON) in the fields of the older one."""
+    old: dict[str, Any] = msgspec.json.decode(modernized(_DECISION, recorded))
+    new: dict[str, Any] = msgspec.json.decode(now)
+    return all(new.get(key) == value for key, value in old.items())
