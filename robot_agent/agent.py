@@ -54,13 +54,13 @@ from robot_agent.motion.recovery_turn import RecoveryTurn
 from robot_agent.motion.sensor_freshness import SensorFreshness
 from robot_agent.motion.teleop import Teleop
 from robot_agent.obstacles.surroundings import Surroundings
-from robot_agent.patrol.actions import Action
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.intruders import Intruder
 from robot_agent.perception.perception import NewIntruder, Perception
 from robot_agent.pose.pose_memory import PoseMemory
 from robot_agent.pose.pose_tracker import PoseTracker
 from robot_agent.report.health_summary import HealthSummary
+from robot_agent.report.override_words import override_notice
 from robot_agent.report.telemetry_builder import TelemetryBuilder
 
 _REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
@@ -318,12 +318,9 @@ class Agent:
         gate = self._drive(t, requested, self._gate_inputs(t, state))
         # 4. Tell.
         self._on_gate_decision(t, gate)
-        if decision.blocked:
-            self.outbox.log(t, "patrol", _blocked_words(decision), LogLevel.WARNING)
-        if decision.closes_in and not (self.decision and self.decision.closes_in):
-            self.outbox.log(t, "patrol", _closing_in_words(decision), LogLevel.INFO)
-        if decision.insists and not (self.decision and self.decision.insists):
-            self.outbox.log(t, "standoff", _insisting_words(decision), LogLevel.INFO)
+        notice = override_notice(decision, self.decision)
+        if notice is not None:
+            self.outbox.log(t, *notice)
         self.decision = decision
         if self.publishes:
             self._publish(self.telemetry.on_decision(t, pose, decision, requested, gate, track))
@@ -446,26 +443,3 @@ def _gate_settings(config: AgentConfig) -> GateSettings:
         return config.gate
     limit = scan_age_limit(config.laser.scan_period)
     return msgspec.structs.replace(config.gate, max_scan_age=limit)
-
-
-def _blocked_words(decision: PatrolDecision) -> str:
-    turned = ", turns back" if decision.action is Action.KEEP_GOING else ""
-    return f"unknown object near s = {decision.abscissa:.1f} m holds the robot{turned}"
-
-
-def _closing_in_words(decision: PatrolDecision) -> str:
-    return (
-        f"comes closer to a teammate near s = {decision.abscissa:.1f} m, who always sent it back "
-        "there"
-    )
-
-
-def _insisting_words(decision: PatrolDecision) -> str:
-    near = f"near s = {decision.abscissa:.1f} m for too long"
-    match decision.action:
-        case Action.REACH_FRONTIER:
-            return f"kept from the border {near}, drives to it"
-        case Action.KEEP_GOING:
-            return f"avoided teammates {near}, goes on"
-        case _:
-            return f"caught at the border's end {near}, leaves it"

@@ -209,6 +209,20 @@ class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=T
             description="stands still, caught between an end and a teammate, or a moment in a crowd"
         ),
     ] = False
+    override: Annotated[
+        str | None,
+        Meta(
+            description="the modifier whose proposal is in force: standoff, hold_at_end, blockage, "
+            "wait, closing_in or even_gaps; absent while the paper's choice is"
+        ),
+    ] = None
+    turn: Annotated[
+        str | None,
+        Meta(
+            description="why the robot turned back in this step: teammate, rules (an end), chance, "
+            "blockage or even_gaps; absent if it did not"
+        ),
+    ] = None
 
 
 class ProcessPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from enum import StrEnum
-from typing import TYPE_CHECKING
 
-import msgspec
-
-from maps.border import BorderProjection
 from robot_agent.patrol.behaviors import (
+    CLOCKWISE,
+    COUNTER_CLOCKWISE,
     Task,
     Vector,
     patrol_clockwise,
@@ -21,9 +19,7 @@ from robot_agent.patrol.behaviors import (
 )
 from robot_agent.patrol.nsb import compose
 from robot_agent.patrol.settings import PatrolSettings
-
-if TYPE_CHECKING:
-    from maps.approach_field import Approach
+from robot_agent.patrol.situation import Situation
 
 
 class Action(StrEnum):
@@ -36,50 +32,56 @@ class Action(StrEnum):
     AVOID_TEAMMATE = "avoid_teammate"
 
 
+PATROL_DIRECTION = {
+    Action.PATROL_CLOCKWISE: CLOCKWISE,
+    Action.PATROL_COUNTER_CLOCKWISE: COUNTER_CLOCKWISE,
+}
+"""The direction each patrol action sets, +1 clockwise or -1."""
 PATROLLING = frozenset(
     {Action.KEEP_GOING, Action.PATROL_CLOCKWISE, Action.PATROL_COUNTER_CLOCKWISE}
 )
 
 
-class Situation(msgspec.Struct, frozen=True):
-    """What the behaviors look at, map frame: own position, its projection, closest teammate."""
+def action_velocity(
+    action: Action, situation: Situation, direction: int, settings: PatrolSettings
+) -> Vector:
+    """Return the velocity (vx, vy) of an action, m/s in the map frame, within approach_speed.
 
-    position: Vector
-    foot: BorderProjection
-    teammate: Vector | None
-    direction: int  # +1 clockwise, -1 counter-clockwise
-    left_is_end: bool  # the projection is the end of an open border at abscissa 0
-    right_is_end: bool
-    approach: Approach | None = None  # the way there, while a wall hides the projection
-
-
-def action_velocity(action: Action, situation: Situation, settings: PatrolSettings) -> Vector:
-    """Return the velocity (vx, vy) of an action, m/s in the map frame, within approach_speed."""
-    tasks = _COMPOSITIONS[action](situation, settings)
+    direction: of Keep Going, +1 clockwise or -1.
+    """
+    tasks = _COMPOSITIONS[action](situation, direction, settings)
     vx, vy = compose(tasks, settings.approach_speed)
     return vx, vy
 
 
-def _reach_frontier(situation: Situation, settings: PatrolSettings) -> Sequence[Task]:
+def _reach_frontier(
+    situation: Situation, _direction: int, settings: PatrolSettings
+) -> Sequence[Task]:
     return (_reaching(situation, settings),)
 
 
-def _keep_going(situation: Situation, settings: PatrolSettings) -> Sequence[Task]:
-    onward = patrol_onward(situation.foot, situation.direction, speed=settings.patrol_speed)
-    return _reaching(situation, settings), _confined(onward, situation.direction, situation)
+def _keep_going(situation: Situation, direction: int, settings: PatrolSettings) -> Sequence[Task]:
+    onward = patrol_onward(situation.foot, direction, speed=settings.patrol_speed)
+    return _reaching(situation, settings), _confined(onward, direction, situation)
 
 
-def _patrol_clockwise(situation: Situation, settings: PatrolSettings) -> Sequence[Task]:
+def _patrol_clockwise(
+    situation: Situation, _direction: int, settings: PatrolSettings
+) -> Sequence[Task]:
     onward = patrol_clockwise(situation.foot, speed=settings.patrol_speed)
     return _reaching(situation, settings), _confined(onward, 1, situation)
 
 
-def _patrol_counter_clockwise(situation: Situation, settings: PatrolSettings) -> Sequence[Task]:
+def _patrol_counter_clockwise(
+    situation: Situation, _direction: int, settings: PatrolSettings
+) -> Sequence[Task]:
     onward = patrol_counter_clockwise(situation.foot, speed=settings.patrol_speed)
     return _reaching(situation, settings), _confined(onward, -1, situation)
 
 
-def _avoid_teammate(situation: Situation, settings: PatrolSettings) -> Sequence[Task]:
+def _avoid_teammate(
+    situation: Situation, _direction: int, settings: PatrolSettings
+) -> Sequence[Task]:
     reaching = _reaching(situation, settings)
     if situation.teammate is None:
         return (reaching,)
@@ -113,13 +115,14 @@ def _reaching(situation: Situation, settings: PatrolSettings) -> Task:
         situation.foot,
         gain=settings.reach_gain,
         speed_limit=settings.approach_speed,
-        beyond_end=situation.left_is_end or situation.right_is_end,
+        beyond_end=min(situation.ends) <= 0.0,
     )
 
 
 def _confined(onward: Task, direction: int, situation: Situation) -> Task:
     """Cut off a tangential velocity that means nothing: beyond an open end, behind a wall."""
-    leaves = situation.right_is_end if direction > 0 else situation.left_is_end
+    left, right = situation.ends
+    leaves = (right if direction > 0 else left) <= 0.0
     if leaves or situation.approach is not None:
         return Task((0.0, 0.0), onward.jacobian)
     return onward

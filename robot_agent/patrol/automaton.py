@@ -11,15 +11,38 @@ from collections.abc import Mapping
 
 from robot_agent.patrol.action_dwell import ActionDwell
 from robot_agent.patrol.actions import PATROLLING, Action
-from robot_agent.patrol.settings import AutomatonSettings
+from robot_agent.patrol.rules import RulesError
 from robot_agent.patrol.supervisor import Choice
+
+# Thresholds of the transitions; a state once taken holds half a hysteresis beyond them.
+_BORDER_DISTANCE = 1.5  # m; farther from the border: reach it
+_ENCOUNTER_BORDER_DISTANCE = 0.7  # m; so near the border teammates turn, not avoid
+_AVOID_DISTANCE = 1.1  # m; a teammate nearer is avoided
+_ENCOUNTER_DISTANCE = 1.9  # m; a patrolling teammate nearer makes the robot turn
+_ENCOUNTER_GAMMA = 0.375  # magnitude of gamma from which a teammate patrols
+_END_DISTANCE = 0.55  # m from an end of an open border: turn
+_HYSTERESIS = 0.1  # m
+_GAMMA_HYSTERESIS = 0.1
+
+
+def require_safety_distance(safety_distance: float) -> None:
+    """Refuse a safety distance, m, at which robots would stop for good, as the rule file does.
+
+    Raises RulesError.
+    """
+    farthest = _ENCOUNTER_DISTANCE + _HYSTERESIS / 2.0
+    if safety_distance < farthest:
+        raise RulesError(
+            f"safety_distance {safety_distance} m must be at least {farthest} m, up to "
+            "which the automaton avoids a teammate"
+        )
 
 
 class Automaton:
     """States are the actions; remembers the present one and since when."""
 
-    def __init__(self, settings: AutomatonSettings, minimum_dwell: float) -> None:
-        self._settings = settings
+    def __init__(self, minimum_dwell: float) -> None:
+        """minimum_dwell: s an action lasts."""
         self._present = ActionDwell(minimum_dwell)
 
     def choose(self, t: float, inputs: Mapping[str, float]) -> Choice:
@@ -38,46 +61,40 @@ class Automaton:
 
     def _called_for(self, inputs: Mapping[str, float]) -> tuple[Action, ...]:
         """Return the states the inputs call for: one, or both directions of a robot caught."""
-        settings = self._settings
         border, neighbor = inputs["distance_from_border"], inputs["distance_from_neighbor"]
         # 1. Safety first, wherever the robot is.
-        if self._below(neighbor, settings.avoid_distance, Action.AVOID_TEAMMATE):
+        if self._below(neighbor, _AVOID_DISTANCE, Action.AVOID_TEAMMATE):
             return (Action.AVOID_TEAMMATE,)
         # 2. Not at the border: reach it, but not through a teammate.
-        if not self._below(border, settings.border_distance, *PATROLLING):
-            near = self._below(neighbor, settings.encounter_distance, Action.AVOID_TEAMMATE)
+        if not self._below(border, _BORDER_DISTANCE, *PATROLLING):
+            near = self._below(neighbor, _ENCOUNTER_DISTANCE, Action.AVOID_TEAMMATE)
             return (Action.AVOID_TEAMMATE,) if near else (Action.REACH_FRONTIER,)
         # 3. At the border: turn away from what is met, else keep going.
         meeting = self._meeting(inputs)
-        if meeting and not self._below(border, settings.encounter_border_distance, *PATROLLING):
+        if meeting and not self._below(border, _ENCOUNTER_BORDER_DISTANCE, *PATROLLING):
             return (Action.AVOID_TEAMMATE,)  # off the border it gives way
         away = [action for action in (meeting, *self._at_ends(inputs)) if action]
         return tuple(dict.fromkeys(away)) or (Action.KEEP_GOING,)
 
     def _meeting(self, inputs: Mapping[str, float]) -> Action | None:
         """Return the direction away from a patrolling teammate, if one is met."""
-        settings = self._settings
         gamma = inputs["neighbor_state"]
         away = Action.PATROL_CLOCKWISE if gamma < 0.0 else Action.PATROL_COUNTER_CLOCKWISE
         states = (away, Action.AVOID_TEAMMATE)
-        if not self._below(inputs["distance_from_neighbor"], settings.encounter_distance, *states):
+        if not self._below(inputs["distance_from_neighbor"], _ENCOUNTER_DISTANCE, *states):
             return None
-        margin = settings.gamma_hysteresis / 2.0
+        margin = _GAMMA_HYSTERESIS / 2.0
         margin = -margin if self._present.action in states else margin
-        return away if abs(gamma) >= settings.encounter_gamma + margin else None
+        return away if abs(gamma) >= _ENCOUNTER_GAMMA + margin else None
 
     def _at_ends(self, inputs: Mapping[str, float]) -> list[Action]:
         ends = {
             "distance_from_left_end": Action.PATROL_CLOCKWISE,
             "distance_from_right_end": Action.PATROL_COUNTER_CLOCKWISE,
         }
-        return [
-            back
-            for end, back in ends.items()
-            if self._below(inputs[end], self._settings.end_distance, back)
-        ]
+        return [back for end, back in ends.items() if self._below(inputs[end], _END_DISTANCE, back)]
 
     def _below(self, value: float, threshold: float, *states: Action) -> bool:
         """Compare with a threshold that lies half a hysteresis higher while in one of states."""
-        margin = self._settings.hysteresis / 2.0
+        margin = _HYSTERESIS / 2.0
         return value < threshold + (margin if self._present.action in states else -margin)

@@ -1,40 +1,42 @@
-"""An object on the border that is no teammate: after a while the robot stops waiting for it."""
+"""An object on the border that is no teammate: after a while the robot stops waiting for it.
+
+Not in the paper, whose border is free.
+"""
 
 from __future__ import annotations
 
-import math
-
-from robot_agent.patrol.settings import PatrolSettings
+from robot_agent.patrol.actions import Action
+from robot_agent.patrol.held_at_place import HeldAtPlace
+from robot_agent.patrol.modifier import Override, OverrideReason
+from robot_agent.patrol.situation import Situation
+from robot_agent.patrol.supervisor import Choice
+from robot_agent.patrol.turn_log import TurnCause
 
 _MOVED = 0.15  # m; a robot that got so far is not held at one place
 _PAUSE = 1.0  # s without being held that end it; the gate's noise is shorter
+_TEAMMATE_NEAR = 1.0  # m; a teammate so near may be the object, and is waited for
 
 
 class Blockage:
-    """Watches how long obstacles have held the robot at one place."""
+    """Turns a robot that an object has held at one place for ``patience``, s."""
 
-    def __init__(self, settings: PatrolSettings) -> None:
-        self._settings = settings
-        self._since: float | None = None
-        self._last_held = -math.inf
-        self._place = (0.0, 0.0)
+    def __init__(self, patience: float) -> None:
+        self._patience = patience
+        self._held = HeldAtPlace(_MOVED, _PAUSE)
 
-    def ends_waiting(
-        self, t: float, position: tuple[float, float], distance_from_neighbor: float, *, held: bool
-    ) -> bool:
-        """Tell, once per blockage_time, whether an object has held the robot so long.
-
-        t in s, position (x, y) in m in the map frame. held: the safety gate let the robot not
-        drive for an obstacle. A teammate near by may be that obstacle, and is waited for.
-        """
-        if distance_from_neighbor < self._settings.blockage_neighbor_distance:
-            self._since = None
-        elif held:
-            moved = math.dist(position, self._place) > _MOVED
-            if self._since is None or moved or t - self._last_held > _PAUSE:
-                self._since, self._place = t, position
-            self._last_held = t
-            if t - self._since >= self._settings.blockage_time:
-                self._since = None
-                return True
-        return False
+    def propose(
+        self,
+        situation: Situation,
+        choice: Choice,  # noqa: ARG002 - waits whatever the rules choose
+        action: Action,  # noqa: ARG002
+    ) -> Override | None:
+        """Turn back once the patience is at an end, then wait anew."""
+        if situation.neighbor.distance < _TEAMMATE_NEAR:
+            self._held.forget()
+            return None
+        if not situation.held:
+            return None
+        if self._held.update(situation.t, situation.position) < self._patience:
+            return None
+        self._held.forget()
+        return Override(OverrideReason.BLOCKAGE, turn=TurnCause.BLOCKAGE)

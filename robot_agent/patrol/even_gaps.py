@@ -23,46 +23,64 @@ from __future__ import annotations
 import numpy as np
 
 from maps.border import Border
+from robot_agent.patrol.actions import PATROLLING, Action
 from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
-from robot_agent.patrol.settings import EvenGapsSettings
+from robot_agent.patrol.modifier import Override, OverrideReason
+from robot_agent.patrol.situation import Situation
+from robot_agent.patrol.supervisor import Choice
+from robot_agent.patrol.turn_log import Turn, TurnCause, TurnLog
 
+_LEARNING_LAPS = 1.5  # of patrol by the rules alone, before the team is counted
+_LONGEST_LEARNING_LAPS = 12.0  # when the way round proves blocked again and again
+_SLACK = 1.06  # of the gap to leave: a robot met at that distance was where it should be
+_TOLERANCE = 0.15  # of the gap ahead, within which it counts as even
+_MEMORY = 3600.0  # s after which the team is counted anew
 _MIN_TIME = 0.45  # laps one way and the other, and a meeting each, before the team is counted
 _MIN_PROGRESS = 0.5  # laps onwards in every _CHECK_LAPS that show that the way round is free
 _CHECK_LAPS = 3.0
+_OWN_CAUSES = (TurnCause.CHANCE, TurnCause.EVEN_GAPS)
+_TURN = Override(OverrideReason.EVEN_GAPS, turn=TurnCause.EVEN_GAPS)
+_NO_CHANCE = Override(OverrideReason.EVEN_GAPS, may_turn=False)
 
 
 class EvenGaps:
-    """Decides when a robot that keeps going turns back to even out the gaps."""
+    """Turns a robot that keeps going so that the gaps of the team become even."""
 
     def __init__(
-        self,
-        settings: EvenGapsSettings,
-        border: Border,
-        speed: float,
-        rng: np.random.Generator,
+        self, border: Border, speed: float, turns: TurnLog, rng: np.random.Generator
     ) -> None:
-        """Speed of patrol in m/s; nothing is learnt yet. The border must be closed."""
-        self._settings = settings
+        """speed: of patrol, m/s. The border must be closed."""
         self._border = border
         self._lap = border.length / speed  # s
         self._closing_speed = 2.0 * speed
+        self._turns = turns
         self._rng = rng
-        self._learning_laps = settings.learning_laps
+        self._learning_laps = _LEARNING_LAPS
         self._t: float | None = None
         self._abscissa = 0.0
         self._direction = CLOCKWISE
-        self._leg_start = 0.0  # s, when it turned last
-        self._sent_back = False  # its way back began beside another robot
+        self._leg: Turn | None = None  # the turn that began the present leg, as far as noticed
+        self._begun = 0.0  # s; before any turn
         self._ahead: float | None = None  # m to the robot ahead, if known
         self._counting = False  # meetings are counted from the first one on
         self.team: int | None = None
         """Robots on the border as far as learnt, with this one; None while learning."""
         self._start_learning(0.0)
 
-    @property
-    def goes_onwards(self) -> bool:
-        """Whether the robot may reverse at random: not while it is on its way to its gap."""
-        return self.team is None or self._direction == CLOCKWISE
+    def propose(
+        self,
+        situation: Situation,
+        choice: Choice,  # noqa: ARG002 - only what is in force counts
+        action: Action,
+    ) -> Override | None:
+        """Turn for even gaps; keep chance from turning a robot on its way to its gap."""
+        if situation.direction is None or action not in PATROLLING:
+            return None
+        keeps_going = action is Action.KEEP_GOING
+        abscissa, direction = situation.foot.abscissa, situation.direction
+        if self.turns_back(situation.t, abscissa, direction, keeps_going=keeps_going):
+            return _TURN
+        return None if self.team is None or direction == CLOCKWISE else _NO_CHANCE
 
     def turns_back(self, t: float, abscissa: float, direction: int, *, keeps_going: bool) -> bool:
         """Tell whether to turn back at t, s, for the sake of even gaps.
@@ -71,26 +89,34 @@ class EvenGaps:
         keeps_going: its action is Keep Going, so that it may choose its direction.
         """
         if self._t is None:
-            self._t, self._abscissa = t, abscissa
-            self._direction, self._leg_start = direction, t
+            self._t, self._abscissa, self._begun = t, abscissa, t
+            self._direction, self._leg = direction, self._turns.latest
             self._start_learning(t)
+        self._notice_turn()
         self._add_up(t, abscissa)
-        if direction != self._direction:
-            self._meet(t, direction)
         if self.team is None:
             self._learn(t)
         else:
             self._check(t)
         return keeps_going and self._wants_to_turn(t)
 
-    def turned(self, t: float, direction: int) -> None:
-        """Take note that the robot turned by its own choice (chance, or even gaps) at t, s."""
-        back = self._direction == COUNTER_CLOCKWISE
-        self._ahead = self._gap_left(t) if back and self._sent_back else None
-        self._direction, self._leg_start, self._sent_back = direction, t, False
-        self._wait(t)
-
     # ---- what is seen -------------------------------------------------------------------------
+
+    def _notice_turn(self) -> None:
+        """Take a turn of the last step: a meeting, unless the robot chose it."""
+        turn = self._turns.latest
+        if turn is None or turn is self._leg:
+            return
+        if turn.cause not in _OWN_CAUSES:
+            if self._counting:
+                self._met[self._direction] += 1
+            else:
+                self._count_from(turn.t)  # before it all may have gone one way
+                self._counting = True
+        back = self._direction == COUNTER_CLOCKWISE
+        self._ahead = self._gap_left(turn.t) if back and self._sent_back else None
+        self._leg, self._direction = turn, turn.direction
+        self._wait(turn.t)
 
     def _add_up(self, t: float, abscissa: float) -> None:
         """Add up time and way."""
@@ -99,21 +125,17 @@ class EvenGaps:
         self._progress += self._border.difference(abscissa, self._abscissa)
         self._t, self._abscissa = t, abscissa
 
-    def _meet(self, t: float, direction: int) -> None:
-        """Take note of a meeting, which is what turned the robot."""
-        if self._counting:
-            self._met[self._direction] += 1
-        else:
-            self._count_from(t)  # before it all may have gone one way
-            self._counting = True
+    @property
+    def _sent_back(self) -> bool:
+        """Whether the present way back began beside another robot."""
+        leg = self._leg
         back = self._direction == COUNTER_CLOCKWISE
-        self._ahead = self._gap_left(t) if back and self._sent_back else None
-        self._direction, self._leg_start, self._sent_back = direction, t, not back
-        self._wait(t)
+        return back and leg is not None and leg.cause not in _OWN_CAUSES
 
     def _gap_left(self, t: float) -> float:
         """Return how far behind the robot met last this one would be if it turned onwards, m."""
-        return (t - self._leg_start) * self._closing_speed
+        begun = self._begun if self._leg is None else self._leg.t
+        return (t - begun) * self._closing_speed
 
     # ---- what is learnt -----------------------------------------------------------------------
 
@@ -150,13 +172,12 @@ class EvenGaps:
 
     def _check(self, t: float) -> None:
         """Learn anew what is old, and for longer each time if the way round is blocked."""
-        if t - self._since >= self._settings.memory:
-            self._learning_laps = self._settings.learning_laps
+        if t - self._since >= _MEMORY:
+            self._learning_laps = _LEARNING_LAPS
             self._start_learning(t)
         elif t >= self._check_at:
             if self._progress < _MIN_PROGRESS * self._border.length:
-                longest = self._settings.longest_learning_laps
-                self._learning_laps = min(2.0 * self._learning_laps, longest)
+                self._learning_laps = min(2.0 * self._learning_laps, _LONGEST_LEARNING_LAPS)
                 self._start_learning(t)
             self._restart_check(t)
 
@@ -170,7 +191,7 @@ class EvenGaps:
         if self.team is None:
             return t >= self._try_at  # nobody met for long: look for somebody
         if self._direction == COUNTER_CLOCKWISE:
-            even = self._border.length / self.team * self._settings.slack
+            even = self._border.length / self.team * _SLACK
             return (self._sent_back and self._gap_left(t) >= even) or t >= self._try_at
         if t < self._try_at or self._tries == 0 or self._is_even():
             return False
@@ -182,4 +203,4 @@ class EvenGaps:
         if self._ahead is None or self.team is None:
             return False
         even = self._border.length / self.team
-        return abs(self._ahead - even) <= self._settings.tolerance * even
+        return abs(self._ahead - even) <= _TOLERANCE * even

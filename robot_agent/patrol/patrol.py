@@ -1,9 +1,13 @@
-"""One robot's patrol: pose and closest teammate in, action and velocity out."""
+"""One robot's patrol: pose and closest teammate in, action and velocity out.
+
+Each step has the same parts: the situation, looked up once; the paper's choice; at most one
+override by a modifier; at most one turn; the velocity of the action.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,29 +16,36 @@ import numpy as np
 
 from maps.border import Border, BorderProjection
 from maps.pose import Pose
-from robot_agent.patrol.actions import PATROLLING, Action, Situation, action_velocity
-from robot_agent.patrol.automaton import Automaton
+from robot_agent.patrol.actions import PATROL_DIRECTION, PATROLLING, Action, action_velocity
+from robot_agent.patrol.automaton import Automaton, require_safety_distance
 from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
 from robot_agent.patrol.blockage import Blockage
 from robot_agent.patrol.closing_in import ClosingIn
+from robot_agent.patrol.end_trap import HoldAtEnd
 from robot_agent.patrol.even_gaps import EvenGaps
-from robot_agent.patrol.neighbor_state import NeighborState, NeighborView
-from robot_agent.patrol.owed_way import OwedWay
+from robot_agent.patrol.modifier import Modifier, Override, OverrideReason
+from robot_agent.patrol.neighbor_state import NeighborState
 from robot_agent.patrol.reversal import RandomReversal
-from robot_agent.patrol.reversal_rest import ReversalRest
 from robot_agent.patrol.rules import RULES_FILE, load_rules
-from robot_agent.patrol.settings import PatrolSettings
+from robot_agent.patrol.settings import (
+    AROUND_WALLS,
+    BLOCKAGE,
+    CLOSING_IN,
+    DWELL,
+    EVEN_GAPS,
+    HOLD_AT_END,
+    STANDOFF,
+    PatrolSettings,
+)
+from robot_agent.patrol.situation import Situation
 from robot_agent.patrol.standoff import Standoff
 from robot_agent.patrol.supervisor import ActionChooser, Choice, Supervisor
+from robot_agent.patrol.turn_log import Turn, TurnCause, TurnLog
 
 if TYPE_CHECKING:
     from maps.approach_field import Approach, ApproachField
 
-
-_OF_ACTION = {
-    Action.PATROL_CLOCKWISE: CLOCKWISE,
-    Action.PATROL_COUNTER_CLOCKWISE: COUNTER_CLOCKWISE,
-}
+_REVERSAL_END_DISTANCE = 0.8  # m from an end of an open border without random reversal
 
 
 class PatrolDecision(msgspec.Struct, frozen=True):
@@ -45,8 +56,8 @@ class PatrolDecision(msgspec.Struct, frozen=True):
     """
 
     t: float
-    action: Action
-    raw_winner: Action  # largest degree, before the minimum dwell
+    action: Action  # in force
+    raw_winner: Action  # the paper's: largest degree, before the minimum dwell
     runner_up: Action
     degrees: Mapping[Action, float]
     direction: int  # +1 clockwise, -1 counter-clockwise
@@ -60,15 +71,22 @@ class PatrolDecision(msgspec.Struct, frozen=True):
     abscissa: float
     tangent: tuple[float, float]  # unit vector along +s at the border's nearest point
     curvature: float  # 1/m of the way ahead in the direction of patrol, + turns left; 0 off it
-    reversed_at_random: bool
-    blocked: bool  # gave up waiting for an object on its way, just now
-    holding: bool  # stands still, caught between an end and a teammate or for a moment in a crowd
-    closes_in: bool  # slowly, on a teammate at which it would turn as before
-    insists: bool  # on a way whatever the rules say: kept from it, in Avoid or caught for too long
+    override: OverrideReason | None  # why the step is not the paper's choice alone
+    turn: TurnCause | None  # why the robot turned back in this step
+
+    @property
+    def blocked(self) -> bool:
+        """Whether it gave up waiting for an object on its way, just now."""
+        return self.override is OverrideReason.BLOCKAGE
+
+    @property
+    def holding(self) -> bool:
+        """Whether it stands still, caught at an end or for a moment in a crowd."""
+        return self.override in (OverrideReason.HOLD_AT_END, OverrideReason.WAIT)
 
 
 class Patrol:
-    """The paper's control structure: behaviors, actions, supervisor, direction memory."""
+    """The paper's control structure, with the modifiers that the settings name."""
 
     def __init__(
         self,
@@ -84,8 +102,9 @@ class Patrol:
         border.require_radius(settings.turning_radius)
         self._settings = settings
         self._border = border
-        self._approach_field = approach_field
-        self._supervisor = _make_supervisor(settings, border)
+        self._approach_field = approach_field if AROUND_WALLS in settings.modifiers else None
+        make_chooser = _choosers(settings, border)
+        self._supervisor = make_chooser()
         self._neighbor_state = NeighborState(settings, border)
         self._reversal = RandomReversal(
             settings.reversal_period,
@@ -93,20 +112,10 @@ class Patrol:
             rng,
             settings.reversal_distribution,
         )
-        self._owed_way = OwedWay(border) if settings.reversal_owes_way else None
-        lap = border.length / settings.patrol_speed  # s
-        self._reversal_rest = ReversalRest(settings.reversal_rest * lap)
-        self._even_gaps = (
-            EvenGaps(settings.even_gaps, border, settings.patrol_speed, rng)
-            if settings.strategy == "even_gaps" and border.closed
-            else None
-        )
-        self._blockage = Blockage(settings)
-        self._standoff = Standoff(settings)
-        self._closing_in = ClosingIn(border, rng, settings.closing_in, settings.closing_in_wait)
-        self._slowly = msgspec.structs.replace(
-            settings, patrol_speed=min(settings.patrol_speed, settings.closing_in_speed)
-        )
+        self._turns = TurnLog()
+        modifiers = _make_modifiers(settings, border, make_chooser, self._turns, rng)
+        self._last_to_first = tuple(reversed(modifiers))
+        self._slower: dict[float, PatrolSettings] = {}
         self._abscissa: float | None = None
         self._direction: int | None = None  # of the last patrol; none before the first
 
@@ -122,38 +131,17 @@ class Patrol:
 
         held: an obstacle kept the robot from driving since the last step.
         """
-        position = (pose.x, pose.y)
-        foot = self._border.project(pose.x, pose.y, self._abscissa)
-        self._abscissa = foot.abscissa
-        neighbor = self._neighbor_state.view(position, foot, teammate)
-        ends = self._distances_from_ends(foot)
-        approach = self._approach(position, foot)
-        # Beside the border but behind a wall a robot is as far from patrolling as its way is long.
-        way = foot.distance if approach is None else approach.distance
-        told = self._closing_in.told(neighbor, self._direction)
-        closes_in = told is not neighbor
-        choice = self._supervisor.choose(t, _inputs(way, told, ends))
-        way_out = self._way_out(choice, ends)
-        insisted = self._standoff.insists_on(t, position, way, choice.winner, way_out)
-        action = choice.winner if insisted is None else insisted
-        rests = self._reversal_rest.rests(t, teammate, neighbor.gamma)
-        reversed_at_random = self._turned_back(t, action, foot.abscissa, ends, rests=rests)
-        self._even_out(t, action, foot.abscissa)
-        blocked = self._blockage.ends_waiting(t, position, neighbor.distance, held=held)
-        if blocked:
-            self._turn_back(action)
-        before = self._direction
-        direction = self._update_direction(action, foot, pose.theta)
-        if before == -direction and neighbor.gamma * before > 0.0:
-            self._closing_in.sent_back(t, foot.abscissa, before)
-        stands = way_out is not None or self._closing_in.waits(t, action)
-        holding = insisted is None and stands
-        situation = Situation(
-            position, foot, teammate, direction, ends[0] <= 0.0, ends[1] <= 0.0, approach
-        )
-        slowly = closes_in or insisted in _OF_ACTION
-        settings = self._slowly if slowly else self._settings
-        velocity = (0.0, 0.0) if holding else action_velocity(action, situation, settings)
+        # 1. The situation, once.
+        situation = self._look_up(t, pose, teammate, held=held)
+        neighbor, foot, ends = situation.neighbor, situation.foot, situation.ends
+        # 2. The paper's choice: rules and arbiter.
+        choice = self._supervisor.choose(t, situation.inputs(neighbor))
+        # 3. At most one override; the first modifier that has one wins.
+        override, action = self._modify(situation, choice)
+        # 4. The direction, with at most one turn.
+        direction, turn = self._turn(situation, action, override)
+        # 5. The velocity of the action.
+        velocity = self._velocity(situation, action, direction, override)
         return PatrolDecision(  # in the order of its fields: by name it takes 7 times as long
             t,
             action,
@@ -163,7 +151,7 @@ class Patrol:
             direction,
             velocity,
             foot.distance,
-            way,
+            situation.way_to_border,
             neighbor.distance,
             neighbor.gamma,
             ends[0],
@@ -171,11 +159,29 @@ class Patrol:
             foot.abscissa,
             foot.tangent,
             direction * foot.curvature if action in PATROLLING else 0.0,
-            reversed_at_random,
-            blocked,
-            holding,
-            closes_in,
-            insisted is not None,
+            None if override is None else override.reason,
+            turn,
+        )
+
+    # ---- 1. situation -------------------------------------------------------------------------
+
+    def _look_up(
+        self, t: float, pose: Pose, teammate: tuple[float, float] | None, *, held: bool
+    ) -> Situation:
+        position = (pose.x, pose.y)
+        foot = self._border.project(pose.x, pose.y, self._abscissa)
+        self._abscissa = foot.abscissa
+        return Situation(  # in the order of its fields
+            t,
+            position,
+            pose.theta,
+            foot,
+            teammate,
+            self._neighbor_state.view(position, foot, teammate),
+            self._distances_from_ends(foot),
+            self._approach(position, foot),
+            self._direction,
+            held,
         )
 
     def _approach(self, position: tuple[float, float], foot: BorderProjection) -> Approach | None:
@@ -188,97 +194,125 @@ class Patrol:
             return math.inf, math.inf
         return foot.abscissa, self._border.length - foot.abscissa
 
-    def _turned_back(
-        self,
-        t: float,
-        action: Action,
-        abscissa: float,
-        ends: tuple[float, float],
-        *,
-        rests: bool,
-    ) -> bool:
-        """Reverse at random while keeping going, but not near an end of an open border."""
-        away_from_ends = min(ends) >= self._settings.reversal_end_distance
-        keeps_going = action is Action.KEEP_GOING and self._direction is not None
-        onwards = self._even_gaps is None or self._even_gaps.goes_onwards
-        free = not (rests or self._owes_way(abscissa))
-        if not self._reversal.due(t, permitted=keeps_going and away_from_ends and onwards and free):
-            return False
-        if self._owed_way is not None and self._direction is not None:
-            self._owed_way.begin(abscissa, self._direction)
-        self._turn_back(action)
-        if self._even_gaps is not None and self._direction is not None:
-            self._even_gaps.turned(t, self._direction)
-        return True
+    # ---- 3. override --------------------------------------------------------------------------
 
-    def _owes_way(self, abscissa: float) -> bool:
-        if self._owed_way is None or self._direction is None:
-            return False
-        return self._owed_way.is_owed(abscissa, self._direction)
+    def _modify(self, situation: Situation, choice: Choice) -> tuple[Override | None, Action]:
+        """Return the override of this step, if any, and the action in force.
 
-    def _even_out(self, t: float, action: Action, abscissa: float) -> None:
-        """Turn back for the sake of even gaps, if that is the strategy."""
-        if self._even_gaps is None or self._direction is None or action not in PATROLLING:
-            return
-        direction = _OF_ACTION.get(action, self._direction)
-        keeps_going = action is Action.KEEP_GOING
-        if self._even_gaps.turns_back(t, abscissa, direction, keeps_going=keeps_going):
-            self._turn_back(action)
-            self._even_gaps.turned(t, self._direction)
+        All modifiers are asked, as they follow what happens; each is told what those after it in
+        the list have made of the choice.
+        """
+        override, action = None, choice.winner
+        for modifier in self._last_to_first:
+            proposed = modifier.propose(situation, choice, action)
+            if proposed is not None:
+                override = proposed
+                action = choice.winner if proposed.action is None else proposed.action
+        return override, action
 
-    def _turn_back(self, action: Action) -> None:
-        """Keep going the other way; any other action has its direction from the supervisor."""
-        if action is Action.KEEP_GOING and self._direction is not None:
-            self._direction = -self._direction
+    # ---- 4. direction -------------------------------------------------------------------------
 
-    def _update_direction(self, action: Action, foot: BorderProjection, theta: float) -> int:
-        """Remember the direction of the last Patrol CW or CCW; at first that of the heading."""
-        self._direction = _OF_ACTION.get(action, self._direction)
-        if self._direction is not None:
-            return self._direction
-        tx, ty = foot.tangent
-        ahead = tx * math.cos(theta) + ty * math.sin(theta) >= 0.0
+    def _turn(
+        self, situation: Situation, action: Action, override: Override | None
+    ) -> tuple[int, TurnCause | None]:
+        """Return the direction of patrol and why the robot turned back, None if it did not.
+
+        The direction is that of the last Patrol CW or CCW, at first that of the heading; only a
+        robot that keeps going turns by its own choice.
+        """
+        before = situation.direction
+        chosen = self._chosen_turn(situation, action, override)
+        after = PATROL_DIRECTION.get(action, before)
+        if chosen is not None and before is not None:
+            after = -before
+        if after is None:
+            return self._first_direction(situation, action), None
+        self._direction = after
+        if before is None or after == before:
+            return after, None
+        met = situation.neighbor.gamma * before > 0.0
+        cause = chosen or (TurnCause.TEAMMATE if met else TurnCause.RULES)
+        self._turns.add(Turn(situation.t, situation.foot.abscissa, after, cause))
+        return after, cause
+
+    def _chosen_turn(
+        self, situation: Situation, action: Action, override: Override | None
+    ) -> TurnCause | None:
+        """Return why a robot that keeps going turns: a modifier, or the paper's chance."""
+        keeps_going = action is Action.KEEP_GOING and situation.direction is not None
+        asked = None if override is None else override.turn
+        by_chance = self._reversal.due(
+            situation.t,
+            permitted=keeps_going
+            and min(situation.ends) >= _REVERSAL_END_DISTANCE
+            and (override is None or (override.may_turn and asked is None)),
+        )
+        if not keeps_going:
+            return None
+        return TurnCause.CHANCE if by_chance else asked
+
+    def _first_direction(self, situation: Situation, action: Action) -> int:
+        """Return the direction the robot faces, and keep it once it keeps going."""
+        tx, ty = situation.foot.tangent
+        ahead = tx * math.cos(situation.theta) + ty * math.sin(situation.theta) >= 0.0
         direction = CLOCKWISE if ahead else COUNTER_CLOCKWISE
         if action is Action.KEEP_GOING:
             self._direction = direction
         return direction
 
-    def _way_out(self, choice: Choice, ends: tuple[float, float]) -> Action | None:
-        """Return what leads away from the nearer end, m off, of a robot caught there; else None.
+    # ---- 5. velocity --------------------------------------------------------------------------
 
-        Caught: the end and a teammate call for both directions at once.
-        """
-        if self._border.closed:
-            return None
-        degrees = choice.degrees
-        both = min(degrees[Action.PATROL_CLOCKWISE], degrees[Action.PATROL_COUNTER_CLOCKWISE])
-        others = (Action.KEEP_GOING, Action.REACH_FRONTIER, Action.AVOID_TEAMMATE)
-        if both <= max(degrees[action] for action in others):
-            return None
-        left = ends[0] <= ends[1]
-        return Action.PATROL_CLOCKWISE if left else Action.PATROL_COUNTER_CLOCKWISE
+    def _velocity(
+        self, situation: Situation, action: Action, direction: int, override: Override | None
+    ) -> tuple[float, float]:
+        limit = None if override is None else override.speed_limit
+        if limit == 0.0:
+            return 0.0, 0.0
+        settings = self._settings if limit is None else self._slowed_to(limit)
+        return action_velocity(action, situation, direction, settings)
+
+    def _slowed_to(self, speed: float) -> PatrolSettings:
+        """Return the settings with a limit, m/s, on the speed of patrol."""
+        if speed not in self._slower:
+            patrol_speed = min(self._settings.patrol_speed, speed)
+            self._slower[speed] = msgspec.structs.replace(self._settings, patrol_speed=patrol_speed)
+        return self._slower[speed]
 
 
-def _make_supervisor(settings: PatrolSettings, border: Border) -> ActionChooser:
+def _make_modifiers(
+    settings: PatrolSettings,
+    border: Border,
+    make_chooser: Callable[[], ActionChooser],
+    turns: TurnLog,
+    rng: np.random.Generator,
+) -> list[Modifier]:
+    """Return the modifiers the settings name, in their order."""
+    makers: dict[str, Callable[[], Modifier]] = {
+        STANDOFF: lambda: Standoff(settings.standoff_time),
+        HOLD_AT_END: HoldAtEnd,
+        BLOCKAGE: lambda: Blockage(settings.blockage_time),
+        CLOSING_IN: lambda: ClosingIn(border, make_chooser(), turns, rng),
+        EVEN_GAPS: lambda: EvenGaps(border, settings.patrol_speed, turns, rng),
+    }
+    names = [name for name in settings.modifiers if name in makers]
+    if not border.closed:
+        names = [name for name in names if name != EVEN_GAPS]  # there is no way round
+    return [makers[name]() for name in names]
+
+
+def _choosers(settings: PatrolSettings, border: Border) -> Callable[[], ActionChooser]:
+    """Return what makes choosers by the settings; each remembers its own action.
+
+    Raises RulesError.
+    """
+    dwell = settings.minimum_dwell if DWELL in settings.modifiers else 0.0
     if settings.supervisor == "automaton":
-        return Automaton(settings.automaton, settings.minimum_dwell)
+        require_safety_distance(settings.safety_distance)
+        return lambda: Automaton(dwell)
     rules = load_rules(
         Path(settings.rules_file) if settings.rules_file else RULES_FILE,
         reading=settings.reading,
         safety_distance=settings.safety_distance,
         open_border=not border.closed,
     )
-    return Supervisor(rules, settings.minimum_dwell)
-
-
-def _inputs(
-    way_to_border: float, neighbor: NeighborView, ends: tuple[float, float]
-) -> dict[str, float]:
-    """Crisp inputs by the names of the rule file."""
-    return {
-        "distance_from_border": way_to_border,
-        "distance_from_neighbor": neighbor.distance,
-        "neighbor_state": neighbor.gamma,
-        "distance_from_left_end": ends[0],
-        "distance_from_right_end": ends[1],
-    }
+    return lambda: Supervisor(rules, dwell)

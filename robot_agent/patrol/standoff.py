@@ -1,12 +1,12 @@
 """Robots that keep each other from patrolling: after a while one insists on its way.
 
 Not in the paper, whose rules remember nothing: a robot beside the border that avoids a teammate on
-it, who turns back and comes again, would wait for ever, and so would one whom a door post keeps
+it, who turns back and comes again, would wait for ever, and so would one that a door post keeps
 from patrolling along. It takes Reach Frontier for a while instead: round walls, and with the safety
 gate's distance from everybody. On the border itself, among robots on either side, it is Keep Going
-that ends long avoiding. One that stands caught between an end of the border and a teammate, who
-will not move any more, takes the way out until somebody has to be avoided. The teammates see it
-come, and give way by the paper's rules.
+that ends long avoiding. A robot caught between an end of the border and a teammate that does not
+move any more takes the way out, slowly, until it has to avoid. The teammates see it come and give
+way by the paper's rules.
 """
 
 from __future__ import annotations
@@ -14,69 +14,69 @@ from __future__ import annotations
 import math
 
 from robot_agent.patrol.actions import Action
-from robot_agent.patrol.settings import PatrolSettings
+from robot_agent.patrol.end_trap import way_out
+from robot_agent.patrol.held_at_place import HeldAtPlace
+from robot_agent.patrol.modifier import Override, OverrideReason
+from robot_agent.patrol.situation import Situation
+from robot_agent.patrol.supervisor import Choice
 
 _STANDS = 0.3  # m; a robot that got no farther is still at the same place
 _ON_BORDER = 0.3  # m; nearer, it has arrived
+_LONGEST_AVOIDING = 20.0  # s of Avoid Teammate, wherever it leads
+_INSISTING = 8.0  # s
+_WAY_OUT_SPEED = 0.2  # m/s
 
 
 class Standoff:
-    """Watches how long the robot has got nowhere beside the border, or avoided or stood on it."""
+    """Overrides the action of a robot that got nowhere for ``patience``, s, or avoided for long."""
 
-    def __init__(self, settings: PatrolSettings) -> None:
-        self._settings = settings
-        self._place = (math.inf, math.inf)
-        self._since = -math.inf  # s, at that place
+    def __init__(self, patience: float) -> None:
+        self._patience = patience
+        self._held = HeldAtPlace(_STANDS)
         self._avoids_since: float | None = None
         self._insists_until = -math.inf
         self._on_border = False
         self._way_out: Action | None = None  # that it insists on
 
-    def insists_on(
-        self,
-        t: float,
-        position: tuple[float, float],
-        way_to_border: float,
-        action: Action,
-        way_out: Action | None = None,
-    ) -> Action | None:
-        """Return what takes the place of an action at t, s; None: nothing, the action stands.
-
-        position: (x, y) in the map, m. way_to_border: round walls, m. way_out: what leads away
-        from the end, of a robot caught there.
-        """
-        on_border = way_to_border < _ON_BORDER
-        if on_border and not self._on_border:
-            self._insists_until = -math.inf
-        self._on_border = on_border
-        if self._way_out is not None and action is Action.AVOID_TEAMMATE:
-            self._insists_until = -math.inf
+    def propose(self, situation: Situation, choice: Choice, action: Action) -> Override | None:
+        """Insist on the way to the border, along it, or out of an end, for some seconds."""
+        t, out = situation.t, way_out(situation, choice)
+        self._end_insisting(situation, action)
         if t < self._insists_until:
-            return self._insisted()
+            return self._insisting()
+        stands, avoids = self._stands(situation, action, out), self._avoids(t, action)
+        if not (stands or avoids):
+            return None
+        self._held.restart(t + _INSISTING, situation.position)
+        self._avoids_since = None
+        self._insists_until = t + _INSISTING
+        self._way_out = out
+        return self._insisting()
+
+    def _end_insisting(self, situation: Situation, action: Action) -> None:
+        """Stop at the border, and on the way out where somebody has to be avoided."""
+        on_border = situation.way_to_border < _ON_BORDER
+        arrived = on_border and not self._on_border
+        self._on_border = on_border
+        if arrived or (self._way_out is not None and action is Action.AVOID_TEAMMATE):
+            self._insists_until = -math.inf
+
+    def _stands(self, situation: Situation, action: Action, out: Action | None) -> bool:
+        """Tell whether it got nowhere for too long; on the border only a robot caught there."""
+        free = self._on_border and out is None
+        if free or action is Action.REACH_FRONTIER:
+            self._held.restart(situation.t, situation.position)
+        return self._held.update(situation.t, situation.position) >= self._patience
+
+    def _avoids(self, t: float, action: Action) -> bool:
         if action is not Action.AVOID_TEAMMATE:
             self._avoids_since = None
         elif self._avoids_since is None:
             self._avoids_since = t
-        reaches = action is Action.REACH_FRONTIER
-        if (on_border and way_out is None) or reaches or math.dist(position, self._place) > _STANDS:
-            self._begin(t, position)
-        settings = self._settings
-        stands = t - self._since >= settings.standoff_time
-        avoids = self._avoids_since is not None and (
-            t - self._avoids_since >= settings.longest_avoiding
-        )
-        if not (stands or avoids):
-            return None
-        self._begin(t + settings.insisting_time, position)
-        self._avoids_since = None
-        self._insists_until = t + settings.insisting_time
-        self._way_out = way_out
-        return self._insisted()
+        return self._avoids_since is not None and t - self._avoids_since >= _LONGEST_AVOIDING
 
-    def _insisted(self) -> Action:
+    def _insisting(self) -> Override:
         if self._way_out is not None:
-            return self._way_out
-        return Action.KEEP_GOING if self._on_border else Action.REACH_FRONTIER
-
-    def _begin(self, t: float, position: tuple[float, float]) -> None:
-        self._since, self._place = t, position
+            return Override(OverrideReason.STANDOFF, self._way_out, speed_limit=_WAY_OUT_SPEED)
+        action = Action.KEEP_GOING if self._on_border else Action.REACH_FRONTIER
+        return Override(OverrideReason.STANDOFF, action)

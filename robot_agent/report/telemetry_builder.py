@@ -172,6 +172,8 @@ class TelemetryBuilder:
             gate_reason=None if gate.reason is GateReason.NONE else str(gate.reason),
             blocked=decision.blocked,
             holding=decision.holding,
+            override=decision.override,
+            turn=decision.turn,
         )
         in_frame = PoseInFrame(timestamp=stamp, frame_id="map", pose=pose3(pose))
         return [("pose", in_frame), ("decision", payload)]

@@ -11,8 +11,8 @@ from maps.pose import Pose
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.automaton import Automaton
 from robot_agent.patrol.patrol import Patrol
-from robot_agent.patrol.rules import RULES_FILE, load_rules
-from robot_agent.patrol.settings import AutomatonSettings, PatrolSettings
+from robot_agent.patrol.rules import RULES_FILE, RulesError, load_rules
+from robot_agent.patrol.settings import PatrolSettings
 from robot_agent.patrol.supervisor import Supervisor
 
 ATA, ARF, AKG, PCW, PCCW = (
@@ -35,8 +35,8 @@ def situation(border=0.0, neighbor=math.inf, gamma=0.0, left=math.inf, right=mat
     return dict(zip(ALONE, (border, neighbor, gamma, left, right), strict=True))
 
 
-def automaton(dwell=0.5, **settings):
-    return Automaton(AutomatonSettings(**settings), dwell)
+def automaton(dwell=0.5):
+    return Automaton(dwell)
 
 
 def first(**inputs):
@@ -155,10 +155,8 @@ def test_selected_in_the_settings():
     assert set(decision.degrees.values()) == {0.0, 1.0}
 
 
-def test_refuses_thresholds_that_overlap_or_lock_robots():
-    with pytest.raises(ValueError, match="encounter_distance"):
-        AutomatonSettings(avoid_distance=1.85)
-    with pytest.raises(ValueError, match="border_distance"):
-        AutomatonSettings(border_distance=0.75)
-    with pytest.raises(ValueError, match=r"safety_distance 1\.9 m must be at least 1\.95"):
-        PatrolSettings(supervisor="automaton", safety_distance=1.9)
+def test_refuses_a_safety_distance_at_which_robots_lock():
+    line = Border([Segment((0.0, 0.0), (20.0, 0.0))], closed=False)
+    settings = PatrolSettings(supervisor="automaton", safety_distance=1.9)
+    with pytest.raises(RulesError, match=r"safety_distance 1\.9 m must be at least 1\.95"):
+        Patrol(settings, line, np.random.default_rng(0))

@@ -10,9 +10,12 @@ from maps.map_folder import load_map_folder
 from maps.pose import Pose
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.blockage import Blockage
+from robot_agent.patrol.neighbor_state import NeighborView
 from robot_agent.patrol.patrol import Patrol
 from robot_agent.patrol.settings import PatrolSettings
+from robot_agent.patrol.turn_log import TurnCause
 from tests.robot_agent.patrol.event_log import EventLog
+from tests.robot_agent.patrol.situations import choice, situation
 from tools.bench.fleet import Fleet
 from tools.simulation.robot_body import Outline
 
@@ -22,13 +25,16 @@ HERE = (0.0, 0.0)
 
 def when(held, places=None, neighbors=None, duration=40.0):
     """Times at which the waiting ends; each argument is a function of t."""
-    watch = Blockage(PatrolSettings())
+    watch = Blockage(10.0)
     found = []
     for k in range(round(duration / 0.1)):
         t = round(0.1 * k, 1)
         place = places(t) if places else HERE
-        neighbor = neighbors(t) if neighbors else math.inf
-        if watch.ends_waiting(t, place, neighbor, held=held(t)):
+        neighbor = NeighborView(neighbors(t) if neighbors else math.inf, 0.0)
+        now = situation(t, place, neighbor=neighbor, held=held(t))
+        override = watch.propose(now, choice(Action.KEEP_GOING), Action.KEEP_GOING)
+        if override is not None:
+            assert override.turn is TurnCause.BLOCKAGE
             found.append(t)
     return found
 

@@ -11,77 +11,131 @@ from maps.border_primitives import Arc, Segment
 from maps.map_folder import load_map_folder
 from maps.pose import Pose
 from robot_agent.config import parse_config
-from robot_agent.patrol.actions import Action
+from robot_agent.patrol.actions import PATROL_DIRECTION, Action
 from robot_agent.patrol.closing_in import ClosingIn
-from robot_agent.patrol.neighbor_state import NeighborView
+from robot_agent.patrol.modifier import OverrideReason
+from robot_agent.patrol.neighbor_state import NOBODY, NeighborView
 from robot_agent.patrol.patrol import Patrol
-from robot_agent.patrol.settings import PatrolSettings
+from robot_agent.patrol.rules import RULES_FILE, load_rules
+from robot_agent.patrol.settings import DEFAULT_MODIFIERS, PatrolSettings
+from robot_agent.patrol.supervisor import Supervisor
+from robot_agent.patrol.turn_log import Turn, TurnCause, TurnLog
+from tests.robot_agent.patrol.situations import choice, situation
 from tools.bench.bench_fault import draw_faults
 from tools.bench.ideal_fleet import IdealFleet, run_ideal_bench
 
 CIRCLE = Border([Arc((0.0, 0.0), 6.0, math.pi, -math.tau)], closed=True)
 LINE = Border([Segment((0.0, 0.0), (20.0, 0.0))], closed=False)
 AHEAD = NeighborView(1.5, 1.0)
+ONWARD, BACK = Action.KEEP_GOING, Action.PATROL_COUNTER_CLOCKWISE
 
 
-def closing_in(places, probability=1.0, direction=1):
-    """What remembers being sent back from direction at places, m."""
-    memory = ClosingIn(CIRCLE, np.random.default_rng(1), probability, 4.0)
+def rules():
+    """The shipped rules, as the modifier asks them."""
+    system = load_rules(RULES_FILE, reading="R1", safety_distance=2.4, open_border=False)
+    return Supervisor(system, 0.0)
+
+
+class Robot:
+    """A robot on the circle that only closes in, whatever it is sent back by."""
+
+    def __init__(self, probability=1.0, seed=1, border=CIRCLE):
+        self.turns, self.t, self.border = TurnLog(), 0.0, border
+        rng = np.random.default_rng(seed)
+        self.modifier = ClosingIn(border, rules(), self.turns, rng, probability)
+
+    def step(self, neighbor=NOBODY, *, at=10.0, direction=1):
+        """Propose beside a teammate at an abscissa, m; the rules' turns are logged."""
+        self.t += 10.0
+        at_border = self.border.at(at)
+        position = (at_border.x, at_border.y)
+        now = situation(
+            self.t, position, border=self.border, neighbor=neighbor, direction=direction
+        )
+        plain = choice(BACK if neighbor.distance < 1.9 else ONWARD)
+        override = self.modifier.propose(now, plain, plain.winner)
+        winner = plain.winner if override is None or override.action is None else override.action
+        if PATROL_DIRECTION.get(winner) == -direction:
+            turn = Turn(self.t, now.foot.abscissa, -direction, TurnCause.TEAMMATE)
+            self.turns.add(turn)
+        return override
+
+
+def sent_back(places, **how):
+    """A robot that teammates have turned at these abscissae, m, one after the other."""
+    robot = Robot(**how)
     for place in places:
-        memory.sent_back(0.0, place, direction)
-    return memory
+        robot.step(AHEAD, at=place)
+    return robot
 
 
-def test_who_was_sent_back_thrice_at_one_place_is_told_of_more_room():
-    memory = closing_in([10.0, 10.3, 9.9])
-    distances = [memory.told(NeighborView(d, 1.0), 1).distance for d in (0.5, 1.1, 1.25, 1.4, 2.0)]
-    assert distances == pytest.approx([1.1, 1.1, 1.5, 1.9, 2.2])
+def test_who_was_sent_back_thrice_at_one_place_comes_on_slowly_to_1_4_m():
+    robot = sent_back([10.0, 10.3, 9.9])
+    for distance in (2.3, 2.0, 1.5):
+        override = robot.step(NeighborView(distance, 1.0))
+        assert (override.reason, override.action) == (OverrideReason.CLOSING_IN, ONWARD)
+        assert override.speed_limit == 0.2
+    assert robot.step(NeighborView(1.35, 1.0)).action is BACK
+    near = sent_back([10.0] * 3).step(NeighborView(0.8, 1.0))
+    assert near.action is Action.AVOID_TEAMMATE
 
 
 @pytest.mark.parametrize(
     "places", [[10.0, 10.0], [10.0, 10.0, 11.0], [11.0, 10.0, 10.0], [10.0, 11.0, 10.0, 10.0]]
 )
-def test_sent_back_less_often_or_elsewhere_it_is_told_what_is(places):
-    assert closing_in(places).told(AHEAD, 1) is AHEAD
+def test_sent_back_less_often_or_elsewhere_nothing_is_changed(places):
+    assert sent_back(places).step(NeighborView(2.0, 1.0)) is None
 
 
 def test_the_place_may_lie_on_the_seam():
-    assert closing_in([0.1, CIRCLE.length - 0.1, 0.1]).told(AHEAD, 1).distance > 1.9
+    robot = sent_back([0.1, CIRCLE.length - 0.1, 0.1])
+    assert robot.step(NeighborView(2.0, 1.0)).reason is OverrideReason.CLOSING_IN
 
 
-def test_a_teammate_behind_or_far_off_or_beside_the_border_is_told_as_it_is():
-    memory = closing_in([10.0] * 3)
-    for view in (NeighborView(1.5, -1.0), NeighborView(2.4, 1.0), NeighborView(1.5, 0.0)):
-        assert memory.told(view, 1) is view
-    assert memory.told(AHEAD, -1) is AHEAD
+def test_a_teammate_behind_or_far_off_or_beside_the_border_changes_nothing():
+    robot = sent_back([10.0] * 3)
+    for view in (NeighborView(2.0, -1.0), NeighborView(2.4, 1.0), NeighborView(2.0, 0.0)):
+        assert robot.step(view) is None
+    assert robot.step(NeighborView(2.0, 1.0), direction=-1) is None
 
 
 def test_chance_decides_and_never_without_a_probability():
-    found = []
-    memory = ClosingIn(CIRCLE, np.random.default_rng(5), 0.5, 4.0)
-    for _ in range(400):
-        memory.sent_back(0.0, 10.0, -1)
-        found.append(memory.told(NeighborView(1.5, -1.0), -1).distance > 1.5)
-    assert 150 < sum(found) < 250
-    assert closing_in([10.0] * 9, probability=0.0).told(AHEAD, 1) is AHEAD
+    closes = [sent_back([10.0] * 3, probability=0.5, seed=seed) for seed in range(200)]
+    count = sum(robot.step(NeighborView(2.0, 1.0)) is not None for robot in closes)
+    assert 70 < count < 130
+    assert sent_back([10.0] * 9, probability=0.0).step(NeighborView(2.0, 1.0)) is None
 
 
 def test_who_was_sent_back_thrice_waits_as_long_as_chance_has_it_but_avoids_at_once():
     waits = []
     for seed in range(50):
-        memory = ClosingIn(CIRCLE, np.random.default_rng(seed), 0.5, 4.0)
-        for t in (0.0, 30.0, 60.0):
-            assert not memory.waits(t + 0.1, Action.PATROL_CLOCKWISE)
-            memory.sent_back(t, 10.0, 1)
-        times = [60.0 + k / 10.0 for k in range(50)]
-        waits.append(sum(memory.waits(t, Action.PATROL_CLOCKWISE) for t in times) / 10.0)
-        assert not any(memory.waits(t, Action.AVOID_TEAMMATE) for t in times)
+        robot = sent_back([10.0] * 2, seed=seed)
+        robot.step(AHEAD)
+        begun, waited = robot.t, 0.0
+        for k in range(50):
+            robot.t = begun - 10.0 + k / 10.0
+            override = robot.step(NOBODY, direction=-1)
+            waiting = override is not None and override.reason is OverrideReason.WAIT
+            assert not waiting or override.speed_limit == 0.0
+            waited += 0.1 * waiting
+        waits.append(waited)
+        robot.t = begun - 10.0
+        avoiding = robot.step(NeighborView(0.6, 1.0), direction=-1)
+        assert avoiding is None or avoiding.reason is not OverrideReason.WAIT
     assert min(waits) < 0.5
     assert 3.5 < max(waits) <= 4.1
 
 
-def test_without_a_probability_nobody_waits():
-    assert not closing_in([10.0] * 3, probability=0.0).waits(0.0, Action.PATROL_CLOCKWISE)
+def heads():
+    """A random generator whose first toss of the coin is heads."""
+    return next(np.random.default_rng(seed) for seed in range(99) if _third_draw(seed) < 0.5)
+
+
+def _third_draw(seed):
+    """After the phase of the reversal comes the coin."""
+    rng = np.random.default_rng(seed)
+    rng.uniform(0.0, 27.0)
+    return rng.random()
 
 
 def approach(robot, teammate_x, t=0.0):
@@ -97,26 +151,27 @@ def approach(robot, teammate_x, t=0.0):
 
 
 def test_the_fourth_time_it_comes_on_slowly_past_the_place_where_it_turned():
-    settings = PatrolSettings(reversal_probability=0.0, closing_in=1.0)
-    robot, t, actions = Patrol(settings, LINE, np.random.default_rng(0)), 0.0, []
+    settings = PatrolSettings(reversal_probability=0.0)
+    robot, t, actions = Patrol(settings, LINE, heads()), 0.0, []
     for _ in range(3):
         decision, t = approach(robot, 11.7, t)
         actions.append(decision.action)
     assert actions == [Action.PATROL_COUNTER_CLOCKWISE] * 3
     decision, _ = approach(robot, 11.7, t)
     assert decision.action is Action.KEEP_GOING
-    assert decision.closes_in
+    assert decision.override is OverrideReason.CLOSING_IN
     assert decision.velocity == pytest.approx((0.2, 0.0))
     assert decision.distance_from_neighbor == pytest.approx(1.7)  # as it is
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("closing_in", "gaps"), [(0.0, True), (0.5, False)])
-def test_among_wrecks_it_leaves_no_gap(closing_in, gaps):
+@pytest.mark.parametrize(("off", "gaps"), [("closing_in", True), ("", False)])
+def test_among_wrecks_it_leaves_no_gap(off, gaps):
     """Five of twenty robots die on 51 m; seed 4 of ``wrecks_20.toml``."""
     folder = load_map_folder(Path("maps/paper_lab"), "border")
     names = [f"robot{number}" for number in range(1, 21)]
-    config = parse_config(f"[patrol]\nclosing_in = {closing_in}\n".encode(), "test")
+    modifiers = [name for name in DEFAULT_MODIFIERS if name != off]
+    config = parse_config(f"[patrol]\nmodifiers = {modifiers}\n".encode(), "test")
     faults = draw_faults(["any5:dead@60..400"], names, 4)
     figures = run_ideal_bench(IdealFleet(folder, 20, 4, config, faults=faults), 900.0)
     assert figures["contacts"] == 0

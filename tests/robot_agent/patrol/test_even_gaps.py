@@ -6,7 +6,7 @@ import pytest
 from maps.border import Border
 from maps.border_primitives import Arc
 from robot_agent.patrol.even_gaps import EvenGaps
-from robot_agent.patrol.settings import EvenGapsSettings
+from robot_agent.patrol.turn_log import Turn, TurnCause, TurnLog
 
 LENGTH, SPEED, STEP = 51.0, 0.35, 0.1
 RADIUS = LENGTH / (2.0 * np.pi)
@@ -20,9 +20,10 @@ class Ring:
         self.t = 0.0
         self.place = np.array(places, dtype=float)
         self.direction = list(directions)
+        self.logs = [TurnLog() for _ in places]
         self.minds = [
-            EvenGaps(EvenGapsSettings(), RING, SPEED, np.random.default_rng([seed, i]))
-            for i in range(len(places))
+            EvenGaps(RING, SPEED, log, np.random.default_rng([seed, i]))
+            for i, log in enumerate(self.logs)
         ]
         self.blocked = blocked  # index of a point that stands
 
@@ -42,13 +43,18 @@ class Ring:
             other = (one + 1) % count
             ahead = RING.difference(self.place[other], self.place[one])
             if 0.0 <= ahead < 0.2 and count > 1:
-                self.direction[one], self.direction[other] = -1, 1
+                self.turn(one, -1, TurnCause.TEAMMATE)
+                self.turn(other, 1, TurnCause.TEAMMATE)
         for i, mind in enumerate(self.minds):
             if i == self.blocked:
                 continue
             if mind.turns_back(self.t, self.place[i], self.direction[i], keeps_going=True):
-                self.direction[i] = -self.direction[i]
-                mind.turned(self.t, self.direction[i])
+                self.turn(i, -self.direction[i], TurnCause.EVEN_GAPS)
+
+    def turn(self, i, direction, cause):
+        if direction != self.direction[i]:
+            self.direction[i] = direction
+            self.logs[i].add(Turn(self.t, self.place[i], direction, cause))
 
     def gaps(self):
         return np.diff(np.sort(self.place), append=np.sort(self.place)[0] + LENGTH)
@@ -68,7 +74,7 @@ def test_robots_come_to_go_one_way_evenly_spaced(count, directions):
 
 
 def test_nothing_is_decided_for_one_that_does_not_keep_going():
-    mind = EvenGaps(EvenGapsSettings(), RING, SPEED, np.random.default_rng(0))
+    mind = EvenGaps(RING, SPEED, TurnLog(), np.random.default_rng(0))
     asked = [mind.turns_back(0.1 * i, 0.0, 1, keeps_going=False) for i in range(6000)]
     assert not any(asked)
 

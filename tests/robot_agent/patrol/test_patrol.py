@@ -1,6 +1,7 @@
 """One robot's decisions: velocities, direction memory, reversal, ends of an open border."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -8,10 +9,14 @@ import pytest
 from maps.border import Border, BorderError
 from maps.border_primitives import Arc, Segment
 from maps.pose import Pose
-from robot_agent.patrol.actions import Action, Situation, action_velocity
+from robot_agent.patrol.actions import Action, action_velocity
+from robot_agent.patrol.modifier import OverrideReason
+from robot_agent.patrol.neighbor_state import NOBODY
 from robot_agent.patrol.patrol import Patrol
 from robot_agent.patrol.rules import RulesError
-from robot_agent.patrol.settings import PatrolSettings
+from robot_agent.patrol.settings import DEFAULT_MODIFIERS, PatrolSettings
+from robot_agent.patrol.situation import Situation
+from robot_agent.patrol.turn_log import TurnCause
 
 CIRCLE = Border([Arc((0.0, 0.0), 6.0, math.pi, -math.tau)], closed=True)  # clockwise from -x
 LINE = Border([Segment((0.0, 0.0), (20.0, 0.0))], closed=False)  # +s is +x
@@ -93,8 +98,11 @@ def test_avoid_teammate_is_equation_12():
 
 
 def test_avoid_teammate_without_one_reaches_the_border():
-    situation = Situation((10.0, 1.0), LINE.project(10.0, 1.0), None, 1, False, False)
-    velocity = action_velocity(Action.AVOID_TEAMMATE, situation, PatrolSettings())
+    foot = LINE.project(10.0, 1.0)
+    situation = Situation(
+        0.0, (10.0, 1.0), 0.0, foot, None, NOBODY, (10.0, 10.0), None, None, held=False
+    )
+    velocity = action_velocity(Action.AVOID_TEAMMATE, situation, 1, PatrolSettings())
     assert velocity == pytest.approx((0.0, -0.3))
 
 
@@ -105,37 +113,63 @@ def test_random_reversal_only_while_keeping_going():
     robot = patrol(reversal_probability=1.0, reversal_period=1.0)
     met = [robot.step(0.1 * k, on_circle(0.0), at_distance(1.5, -1)) for k in range(60)]
     assert {d.direction for d in met} == {1}
-    assert not any(d.reversed_at_random for d in met)
+    assert TurnCause.CHANCE not in {d.turn for d in met}
 
 
 def test_no_random_reversal_near_an_end():
-    for x, expected in ((0.7, set()), (1.2, {True})):
+    for x, expected in ((0.7, set()), (1.2, {TurnCause.CHANCE})):
         robot = patrol(LINE, reversal_probability=1.0, reversal_period=1.0)
         found = [robot.step(0.1 * k, Pose(x, 0.0, 0.0), None) for k in range(40)]
         assert {d.action for d in found} == {Action.KEEP_GOING}
-        assert {True for d in found if d.reversed_at_random} == expected
+        assert {d.turn for d in found} - {None} == expected
 
 
-def reversals(steps, *, period=1.0, **settings):
-    """Times of random reversals at every chance, over steps of (t, pose, teammate)."""
-    robot = patrol(reversal_probability=1.0, reversal_period=period, **settings)
-    return [t for t, pose, mate in steps if robot.step(t, pose, mate).reversed_at_random]
+def test_every_turn_tells_its_cause():
+    robot = patrol()
+    robot.step(0.0, on_circle(0.0), None)
+    met = robot.step(0.6, on_circle(0.0), at_distance(1.5, 1))
+    assert met.turn is TurnCause.TEAMMATE
+    assert robot.step(0.7, on_circle(0.0), at_distance(1.5, 1)).turn is None
+    at_end = patrol(LINE)
+    at_end.step(0.0, Pose(1.0, 0.0, math.pi), None)
+    assert at_end.step(1.0, Pose(0.3, 0.0, math.pi), None).turn is TurnCause.RULES
 
 
-def test_no_random_reversal_while_a_teammate_stands_on_the_border():
-    """One stands 2.3 m ahead, and is out of sight from 2 s on."""
-    at, wreck = on_circle(0.0), on_circle(-0.38)
-    steps = [(0.1 * k, at, (wreck.x, wreck.y) if k < 20 else None) for k in range(400)]
-    lap = CIRCLE.length / 0.35
-    assert reversals(steps, reversal_rest=0.2)[-1] > 4.0 + 0.2 * lap
-    assert not [t for t in reversals(steps, reversal_rest=0.2) if 4.0 < t < 4.0 + 0.2 * lap]
-    assert len(reversals(steps, reversal_rest=0.0)) > 30
+@pytest.mark.parametrize("seed", range(40))
+def test_one_step_turns_once_however_many_want_it(seed):
+    """An object and chance at the same moment once cancelled each other."""
+    robot = patrol(reversal_probability=1.0, reversal_period=0.1, blockage_time=0.2, seed=seed)
+    directions, turns = [], []
+    for k in range(60):
+        decision = robot.step(0.1 * k, on_circle(0.0), None, held=True)
+        directions.append(decision.direction)
+        turns.append(decision.turn)
+    assert [a != b for a, b in pairwise(directions)] == [turn is not None for turn in turns[1:]]
+    assert {TurnCause.CHANCE, TurnCause.BLOCKAGE} == set(turns) - {None}
 
 
-def test_a_robot_that_owes_a_way_does_not_turn_back_at_random():
-    steps = [(0.1 * k, on_circle(0.0), None) for k in range(100)]
-    assert len(reversals(steps, reversal_owes_way=True)) == 1
-    assert len(reversals(steps)) > 8
+def test_without_modifiers_it_is_the_paper_alone():
+    """No hold at an end, no dwell, no patience: the arbiter's choice of every step."""
+    robot = patrol(LINE, modifiers=())
+    caught = [robot.step(0.1 * k, Pose(0.3, 0.0, math.pi), (1.7, 0.0)) for k in range(200)]
+    assert {d.override for d in caught} == {None}
+    assert not any(d.holding for d in caught)
+    assert all(d.action is d.raw_winner for d in caught)
+    turning = [robot.step(30.0, Pose(5.0, 0.0, 0.0), (6.5, 0.0))]
+    turning.append(robot.step(30.1, Pose(5.0, 0.0, 0.0), None))
+    assert [d.action for d in turning] == [Action.PATROL_COUNTER_CLOCKWISE, Action.KEEP_GOING]
+
+
+@pytest.mark.parametrize("name", DEFAULT_MODIFIERS)
+def test_every_modifier_can_be_switched_off(name):
+    modifiers = tuple(each for each in DEFAULT_MODIFIERS if each != name)
+    decision = patrol(LINE, modifiers=modifiers).step(0.0, Pose(5.0, 0.0, 0.0), None)
+    assert decision.action is Action.KEEP_GOING
+
+
+def test_a_modifier_named_twice_is_refused():
+    with pytest.raises(ValueError, match="twice"):
+        PatrolSettings(modifiers=("dwell", "dwell"))
 
 
 def test_turns_at_the_ends_of_an_open_border():
@@ -182,7 +216,8 @@ def test_caught_by_somebody_who_will_not_move_it_leaves_the_end(x, mate, vx):
     steps = [robot.step(0.1 * k, Pose(x, 0.0, 0.0), (mate, 0.0)) for k in range(130)]
     assert all(step.holding for step in steps[10:119])
     assert steps[-1].velocity == pytest.approx((vx, 0.0))
-    assert (steps[-1].insists, steps[-1].holding) == (True, False)
+    assert steps[-1].override is OverrideReason.STANDOFF
+    assert not steps[-1].holding
 
 
 def test_caught_and_too_near_avoids():

@@ -5,23 +5,40 @@ from pathlib import Path
 
 import pytest
 
+from maps.border import Border
+from maps.border_primitives import Segment
 from maps.map_folder import load_map_folder
 from maps.pose import Pose
 from robot_agent.config import find_map, parse_config
 from robot_agent.patrol.actions import Action
-from robot_agent.patrol.settings import PatrolSettings
+from robot_agent.patrol.modifier import OverrideReason
 from robot_agent.patrol.standoff import Standoff
 from tests.robot_agent.patrol.event_log import EventLog
+from tests.robot_agent.patrol.situations import choice, situation
 from tools.bench.fleet import Fleet
 from tools.simulation.robot_body import Outline
 
 AVOID, REACH, PATROL = Action.AVOID_TEAMMATE, Action.REACH_FRONTIER, Action.PATROL_CLOCKWISE
-SETTINGS = PatrolSettings(standoff_time=12.0, longest_avoiding=20.0, insisting_time=8.0)
+
+
+class Robot:
+    """A robot that only insists."""
+
+    def __init__(self):
+        self.standoff = Standoff(12.0)
+
+    def insists_on(self, t, place, way, action, out=None):
+        """What it insists on at a place so many metres from the border; out: caught at an end."""
+        line = Border([Segment((-100.0, place[1] - way), (100.0, place[1] - way))], closed=False)
+        ends = (math.inf, math.inf) if out is None else (0.2, 19.8)
+        now = situation(t, place, border=line, ends=ends)
+        override = self.standoff.propose(now, choice(action, caught=out is not None), action)
+        return None if override is None else override.action
 
 
 def insisting(places, action=AVOID, way=1.2):
     """The times, s, of ten steps a second at these places at which the robot insists."""
-    standoff = Standoff(SETTINGS)
+    standoff = Robot()
     times = [k / 10.0 for k in range(len(places))]
     found = zip(times, places, strict=True)
     return [t for t, place in found if standoff.insists_on(t, place, way, action)]
@@ -52,7 +69,7 @@ def test_on_the_border_and_on_the_way_to_it_there_is_nothing_to_insist_on():
 
 
 def test_what_it_insists_on_is_the_border_beside_it_and_the_patrol_on_it():
-    at, beside, on = (0.0, 0.0), Standoff(SETTINGS), Standoff(SETTINGS)
+    at, beside, on = (0.0, 0.0), Robot(), Robot()
     found = [
         {standoff.insists_on(k / 10.0, at, way, AVOID) for k in range(250)}
         for standoff, way in ((beside, 1.2), (on, 0.25))
@@ -61,7 +78,7 @@ def test_what_it_insists_on_is_the_border_beside_it_and_the_patrol_on_it():
 
 
 def test_caught_on_the_border_it_takes_the_way_out_after_a_while():
-    standoff, at = Standoff(SETTINGS), (0.0, 0.0)
+    standoff, at = Robot(), (0.0, 0.0)
     found = [standoff.insists_on(k / 10.0, at, 0.1, PATROL, PATROL) for k in range(250)]
     times = [k / 10.0 for k, insisted in enumerate(found) if insisted]
     assert times == pytest.approx([12.0 + k / 10.0 for k in range(80)])
@@ -69,7 +86,7 @@ def test_caught_on_the_border_it_takes_the_way_out_after_a_while():
 
 
 def test_on_its_way_out_it_avoids_who_stands_there():
-    standoff, at = Standoff(SETTINGS), (0.0, 0.0)
+    standoff, at = Robot(), (0.0, 0.0)
     for k in range(125):
         standoff.insists_on(k / 10.0, at, 0.1, PATROL, PATROL)
     assert standoff.insists_on(12.5, at, 0.1, AVOID) is None
@@ -83,14 +100,14 @@ def test_on_the_border_only_long_avoiding_ends():
 
 
 def test_crossing_to_the_border_and_back_does_not_begin_the_count_of_avoiding_anew():
-    standoff = Standoff(SETTINGS)
+    standoff = Robot()
     ways = [0.25 + 0.1 * (k % 40 < 20) for k in range(210)]
     insists = [standoff.insists_on(k / 10.0, (0.0, 0.0), way, AVOID) for k, way in enumerate(ways)]
     assert insists.index(next(filter(None, insists))) == 200
 
 
 def test_arriving_ends_it():
-    standoff = Standoff(SETTINGS)
+    standoff = Robot()
     at = (0.0, 0.0)
     assert [k for k in range(130) if standoff.insists_on(k / 10.0, at, 1.0, AVOID)]
     assert not standoff.insists_on(13.1, at, 0.2, AVOID)
@@ -98,7 +115,7 @@ def test_arriving_ends_it():
 
 
 def test_other_actions_between_begin_the_count_of_avoiding_anew():
-    standoff, insists = Standoff(SETTINGS), []
+    standoff, insists = Robot(), []
     for k in range(350):
         action = PATROL if k == 150 else AVOID
         insists.append(standoff.insists_on(k / 10.0, (k / 50.0, 0.0), 1.2, action))
@@ -116,7 +133,8 @@ def test_a_robot_that_a_box_keeps_beside_the_border_goes_straight_there_and_says
     while fleet.t < 15.0:
         fleet.step()
         decisions.append(agent.decision)
-    insisting = [decision for decision in decisions if decision is not None and decision.insists]
+    decided = [decision for decision in decisions if decision is not None]
+    insisting = [each for each in decided if each.override is OverrideReason.STANDOFF]
     nearest = min(each.distance_from_border for each in insisting)
     assert nearest < 0.35
     assert {decision.action for decision in insisting} == {REACH}
