@@ -71,7 +71,7 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     detour_allowance: NotNegative = 1.0  # straight distance plus this many m is on another stretch
     reversal_period: Positive = 27.0  # s between random decisions to turn back [paper]
     reversal_distribution: Distribution = "fixed"  # of the times between; uniform, exponential
-    reversal_probability: Share = 0.1  # the paper gives none; see "Beyond the paper" in README
+    reversal_probability: Share = 0.1  # the paper gives none; see README.md
     reversal_owes_way: bool = False  # none again before the way it turned from was driven
     reversal_rest: NotNegative = 2.0  # laps without any once a teammate stands on the border
     closing_in: Share = 0.5  # probability of coming closer to where teammates sent it back thrice
