@@ -1,6 +1,6 @@
 """What the agent depends on: how often it comes, how old it may get, what happens when it does.
 
-This table is the only place of these figures: the gate's limits, the alarms and the README's table
+This table is the only place of these figures: gate, alarms and the table of this room's README
 come from it.
 """
 

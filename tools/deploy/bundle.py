@@ -16,6 +16,9 @@ ROOT = Path(__file__).resolve().parents[2]
 PYTHON = "3.11"
 GLIBC = (17, 24, 27, 28, 31, 34, 35)
 """Minor versions that wheels are tagged with; Debian 12 runs them all."""
+ROOMS = ("drivers", "maps", "localization", "robot_agent", "tools")
+DOCUMENTS = ("*.md", "*.png", "*.jpg")
+"""READMEs and their pictures."""
 MACHINES = {"x86_64": "x86-64", "aarch64": "arm64"}
 """By pip's name: Debian's."""
 
@@ -34,7 +37,7 @@ Copy this folder to the robot, then as root:
     ln -sf /opt/patrol/bin/patrol /usr/local/bin/patrol
 
     patrol ports                       # lines for /etc/udev/rules.d/60-patrol.rules
-    patrol install robot1.toml         # the service, see README.md
+    patrol install robot1.toml         # the service, see documents/tools/deploy/README.md
     patrol doctor /etc/patrol/robot1.toml
 """
 
@@ -57,7 +60,10 @@ def make_bundle(
         tell(f"what it depends on, for {MACHINES[machine]}")
         _pip("download", *download_arguments(machine, wheels / machine))
     (target / "INSTALL.txt").write_text(INSTRUCTIONS)
-    (target / "README.md").write_bytes((ROOT / "README.md").read_bytes())
+    for document in documents():
+        copy = target / "documents" / document.relative_to(ROOT)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        copy.write_bytes(document.read_bytes())
     sums = [f"{_digest(path)}  {path.relative_to(target)}\n" for path in _files(target)]
     (target / "SHA256SUMS").write_text("".join(sums))
     return _files(target)
@@ -77,6 +83,14 @@ def download_arguments(machine: str, target: Path) -> list[str]:
         *("--constraint", str(ROOT / "tools" / "constraints.txt"), "--dest", str(target)),
         *dependencies(),
     ]
+
+
+def documents() -> list[Path]:
+    """Return what people read: the root's documents, and those of every room."""
+    found = [ROOT / name for name in ("README.md", "CHANGELOG.md", "LICENSE")]
+    for room in ROOMS:
+        found += [path for kind in DOCUMENTS for path in (ROOT / room).rglob(kind)]
+    return sorted(found)
 
 
 def dependencies() -> list[str]:

@@ -1,4 +1,4 @@
-"""What is trusted for how long: one table for gate, alarms and README."""
+"""What is trusted for how long: one table for gate, alarms and the README of the room."""
 
 from pathlib import Path
 
@@ -13,10 +13,10 @@ from robot_agent.motion.freshness_limits import (
 )
 from robot_agent.motion.gate_settings import GateSettings
 
-README = Path(__file__).parents[3] / "README.md"
+README = Path(__file__).parents[3] / "robot_agent" / "motion" / "README.md"
 
 
-def test_readme_has_the_table():
+def test_the_rooms_readme_has_the_table():
     assert markdown() in README.read_text()
 
 

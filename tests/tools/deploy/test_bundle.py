@@ -2,7 +2,14 @@
 
 from pathlib import Path
 
-from tools.deploy.bundle import GLIBC, INSTRUCTIONS, dependencies, download_arguments
+from tools.deploy.bundle import (
+    GLIBC,
+    INSTRUCTIONS,
+    ROOT,
+    dependencies,
+    documents,
+    download_arguments,
+)
 
 
 def test_asks_for_pinned_wheels_of_the_robots_machine(tmp_path: Path) -> None:
@@ -24,3 +31,11 @@ def test_takes_what_runs_on_the_robot_and_no_more() -> None:
 def test_instructions_use_no_network() -> None:
     assert "--no-index" in INSTRUCTIONS
     assert "http" not in INSTRUCTIONS
+
+
+def test_carries_what_the_instructions_refer_to() -> None:
+    names = {str(path.relative_to(ROOT)) for path in documents()}
+    assert "tools/deploy/README.md" in names
+    assert "documents/tools/deploy/README.md" in INSTRUCTIONS
+    assert {"README.md", "tools/monitor/monitor.png"} <= names
+    assert not any(name.startswith((".venv", "tests")) for name in names)

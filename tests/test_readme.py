@@ -1,0 +1,141 @@
+"""The documents: a short root README, an index of rooms, and nothing named that is not there."""
+
+import argparse
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tools.cli import COMMANDS, ROOMS, load_command
+
+ROOT = Path(__file__).parents[1]
+INDEX = ROOT / "README.md"
+TOOLS = ROOT / "tools" / "README.md"
+AGENT = ROOT / "robot_agent" / "README.md"
+READMES = [INDEX, *sorted(path for room in ROOMS for path in (ROOT / room).rglob("README.md"))]
+MAX_LINES, MAX_WORDS = 150, 1500
+
+LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
+TICKS = re.compile(r"`([^`\n]+)`")
+PATH = re.compile(r"\.?[\w@.+-]+(?:/[\w@.+-]+)+/?|[\w@+-]+\.(?:py|toml|txt|md)")
+COMMAND = re.compile(r"(?:\bpatrol|\./tools/run) (\w+)\b")
+OPTION = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]*")
+MADE = {"map.yaml", "map.pgm", "map.png", "border.toml"}
+"""Files of a map folder, wherever that is."""
+ELSEWHERE = {"../shared/data", "acschaefer/ple"}
+"""Recorded data beside the checkout, and another project."""
+EXAMPLES = re.compile(r"(?:out|keys|my_map|robot\d|ROBOT|RULES|FILE|FLOOR_PLAN|INSTALL)\b.*")
+"""What a reader makes or receives."""
+
+
+def identity(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+def rooms_of(parent: Path) -> list[Path]:
+    return sorted(each.parent for each in parent.glob("*/__init__.py"))
+
+
+def commands_in(text: str) -> Iterator[tuple[str, str]]:
+    """Each use of the command line in code, in a block or in backticks: command and the rest."""
+    text = text.replace("\\\n", " ")  # such a line goes on in the next one
+    blocks = [line.split("#")[0] for line in re.findall(r"^    (.+)$", text, re.MULTILINE)]
+    for code in [*blocks, *TICKS.findall(text)]:
+        for use in re.split(r"&&|\|\|", code):
+            found = COMMAND.search(use)
+            if found:
+                yield found[1], use[found.end() :].split(" -- ")[0]
+
+
+def anchors(text: str) -> set[str]:
+    """The names by which a page's headings are linked to."""
+    heads = re.findall(r"^#+ (.+)$", text, re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", head.lower()).replace(" ", "-") for head in heads}
+
+
+def links(readme: Path) -> list[str]:
+    return [link for link in LINK.findall(readme.read_text()) if "://" not in link]
+
+
+def linked_files(readme: Path) -> set[Path]:
+    return {(readme.parent / link.split("#")[0]).resolve() for link in links(readme)}
+
+
+def actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
+    """The options of a command and of its own subcommands."""
+    for action in parser._actions:
+        yield action
+        if isinstance(action, argparse._SubParsersAction):
+            for each in action.choices.values():
+                yield from actions(each)
+
+
+def options_of(command: str) -> set[str]:
+    parser = argparse.ArgumentParser()
+    load_command(command).configure(parser)
+    return {name for action in actions(parser) for name in action.option_strings}
+
+
+def test_the_root_readme_is_short():
+    text = INDEX.read_text()
+    assert len(text.splitlines()) < MAX_LINES
+    assert len(text.split()) < MAX_WORDS
+
+
+def test_the_index_names_every_room():
+    assert {ROOT / room / "README.md" for room in ROOMS} <= linked_files(INDEX)
+    assert {room / "README.md" for room in rooms_of(ROOT / "tools")} <= linked_files(TOOLS)
+    shown = linked_files(AGENT) | {
+        AGENT.parent / name for name in re.findall(r"^\| `(\w+)/`", AGENT.read_text(), re.MULTILINE)
+    }
+    for room in rooms_of(ROOT / "robot_agent"):
+        assert {room, room / "README.md"} & shown, room
+
+
+def test_every_command_is_in_the_tables():
+    for table in (INDEX, TOOLS):
+        named = set(re.findall(r"`patrol (\w+)", table.read_text()))
+        assert named >= set(COMMANDS), table
+
+
+@pytest.mark.parametrize("readme", READMES, ids=identity)
+def test_begins_with_a_title_and_a_paragraph(readme):
+    title, empty, first = readme.read_text().splitlines()[:3]
+    assert title.startswith("# ")
+    assert not empty
+    assert first[:1].isalpha()
+
+
+@pytest.mark.parametrize("readme", READMES, ids=identity)
+def test_links_lead_somewhere(readme):
+    for link in links(readme):
+        name, _, anchor = link.partition("#")
+        target = (readme.parent / name).resolve() if name else readme
+        assert target.exists(), link
+        assert not anchor or anchor in anchors(target.read_text()), link
+
+
+@pytest.mark.parametrize("readme", READMES, ids=identity)
+def test_commands_and_their_options_exist(readme):
+    for command, rest in commands_in(readme.read_text()):
+        if command in ("COMMAND", "ANYTHING"):
+            continue
+        assert command in COMMANDS, f"patrol {command}"
+        given = {*OPTION.findall(rest)} - {"--help"}
+        assert given <= options_of(command), f"patrol {command}{rest}"
+
+
+@pytest.mark.parametrize("readme", READMES, ids=identity)
+def test_files_exist(readme):
+    """A path in backticks is of the repository or of the README's own room."""
+    for words in TICKS.findall(readme.read_text()):
+        name = words.split("::")[0]
+        if not PATH.fullmatch(name) or name in MADE | ELSEWHERE or EXAMPLES.fullmatch(name):
+            continue
+        assert (ROOT / name).exists() or (readme.parent / name).exists(), name
+
+
+@pytest.mark.parametrize("readme", READMES, ids=identity)
+def test_no_place_of_one_machine(readme):
+    assert not re.search(r"/work/|/tmp/|/home/|/root/", readme.read_text())
