@@ -50,6 +50,8 @@ from robot_agent.motion.gate_hold import (
 from robot_agent.motion.gate_reason import LATCHED, GateReason
 from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.motion.heading_loop import HeadingLoop
+from robot_agent.motion.holding_obstacle import HoldingObstacle, holding_obstacle
+from robot_agent.motion.obstacle_points import NO_OBSTACLES, ObstaclePoints
 from robot_agent.motion.recovery_turn import RecoveryTurn
 from robot_agent.motion.sensor_freshness import SensorFreshness
 from robot_agent.motion.teleop import Teleop
@@ -133,6 +135,7 @@ class Agent:
         self.decision: PatrolDecision | None = None
         self.gate_decision: GateDecision | None = None
         self.gate_stops = 0
+        self._obstacles = NO_OBSTACLES  # that the gate last looked at
         self._ending = False
         self._was_degraded = False
         self._now = 0.0  # s: what is handled late happens now
@@ -323,7 +326,17 @@ class Agent:
             self.outbox.log(t, *notice)
         self.decision = decision
         if self.publishes:
-            self._publish(self.telemetry.on_decision(t, pose, decision, requested, gate, track))
+            held_by = self._held_by(requested, gate)
+            told = self.telemetry.on_decision(t, pose, decision, requested, gate, track, held_by)
+            self._publish(told)
+
+    def _held_by(
+        self, requested: tuple[float, float], gate: GateDecision
+    ) -> HoldingObstacle | None:
+        """Return the obstacle for which the gate cut a requested (v, w), if it was one."""
+        if gate.reason is not GateReason.OBSTACLE:
+            return None
+        return holding_obstacle(self.config.gate, requested, self._obstacles)
 
     def _look_around(self, t: float, state: BaseState) -> None:
         """Stand, and turn slowly where that is clear, until the pose is known."""
@@ -352,6 +365,7 @@ class Agent:
 
     def _gate_inputs(self, t: float, state: BaseState, *, limited: bool = False) -> GateInputs:
         odometry = self.odometry.at(t)
+        self._obstacles = NO_OBSTACLES if odometry is None else self._obstacles_at(t, odometry)
         return GateInputs(
             # A report that waited so long that nobody knows where the robot is now (the process was
             # stopped for a while) is none: the gate denies.
@@ -363,19 +377,17 @@ class Agent:
             stalled=state.stall_left or state.stall_right,
             bumpers=state.front_bumpers | state.rear_bumpers,
             battery=state.battery,
-            obstacles=np.empty((0, 2))
-            if odometry is None
-            else self.surroundings.around(
-                t,
-                odometry,
-                self.pose_tracker.localized_pose_at(t),
-                self.perception.tracker.tracks,
-            ),
+            obstacles=self._obstacles.points,
             v=state.v,
             w=state.w,
             overloaded=self.freshness.deadline.overloaded(self._now),
             limited=limited,
         )
+
+    def _obstacles_at(self, t: float, odometry: Pose) -> ObstaclePoints:
+        localized = self.pose_tracker.localized_pose_at(t)
+        tracks = self.perception.tracker.tracks
+        return self.surroundings.around(t, odometry, localized, tracks)
 
     def _on_gate_decision(self, t: float, gate: GateDecision) -> None:
         """Count and tell when the gate begins to hold the robot."""

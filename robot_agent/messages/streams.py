@@ -155,6 +155,14 @@ class StatusPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=Tru
     localization: LocalizationStatus
 
 
+class HeldBy(msgspec.Struct, frozen=True):
+    """The obstacle for which the gate cut a command."""
+
+    source: Annotated[str, Meta(description="laser, remembered, sonar, map_wall or teammate_room")]
+    x: Annotated[float, Meta(description="m, map frame")]
+    y: Annotated[float, Meta(description="m, map frame")]
+
+
 class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """One control step: what was seen, what was chosen, what was let through."""
 
@@ -198,7 +206,10 @@ class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=T
     requested: Annotated[Twist, Meta(description="before the gate")]
     command: Annotated[Twist, Meta(description="after the gate, as sent to the base")]
     gate_reason: Annotated[
-        str | None, Meta(description="why the gate changed the requested; absent if it did not")
+        str | None, Meta(description="why the gate changed the request; absent if it did not")
+    ] = None
+    held_by: Annotated[
+        HeldBy | None, Meta(description="the obstacle, if gate_reason is one; absent else")
     ] = None
     blocked: Annotated[
         bool, Meta(description="gave up waiting for an object on its way, just now")

@@ -14,6 +14,7 @@ from drivers.p2os.model import RobotModel
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
 from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.obstacle_points import ObstaclePoints, ObstacleSource
 from robot_agent.obstacles.latest_scan import Obstacles
 from robot_agent.obstacles.map_obstacles import MapObstacles
 from robot_agent.obstacles.recent_scan_memory import RecentScanMemory
@@ -93,21 +94,18 @@ class Surroundings:
 
     def around(
         self, t: float, odometry: Pose, localized: Pose | None, tracks: Sequence[Track]
-    ) -> NDArray[np.float64]:
-        """Return (n, 2) m in base_link: what is seen about the robot, and what must be there.
+    ) -> ObstaclePoints:
+        """Return what is seen about the robot, and what must be there.
 
         ``localized``: map_from_base while it is known; without it no sensor, no obstacle.
         """
         parts = [
-            self._obstacles.around(odometry),
-            self._left(odometry, localized),
-            self._sonar_obstacles.around(t, odometry),
+            (ObstacleSource.LASER, self._obstacles.around(odometry)),
+            (ObstacleSource.REMEMBERED, self._left(odometry, localized)),
+            (ObstacleSource.SONAR, self._sonar_obstacles.around(t, odometry)),
         ]
         if localized is not None:
-            known = self._map_obstacles.around(localized), self._wall_memory.around(odometry)
-            walls = np.concatenate(known)
-            if len(walls):
-                parts.append(self._unseen(odometry, walls))
+            parts += self._unseen_walls(odometry, localized)
             near = [
                 (track.x, track.y)
                 for track in tracks
@@ -116,16 +114,31 @@ class Surroundings:
                 and math.hypot(track.x - localized.x, track.y - localized.y) < _NEAR
             ]
             if near:
-                parts.append(teammate_keep_out(move_points(np.array(near), localized.inverse())))
-        return np.concatenate(parts)
+                room = teammate_keep_out(move_points(np.array(near), localized.inverse()))
+                parts.append((ObstacleSource.TEAMMATE_ROOM, room))
+        return ObstaclePoints.joined(parts)
 
-    def _unseen(self, odometry: Pose, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return those of points (n, 2), m, base_link, at which the latest scan did not look.
+    def _unseen_walls(
+        self, odometry: Pose, localized: Pose
+    ) -> list[tuple[ObstacleSource, NDArray[np.float64]]]:
+        """Return walls of the map, and walls just passed, where the latest scan did not look."""
+        mapped, passed = self._map_obstacles.around(localized), self._wall_memory.around(odometry)
+        walls = np.concatenate((mapped, passed))
+        if not len(walls):
+            return []
+        unseen = self._unseen(odometry, walls)
+        return [
+            (ObstacleSource.MAP_WALL, mapped[unseen[: len(mapped)]]),
+            (ObstacleSource.REMEMBERED, passed[unseen[len(mapped) :]]),
+        ]
+
+    def _unseen(self, odometry: Pose, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return (n,) at which of points (n, 2), m, base_link, the latest scan did not look.
 
         A robot that turns looks elsewhere by now, but has not seen yet what is there.
         """
         seen_from = self._obstacles.from_scan(odometry, points)
-        return points[~self._projector.in_view(seen_from)]
+        return ~self._projector.in_view(seen_from)
 
     def _left(self, odometry: Pose, localized: Pose | None) -> NDArray[np.float64]:
         """Return what was seen before it got out of sight, but for walls that the map tells of:

@@ -33,6 +33,7 @@ from robot_agent.messages.streams import (
     CameraReport,
     DecisionPayload,
     DeviceStatus,
+    HeldBy,
     IntruderPayload,
     LocalizationStatus,
     Payload,
@@ -43,6 +44,7 @@ from robot_agent.messages.streams import (
 )
 from robot_agent.motion.gate import GateDecision
 from robot_agent.motion.gate_reason import GateReason
+from robot_agent.motion.holding_obstacle import HoldingObstacle
 from robot_agent.patrol.patrol import PatrolDecision
 from robot_agent.perception.intruders import Intruder
 from robot_agent.perception.track import Track
@@ -147,6 +149,7 @@ class TelemetryBuilder:
         requested: tuple[float, float],
         gate: GateDecision,
         neighbor: Track | None,
+        held_by: HoldingObstacle | None = None,
     ) -> list[tuple[str, Payload]]:
         """Return the pose and the decision of one control step."""
         stamp = self._stamp(t)
@@ -172,6 +175,7 @@ class TelemetryBuilder:
             gate_reason=None if gate.reason is GateReason.NONE else str(gate.reason),
             blocked=decision.blocked,
             holding=decision.holding,
+            held_by=_place_of(held_by, pose),
             override=decision.override,
             turn=decision.turn,
         )
@@ -339,6 +343,16 @@ def _bearing_pose(pose: Pose, neighbor: Track | None) -> PlanarPose | None:
         return None
     x, y = neighbor.x, neighbor.y
     return PlanarPose(x, y, math.atan2(y - pose.y, x - pose.x))
+
+
+def _place_of(obstacle: HoldingObstacle | None, pose: Pose) -> HeldBy | None:
+    """Return an obstacle's source and place in the map frame."""
+    if obstacle is None:
+        return None
+    c, s = math.cos(pose.theta), math.sin(pose.theta)
+    x = pose.x + c * obstacle.x - s * obstacle.y
+    y = pose.y + s * obstacle.x + c * obstacle.y
+    return HeldBy(obstacle.source, round(x, 3), round(y, 3))
 
 
 def _bumpers(base: BaseState | None) -> int:

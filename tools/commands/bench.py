@@ -16,6 +16,7 @@ from robot_agent.config import find_map
 from tools.bench.bench_fault import FaultKind, draw_faults
 from tools.bench.fleet_recorder import FleetRecorder
 from tools.bench.sensing import Sensing, bench
+from tools.commands.settings_option import add_set_option, chosen_config
 from tools.progress import Progress
 
 
@@ -47,12 +48,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--camera", choices=["on", "off"], default="off", help="robots have cameras; slower"
     )
+    add_set_option(parser)
     parser.add_argument("--record", type=Path, metavar="DIR", help="keep a recording per robot")
     parser.add_argument("--json", type=Path, metavar="OUT", help="write the figures to this file")
 
 
 def run(options: argparse.Namespace) -> int:
     """Run one bench; print its figures as JSON."""
+    config = chosen_config(options)
     cv2.setNumThreads(1)  # small images: more threads only cost
     path = find_map(options.map, Path.cwd())
     folder = load_map_folder(path, options.border)
@@ -78,6 +81,7 @@ def run(options: argparse.Namespace) -> int:
             options.robots,
             options.seed,
             options.duration,
+            config=config,
             faults=faults,
             observer=recorder.observe if recorder else None,
             strangers=options.strangers,

@@ -12,6 +12,7 @@ from pathlib import Path
 from maps.border import BorderError
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
+from tools.commands.settings_option import add_set_option, chosen_config
 from tools.demo.demo import Demo, DemoOptions
 from tools.demo.demo_summary import print_summary, read_runs
 from tools.monitor.endpoint import free_endpoint
@@ -36,11 +37,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--strangers", type=int, default=0, metavar="N", help="people and carts that walk about"
     )
     parser.add_argument("--camera", choices=["on", "off"], default="on", help="on the robots")
+    add_set_option(parser)
     parser.add_argument("--seed", type=int, default=1, metavar="N")
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the demo until its duration is over or Ctrl-C; stop all; print the summary."""
+    config = chosen_config(options)
     path = find_map(options.map, Path.cwd())
     folder = load_map_folder(path, options.border)
     if folder.border is None:
@@ -56,6 +59,7 @@ def run(options: argparse.Namespace) -> int:
                 record=record,
                 strangers=options.strangers,
                 cameras=options.camera == "on",
+                config=config,
             )
         )
         http = options.http or (None if options.headless else "127.0.0.1:0")

@@ -10,6 +10,7 @@ from pathlib import Path
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.bench.sensing import Sensing
+from tools.commands.settings_option import add_set_option, chosen_config
 from tools.progress import Progress
 from tools.studies.paper import BORDER, DURATION_S, MAP, PaperTrial, claims, over_seeds, run_seeds
 from tools.studies.paper_figures import write_figures
@@ -33,6 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default=Sensing.BYTES,
         help="bytes: every byte, full noise; ideal: the decision layer alone",
     )
+    add_set_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -43,10 +45,12 @@ def run(options: argparse.Namespace) -> int:
     if options.seeds < 1 or options.jobs < 1:
         print("patrol paper: --seeds and --jobs must be 1 or more", file=sys.stderr)
         return 2
+    config = chosen_config(options)
     folder = find_map(options.map, Path.cwd())
     load_map_folder(folder, options.border)  # a wrong one is told before anything is run
     options.output.mkdir(parents=True, exist_ok=True)
-    trial = PaperTrial(folder, options.border, Sensing(options.sensing), options.duration)
+    sensing = Sensing(options.sensing)
+    trial = PaperTrial(folder, options.border, sensing, options.duration, config)
     seeds = range(options.seed, options.seed + options.seeds)
     told = []
     with Progress("paper", len(seeds), "runs") as progress:

@@ -10,6 +10,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
+from tools.commands.settings_option import add_set_option
 from tools.progress import Progress
 from tools.studies.study import read_study, run_study
 from tools.studies.study_plot import plot_study
@@ -29,11 +30,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="ADDRESS",
         help="run on the Dask cluster of this scheduler, such as tcp://host:8786",
     )
+    add_set_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the study, write runs.csv and study.svg, print the table; status 1 on a contact."""
-    study = read_study(options.file)
+    study = read_study(options.file, options.set)
     print(
         f"patrol study: {len(study.cases)} cases x {study.settings.seeds} seeds; "
         f"stop it any time, the same command goes on",

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import msgspec
@@ -59,6 +59,8 @@ class DemoOptions:
     """How many people and carts walk about."""
     cameras: bool = False
     """Whether the robots have cameras."""
+    config: AgentConfig = field(default_factory=AgentConfig)
+    """Of every robot, but for its name, seed, map, start and ports."""
 
 
 class Demo:
@@ -190,18 +192,19 @@ class Demo:
         )
 
     def _configure(self, robot: EmulatedRobot, seed: int) -> AgentConfig:
-        """Return a robot's configuration: the shipped defaults, its ports, about where it is."""
-        defaults = AgentConfig()
-        return AgentConfig(
+        """Return a robot's configuration: the common one, its ports, about where it is."""
+        common = self.options.config
+        return msgspec.structs.replace(
+            common,
             robot=RobotSettings(name=robot.name, team="demo", seed=seed),
             map=MapSettings(
                 folder=str(self.options.map_folder.resolve()), border=self.options.border
             ),
             start=StartPose(x=robot.start.x, y=robot.start.y, theta=robot.start.theta),
-            base=msgspec.structs.replace(defaults.base, url=robot.base_url),
-            laser=msgspec.structs.replace(defaults.laser, url=robot.laser_url),
-            camera=msgspec.structs.replace(defaults.camera, url=robot.camera_url),
-            telemetry=msgspec.structs.replace(defaults.telemetry, operator=self.options.operator),
+            base=msgspec.structs.replace(common.base, url=robot.base_url),
+            laser=msgspec.structs.replace(common.laser, url=robot.laser_url),
+            camera=msgspec.structs.replace(common.camera, url=robot.camera_url),
+            telemetry=msgspec.structs.replace(common.telemetry, operator=self.options.operator),
         )
 
 

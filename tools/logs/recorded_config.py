@@ -42,14 +42,14 @@ def _modernized(content: bytes, source: str) -> tuple[dict[str, Any], list[str]]
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{source}: is not TOML: {error}; the recording is damaged") from error
     left_out: list[str] = []
-    for key in [key for key in RENAMED_KEYS if _lookup(table, key) is not None]:
-        _put(table, RENAMED_KEYS[key], _lookup(table, key))
-        _drop(table, key)
     strategy = _lookup(table, "patrol.strategy")  # "paper", or what is a modifier now
     if strategy is not None:
         added = [EVEN_GAPS] if strategy == EVEN_GAPS else []
         _put(table, "patrol.modifiers", [*DEFAULT_MODIFIERS, *added])
         _drop(table, "patrol.strategy")
+    for key in [key for key in RENAMED_KEYS if _lookup(table, key) is not None]:
+        _put(table, RENAMED_KEYS[key], _lookup(table, key))
+        _drop(table, key)
     for key in [key for key, value in FIXED_KEYS.items() if _lookup(table, key) == value]:
         _drop(table, key)
     return _known(table, AgentConfig, "", left_out), left_out

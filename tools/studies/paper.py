@@ -8,7 +8,7 @@ change to Patrol CW comes with the other's to Patrol CCW; afterwards both keep g
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from maps.map_folder import MapFolder, load_map_folder
+from robot_agent.config import AgentConfig
 from robot_agent.patrol.actions import Action
 from tools.bench.fleet import Fleet, FleetLog, run_bench
 from tools.bench.ideal_fleet import IdealFleet, IdealLog, run_ideal_bench
@@ -71,6 +72,8 @@ class PaperTrial:
     sensing: Sensing
     duration: float
     """s, virtual."""
+    config: AgentConfig = field(default_factory=AgentConfig)
+    """Of every robot."""
 
 
 def run_seeds(trial: PaperTrial, seeds: Sequence[int], jobs: int) -> Iterator[PaperRun]:
@@ -89,11 +92,11 @@ def run_paper(trial: PaperTrial, seed: int) -> PaperRun:
     """Run the experiment once; with bytes: full noise, every byte encoded."""
     folder = load_map_folder(trial.map_folder, trial.border)
     if trial.sensing is Sensing.IDEAL:
-        ideal = IdealFleet(folder, ROBOTS, seed)
+        ideal = IdealFleet(folder, ROBOTS, seed, trial.config)
         ideal_log = IdealLog(ideal)
         figures = run_ideal_bench(ideal, trial.duration, log=ideal_log)
         return PaperRun(folder, ideal_log.runs(), figures)
-    fleet = Fleet(folder, ROBOTS, seed)
+    fleet = Fleet(folder, ROBOTS, seed, trial.config)
     log = FleetLog(fleet)
     figures = run_bench(fleet, trial.duration, log=log)
     return PaperRun(folder, log.runs(), figures)

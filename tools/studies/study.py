@@ -40,6 +40,7 @@ from maps.map_folder import load_map_folder
 from robot_agent.config import AgentConfig, find_map, parse_config
 from tools.bench.bench_fault import BenchFaultError, check_robots, draw_faults
 from tools.bench.sensing import Sensing, bench
+from tools.logs.recorded_config import changed_config
 from tools.studies.study_cluster import run_on_cluster
 from tools.studies.worker_pool import worker_pool
 
@@ -50,7 +51,7 @@ FAULTS = "faults"
 _OF_THE_BENCH = (ROBOTS, MAP, BORDER, FAULTS)
 RUNS_FOLDER = "runs"
 
-Setting = int | float | str | bool
+Setting = int | float | str | bool | tuple[str, ...]
 
 
 class StudyError(ValueError):
@@ -85,7 +86,8 @@ class Case:
     @property
     def robots(self) -> int:
         """Size of the team."""
-        return int(self.get(ROBOTS, 3))
+        robots = self.get(ROBOTS, 3)
+        return robots if isinstance(robots, int) else 0
 
     @property
     def faults(self) -> list[str]:
@@ -102,7 +104,7 @@ class Case:
         return {key: value for key, value in self.values if key not in _OF_THE_BENCH}
 
     def __str__(self) -> str:
-        return ", ".join(f"{key} {value}" for key, value in self.values) or "defaults"
+        return ", ".join(f"{key} {_shown(value)}" for key, value in self.values) or "defaults"
 
 
 @dataclass(frozen=True)
@@ -115,12 +117,17 @@ class Run:
     border: str
     duration: float
     sensing: Sensing = Sensing.BYTES
+    changes: tuple[str, ...] = ()
+    """``section.key=value`` that hold in every case."""
 
     @property
     def file_name(self) -> str:
         """Name of the run's result file: a digest of all that the result depends on."""
-        content = (self.case.values, self.seed, self.map_folder, self.border, self.duration)
-        digest = hashlib.sha256(repr((*content, str(self.sensing))).encode()).hexdigest()
+        content = (
+            *(self.case.values, self.seed, self.map_folder, self.border, self.duration),
+            *(str(self.sensing), *self.changes),
+        )
+        digest = hashlib.sha256(repr(content).encode()).hexdigest()
         return f"{digest[:16]}.json"
 
 
@@ -141,9 +148,10 @@ class Result:
     figures: dict[str, Any]
 
 
-def read_study(path: Path) -> Study:
+def read_study(path: Path, changes: Sequence[str] = ()) -> Study:
     """Read and check a study file; a map folder is relative to it, or a shipped name.
 
+    changes: ``section.key=value``, settings that all cases have in common.
     Raises StudyError; MapError, BorderError and ConfigError for what it names.
     """
     try:
@@ -162,8 +170,9 @@ def read_study(path: Path) -> Study:
         Case(tuple(zip(content.vary, values, strict=True)))
         for values in product(*content.vary.values())
     )
+    common = tuple(changes)
     for case in cases:
-        _check(case, path)
+        _check(case, path, common)
     borders = {case: _border_of(case, settings, path.parent) for case in cases}
     for folder, border in set(borders.values()):
         if load_map_folder(folder, border).border is None:
@@ -177,6 +186,7 @@ def read_study(path: Path) -> Study:
             borders[case][1],
             settings.duration,
             settings.sensing,
+            common,
         )
         for seed in seeds  # a study that is stopped has something of every case
         for case in cases
@@ -184,8 +194,8 @@ def read_study(path: Path) -> Study:
     return Study(settings, cases, runs)
 
 
-def _check(case: Case, path: Path) -> None:
-    configuration(case, str(path))
+def _check(case: Case, path: Path, changes: tuple[str, ...]) -> None:
+    configuration(case, str(path), changes)
     if case.robots < 1:
         raise StudyError(f"{path}: vary.{ROBOTS}: {case.robots} robots; give 1 or more")
     try:
@@ -205,8 +215,8 @@ def _border_of(case: Case, settings: StudySettings, base: Path) -> tuple[Path, s
     return folder, str(case.get(BORDER, settings.border))
 
 
-def configuration(case: Case, source: str) -> AgentConfig:
-    """Return the configuration of a case's robots.
+def configuration(case: Case, source: str, changes: Sequence[str] = ()) -> AgentConfig:
+    """Return the configuration of a case's robots, with ``section.key=value`` changes under it.
 
     Raises ConfigError for a key that is not one of a robot's, naming ``source``.
     """
@@ -217,7 +227,17 @@ def configuration(case: Case, source: str) -> AgentConfig:
         for section in sections:
             table = table.setdefault(section, {})
         table[name] = value
-    return parse_config(tomli_w.dumps(tree).encode(), source)
+    if not changes:
+        return parse_config(tomli_w.dumps(tree).encode(), source)
+    varied = [f"{key}={_shown(value)}" for key, value in case.settings.items()]
+    return changed_config(b"", source, [*changes, *varied])
+
+
+def _shown(value: Setting) -> str:
+    """Return a setting as TOML has it, words without quotes."""
+    if isinstance(value, tuple):
+        return str(list(value))
+    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def run_study(
@@ -261,7 +281,7 @@ def bench_run(run: Run) -> Result:
     """Carry out one run."""
     cv2.setNumThreads(1)  # a process per core is busy enough
     folder = load_map_folder(Path(run.map_folder), run.border)
-    config = configuration(run.case, "study")
+    config = configuration(run.case, "study", run.changes)
     figures = bench(
         run.sensing,
         folder,

@@ -513,7 +513,7 @@ STORIES = [
             Step(0.6, GOES, v=0.175),
         ]
     ),
-    # a gain cut short by the requested counts as it was
+    # a gain cut short by the request counts as it was
     Story(
         [
             Step(0.0, GOES, v=0.0),

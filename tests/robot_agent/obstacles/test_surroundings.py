@@ -47,7 +47,7 @@ def looked(surroundings: Surroundings, heading: float) -> None:
 
 def around(surroundings: Surroundings, heading: float) -> np.ndarray:
     pose = Pose(0.0, 0.0, heading)
-    return surroundings.around(1.0, pose, pose, [])
+    return surroundings.around(1.0, pose, pose, []).points
 
 
 def test_a_wall_beside_comes_into_view_only_with_the_next_scan(surroundings: Surroundings) -> None:

@@ -1,4 +1,4 @@
-// Dark or light: the system's requested until the operator chooses; remembered on this computer.
+// Dark or light: as the system prefers until the operator chooses; remembered on this computer.
 
 import { forgetColours } from "./palette.js";
 

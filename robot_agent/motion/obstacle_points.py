@@ -1,0 +1,44 @@
+"""Obstacles as the gate looks at them, with where each is known from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from enum import StrEnum
+from typing import NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class ObstacleSource(StrEnum):
+    """Where an obstacle is known from."""
+
+    LASER = "laser"  # in the latest scan
+    REMEMBERED = "remembered"  # in an earlier scan, out of the laser's view since
+    SONAR = "sonar"
+    MAP_WALL = "map_wall"  # where the laser does not look
+    TEAMMATE_ROOM = "teammate_room"  # what a teammate near by sweeps if it turns
+
+
+class ObstaclePoints(NamedTuple):
+    """Points (n, 2), m, base_link, one source after the other with so many points each."""
+
+    points: NDArray[np.float64]
+    parts: tuple[tuple[ObstacleSource, int], ...] = ()
+
+    @classmethod
+    def joined(cls, parts: Sequence[tuple[ObstacleSource, NDArray[np.float64]]]) -> Self:
+        """Return the points of all sources, in their order."""
+        points = np.concatenate([points for _source, points in parts])
+        return cls(points, tuple((source, len(points)) for source, points in parts))
+
+    def source_of(self, index: int) -> ObstacleSource:
+        """Return where the point of an index is known from. Raises IndexError."""
+        for source, count in self.parts:
+            if index < count:
+                return source
+            index -= count
+        raise IndexError("no such obstacle")
+
+
+NO_OBSTACLES = ObstaclePoints(np.empty((0, 2)))
