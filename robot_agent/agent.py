@@ -6,7 +6,6 @@ bytes and carries out the effects. The same event list gives the same effects, b
 
 from __future__ import annotations
 
-import msgspec
 import numpy as np
 
 from drivers.lms200.scan import Scan
@@ -39,7 +38,6 @@ from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.notice import Notice
 from robot_agent.messages.outbox import Outbox
 from robot_agent.messages.streams import Payload, encode
-from robot_agent.motion.freshness_limits import scan_age_limit
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
 from robot_agent.motion.gate_hold import (
     STOPPING,
@@ -48,7 +46,7 @@ from robot_agent.motion.gate_hold import (
     pinned_by_obstacle,
 )
 from robot_agent.motion.gate_reason import LATCHED, GateReason
-from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.gate_settings import gate_limits
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.motion.holding_obstacle import HoldingObstacle, holding_obstacle
 from robot_agent.motion.obstacle_points import NO_OBSTACLES, ObstaclePoints
@@ -117,7 +115,7 @@ class Agent:
         model = load_model(config.base.model)
         self.surroundings = Surroundings(
             Pose(*(config.laser.mount or model.laser_mount)),
-            config.gate,
+            gate_limits(config.gate),
             model,
             folder.map,
             self.perception.tracker.unexplained,
@@ -128,10 +126,11 @@ class Agent:
             if folder.border
             else None
         )
-        self.heading_loop = HeadingLoop(config.heading)
+        self.heading_loop = HeadingLoop()
         self.teleop = Teleop(config.teleop) if config.teleop.enabled else None
-        self.recovery = RecoveryTurn(config.recovery)
-        self.gate = SafetyGate(_gate_settings(config))
+        self.recovery = RecoveryTurn()
+        limits = gate_limits(config.gate, config.laser.scan_period)
+        self.gate = SafetyGate(limits)
         self.decision: PatrolDecision | None = None
         self.gate_decision: GateDecision | None = None
         self.gate_stops = 0
@@ -336,7 +335,7 @@ class Agent:
         """Return the obstacle for which the gate cut a requested (v, w), if it was one."""
         if gate.reason is not GateReason.OBSTACLE:
             return None
-        return holding_obstacle(self.config.gate, requested, self._obstacles)
+        return holding_obstacle(gate_limits(self.config.gate), requested, self._obstacles)
 
     def _look_around(self, t: float, state: BaseState) -> None:
         """Stand, and turn slowly where that is clear, until the pose is known."""
@@ -447,11 +446,3 @@ def _intruder_words(intruder: Intruder) -> str:
         f"intruder {intruder.number} at ({intruder.x:.1f}, {intruder.y:.1f}), "
         f"{intruder.distance:.1f} m from the border at s = {intruder.abscissa:.1f} m"
     )
-
-
-def _gate_settings(config: AgentConfig) -> GateSettings:
-    """Return the gate's settings, with the age of scans that the laser's rate asks for."""
-    if config.gate.max_scan_age is not None:
-        return config.gate
-    limit = scan_age_limit(config.laser.scan_period)
-    return msgspec.structs.replace(config.gate, max_scan_age=limit)

@@ -17,8 +17,6 @@ from drivers.p2os.settings import BaseSettings
 from localization.settings import LocalizationSettings, MotionSettings
 from maps.map_folder import MapFolder, load_map_folder
 from robot_agent.motion.gate_settings import GateSettings
-from robot_agent.motion.heading_loop import HeadingSettings
-from robot_agent.motion.recovery_turn import RecoverySettings
 from robot_agent.motion.teleop import TeleopSettings
 from robot_agent.patrol.settings import PatrolSettings
 from robot_agent.perception.settings import PerceptionSettings
@@ -101,9 +99,7 @@ class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     localization: LocalizationSettings = LocalizationSettings()
     perception: PerceptionSettings = PerceptionSettings()
     patrol: PatrolSettings = PatrolSettings()
-    heading: HeadingSettings = HeadingSettings()
     gate: GateSettings = GateSettings()
-    recovery: RecoverySettings = RecoverySettings()
     telemetry: TelemetrySettings = TelemetrySettings()
     recorder: RecorderSettings = RecorderSettings()
     teleop: TeleopSettings = TeleopSettings()

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot_agent.motion.battery_watch import BatteryWatch
+from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.gate_reason import DENIALS, GateReason
-from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.motion.repeated_fault_latch import RepeatedFaultLatch
 from robot_agent.motion.stopping import stoppable_rate, stopping_way
 from robot_agent.motion.swept_footprint import SweptFootprint
@@ -58,7 +58,7 @@ class SafetyGate:
     ``stops`` counts how often each denial, and obstacles that let nothing pass, began.
     """
 
-    def __init__(self, settings: GateSettings) -> None:
+    def __init__(self, settings: GateLimits) -> None:
         self._settings = settings
         self._body = SweptFootprint(settings)
         window = settings.strike_window

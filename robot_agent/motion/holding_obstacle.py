@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.obstacle_points import ObstaclePoints, ObstacleSource
 from robot_agent.motion.stopping import stopping_way
 from robot_agent.motion.swept_footprint import SweptFootprint
@@ -23,7 +23,7 @@ class HoldingObstacle(NamedTuple):
 
 
 def holding_obstacle(
-    settings: GateSettings, requested: tuple[float, float], obstacles: ObstaclePoints
+    settings: GateLimits, requested: tuple[float, float], obstacles: ObstaclePoints
 ) -> HoldingObstacle | None:
     """Return what the robot would come to first while it stops from a requested (v, w).
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.gate_limits import GateLimits
+from robot_agent.motion.stopping import stopping_way
+from robot_agent.motion.unpinning import EDGING_SPEED
 
 _POSES = 12  # per stopping way: at most 0.05 m apart at top speed, less than the margin
 _SHARES = np.arange(1, _POSES + 1) / _POSES
-_EDGING_WAY = 0.05  # m to stop, from little more than 0.1 m/s
+_EDGING_SHARE = 1.135  # of its speed: a base rolls a little faster than it was told
 _SEEN_INSIDE = 0.02  # m that noise shifts what touches the side into the outline
 _FREE_SHARES = np.arange(_POSES) / _POSES  # free up to the pose before the first that hits
 
@@ -17,8 +19,10 @@ _FREE_SHARES = np.arange(_POSES) / _POSES  # free up to the pose before the firs
 class SweptFootprint:
     """The body with its margins, moved along arcs among obstacles (n, 2), m in base_link."""
 
-    def __init__(self, settings: GateSettings) -> None:
+    def __init__(self, settings: GateLimits) -> None:
         self._settings = settings
+        speed = _EDGING_SHARE * EDGING_SPEED
+        self._edging_way = stopping_way(speed, settings.braking, settings.reaction_delay)
 
     def free_share(self, way: float, turn: float, obstacles: NDArray[np.float64]) -> float:
         """Return the share, 0 to 1, of an arc (way m, turn rad) the body can sweep freely."""
@@ -32,7 +36,7 @@ class SweptFootprint:
         if way > 0.0:
             front = settings.front + settings.front_margin
             side = settings.half_width + self._side_margin(near)
-            if turn == 0.0 and way <= _EDGING_WAY:
+            if turn == 0.0 and way <= self._edging_way:
                 # Slowly out of where it cannot turn: straight ahead nothing comes nearer to these.
                 near = near[~self._beside(near)]
         else:

@@ -1,7 +1,7 @@
 """Driving by the keys of the robot's own terminal, for mapping: no map, no pose, no patrol.
 
 A key is good for a moment only: a released key, a lost terminal or a frozen process stops the
-robot. What a key asks for goes through the gate's limited mode like any other requested.
+robot. What a key asks for goes through the gate's limited mode like any other request.
 """
 
 from __future__ import annotations
@@ -11,6 +11,9 @@ from typing import Annotated
 import msgspec
 
 from robot_agent.messages.events import OperatorKey
+
+HOLD_S = 0.7
+"""How long a key is good for: longer than keyboards wait before they repeat it."""
 
 
 class TeleopSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -22,12 +25,10 @@ class TeleopSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     """m/s"""
     turn_rate: Annotated[float, msgspec.Meta(gt=0.0, le=1.0)] = 0.4
     """rad/s"""
-    hold: Annotated[float, msgspec.Meta(gt=0.0, le=1.0)] = 0.7
-    """s a key is good for: longer than keyboards wait before they repeat it."""
 
 
 class Teleop:
-    """Turns keys into wishes, each for its moment."""
+    """Turns keys into requested velocities, each for its moment."""
 
     def __init__(self, settings: TeleopSettings) -> None:
         self._settings = settings
@@ -40,7 +41,7 @@ class Teleop:
     def requested(self, t: float) -> tuple[float, float]:
         """Return what is asked for at t, s: (v m/s, w rad/s), forwards or turning only."""
         key, settings = self._key, self._settings
-        if key is None or not 0.0 <= t - key.t < settings.hold:
+        if key is None or not 0.0 <= t - key.t < HOLD_S:
             return 0.0, 0.0
         ahead, left = min(max(key.ahead, 0), 1), min(max(key.left, -1), 1)
         return ahead * settings.speed, left * settings.turn_rate

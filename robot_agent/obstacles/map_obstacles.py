@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose
 from robot_agent.motion.footprint import corner_reach, in_body
-from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.gate_limits import GateLimits
 
 _MARGIN = 0.1  # m beyond what the corners reach in a turn on the spot
 _NOTHING = np.empty((0, 2))
@@ -23,7 +23,7 @@ _NOTHING = np.empty((0, 2))
 class MapObstacles:
     """Gives the nearest points of a map's occupied cells near the robot."""
 
-    def __init__(self, occupancy: OccupancyMap, gate: GateSettings) -> None:
+    def __init__(self, occupancy: OccupancyMap, gate: GateLimits) -> None:
         self._walls = occupancy.cells == OCCUPIED
         self._resolution = occupancy.resolution
         self._origin = occupancy.origin

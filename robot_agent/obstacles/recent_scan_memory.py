@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from maps.pose import Pose
 from robot_agent.motion.footprint import corner_reach, in_body
-from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.perception.scan_points import move_points
 
 MEMORY = 5.0
@@ -26,7 +26,7 @@ _ORIGIN = Pose(0.0, 0.0, 0.0)
 class RecentScanMemory:
     """Points in ``odom`` as last seen, in ``base_link`` as asked for; dated when they were lost."""
 
-    def __init__(self, gate: GateSettings) -> None:
+    def __init__(self, gate: GateLimits) -> None:
         """Nothing has been seen yet."""
         self._gate = gate
         self._reach = corner_reach(gate) + _BEYOND

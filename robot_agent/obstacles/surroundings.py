@@ -13,7 +13,7 @@ from drivers.p2os.base_state import BaseState
 from drivers.p2os.model import RobotModel
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
-from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.obstacle_points import ObstaclePoints, ObstacleSource
 from robot_agent.obstacles.latest_scan import Obstacles
 from robot_agent.obstacles.map_obstacles import MapObstacles
@@ -37,7 +37,7 @@ class Surroundings:
     def __init__(
         self,
         laser_mount: Pose,
-        gate: GateSettings,
+        gate: GateLimits,
         model: RobotModel,
         occupancy: OccupancyMap,
         unexplained: UnexplainedPoints,

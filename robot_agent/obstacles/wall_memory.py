@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from maps.pose import Pose
 from robot_agent.motion.footprint import corner_reach, in_body
-from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.perception.scan_points import move_points
 
 _NEAR = 0.8  # m about the robot; what is farther off is seen again, or does not matter
@@ -34,7 +34,7 @@ class WallMemory:
     in a narrow place: their means are kept.
     """
 
-    def __init__(self, gate: GateSettings) -> None:
+    def __init__(self, gate: GateLimits) -> None:
         """Nothing has been passed yet."""
         self._gate = gate
         self._reach = corner_reach(gate) + _MARGIN

@@ -23,6 +23,7 @@ from robot_agent.messages.streams import DecisionPayload, StatusPayload, decode
 from robot_agent.motion.freshness_limits import LASER
 from robot_agent.motion.gate import SafetyGate
 from robot_agent.motion.gate_reason import GateReason
+from robot_agent.motion.gate_settings import gate_limits
 from robot_agent.patrol.patrol import PATROLLING
 from tools.bench.bench_fault import parse_fault
 from tools.bench.fleet import Fleet
@@ -266,7 +267,7 @@ def test_what_only_the_sonars_hear_behind_slows_a_turn_towards_it(folder: MapFol
     )
     turns = []
     for seen in (with_sonar, without):
-        gate = SafetyGate(agent.config.gate)
+        gate = SafetyGate(gate_limits(agent.config.gate))
         for step in range(10):
             t = state.t + 0.1 * step
             at = msgspec.structs.replace(seen, base_time=t, scan_time=t)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig, RobotSettings
+from robot_agent.motion.gate_settings import gate_limits
 from tools.bench.bench_fault import BenchFault, BenchFaultError, FaultKind, check_robots, wrecks_of
 from tools.bench.bench_result import bench_result
 from tools.bench.ideal_obstacles import IdealObstacles
@@ -66,7 +67,7 @@ class IdealFleet:
         self._ahead = np.array([robot.body.outline.middle for robot in self.robots])
         self._sight = IdealSight(config.perception, folder.map, len(self.robots))
         self._closest = [math.inf] * len(self.robots)  # m to the nearest other, as last seen
-        self._obstacles = IdealObstacles(config.gate, folder.map, folder.border)
+        self._obstacles = IdealObstacles(gate_limits(config.gate), folder.map, folder.border)
 
     def step(self) -> None:
         """Let STEP_S pass: wheels turn, robots look, robots decide."""

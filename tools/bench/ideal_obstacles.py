@@ -12,7 +12,7 @@ from maps.border import Border
 from maps.clearance import border_clearance
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose
-from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.obstacles.teammate_keep_out import teammate_keep_out
 from robot_agent.patrol.actions import PATROLLING
 from tools.bench.ideal_robot import STEP_S, IdealRobot
@@ -26,7 +26,7 @@ _SLACK = 0.02  # m beyond the circle that a turning robot's corners reach
 class IdealObstacles:
     """Gives the safety gate the points it could look at, and no others."""
 
-    def __init__(self, gate: GateSettings, occupancy: OccupancyMap, border: Border) -> None:
+    def __init__(self, gate: GateLimits, occupancy: OccupancyMap, border: Border) -> None:
         self._gate = gate
         outline = Outline()
         self._outline = outline.perimeter(_OUTLINE_STEP)

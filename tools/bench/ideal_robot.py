@@ -15,6 +15,7 @@ from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
 from robot_agent.motion.gate_hold import begins_hold, held_by_obstacle, pinned_by_obstacle
+from robot_agent.motion.gate_settings import gate_limits
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from tools.simulation.robot_body import RobotBody
@@ -105,8 +106,8 @@ def make_ideal_robot(body: RobotBody, config: AgentConfig, folder: MapFolder) ->
         body=body,
         base=config.base,
         patrol=Patrol(config.patrol, folder.border, rng, folder.approach_field),
-        heading_loop=HeadingLoop(config.heading),
-        gate=SafetyGate(config.gate),
+        heading_loop=HeadingLoop(),
+        gate=SafetyGate(gate_limits(config.gate)),
     )
 
 

@@ -20,8 +20,8 @@ from types import ModuleType
 from robot_agent.motion import (
     battery_watch,
     gate,
+    gate_limits,
     gate_reason,
-    gate_settings,
     repeated_fault_latch,
     stopping,
     swept_footprint,
@@ -30,7 +30,7 @@ from tools.quality.mutation import mutants
 
 PARTS = (
     gate_reason,
-    gate_settings,
+    gate_limits,
     stopping,
     swept_footprint,
     repeated_fault_latch,
@@ -47,7 +47,7 @@ _FIRST_STEP = "no difference: the first step takes no time and sets the accelera
 SURVIVORS = [
     ("swept_footprint.free_share: x < front -> x <= front", _EDGE),
     ("swept_footprint.free_share: x > -rear -> x >= -rear", _EDGE),
-    ("swept_footprint.free_share: way <= _EDGING_WAY -> way < _EDGING_WAY", _ONE_SPEED),
+    ("swept_footprint.free_share: way <= self._edging_way -> way < self._edging_way", _ONE_SPEED),
     (
         "swept_footprint.free_share: np.maximum(*np.abs(obstacles.T)) < reach -> "
         "np.maximum(*np.abs(obstacles.T)) <= reach",

@@ -40,7 +40,7 @@ class Case:
 
 def run(case: Case, module: ModuleType = gate) -> Any:
     """Run a case on the gate of a module (the shipped one, or a mutant)."""
-    tested = module.SafetyGate(module.GateSettings(**case.settings))
+    tested = module.SafetyGate(module.GateLimits(**case.settings))
     for k in range(STEPS - case.steps, STEPS):
         t = 0.1 * k
         tested.permit(t, case.requested, inputs(module, t))
@@ -413,7 +413,7 @@ class Story:
 
 def holds(story: Story, module: ModuleType = gate) -> bool:
     """Tell whether a story comes true on the gate of a module."""
-    tested = module.SafetyGate(module.GateSettings(**story.settings))
+    tested = module.SafetyGate(module.GateLimits(**story.settings))
     for step in story.steps:
         given = inputs(module, step.t, **step.inputs)
         if step.between:

@@ -9,7 +9,7 @@ import pytest
 from maps.border import Border
 from maps.border_primitives import Arc, Segment
 from maps.pose import Pose, wrap_angle
-from robot_agent.motion.heading_loop import HeadingLoop, HeadingSettings
+from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.patrol.actions import PATROLLING, Action
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.patrol.settings import PatrolSettings
@@ -56,7 +56,7 @@ class Robot:
 
     def __init__(self, border: Border, pose: Pose, seed: int, settings: PatrolSettings) -> None:
         self.patrol = Patrol(settings, border, np.random.default_rng(seed))
-        self.loop = HeadingLoop(HeadingSettings())
+        self.loop = HeadingLoop()
         self.pose = pose
         self.stopped = False
         self.samples: list[Sample] = []

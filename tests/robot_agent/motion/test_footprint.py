@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from robot_agent.motion.footprint import corner_reach, in_body
-from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.gate_limits import GateLimits
 
-GATE = GateSettings(front=0.2, rear=0.3, half_width=0.4)
+GATE = GateLimits(front=0.2, rear=0.3, half_width=0.4)
 CORNERS = np.array([(0.2, 0.4), (0.2, -0.4), (-0.3, 0.4), (-0.3, -0.4)])
 
 

@@ -11,7 +11,7 @@ from robot_agent.motion.freshness_limits import (
     markdown,
     scan_age_limit,
 )
-from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.gate_limits import GateLimits
 
 README = Path(__file__).parents[3] / "robot_agent" / "motion" / "README.md"
 
@@ -21,7 +21,7 @@ def test_the_rooms_readme_has_the_table():
 
 
 def test_the_gate_has_its_limits_from_the_table():
-    settings = GateSettings()
+    settings = GateLimits()
     assert settings.max_base_age == BASE.max_age
     assert settings.scan_age == LASER.max_age
 

@@ -9,8 +9,8 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from robot_agent.motion import gate
+from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.gate_reason import GateReason
-from robot_agent.motion.gate_settings import GateSettings
 from tests.robot_agent.motion.gate_cases import (
     CASES,
     DRIVE,
@@ -69,7 +69,7 @@ def test_follows_a_wall_at_patrol_distance_at_full_speed():
 
 
 def test_denial_starts_again_from_standstill():
-    tested = gate.SafetyGate(GateSettings())
+    tested = gate.SafetyGate(GateLimits())
     for k in range(10):
         tested.permit(0.1 * k, DRIVE, inputs(gate, 0.1 * k))
     assert tested.permit(1.0, DRIVE, inputs(gate, 1.0, stalled=True)).v == 0.0
@@ -96,7 +96,7 @@ def body_hits(points, x, y, theta, settings):
 def test_never_touches_a_still_obstacle(seed):
     """Random wishes among random posts; the base brakes as promised, one cycle late."""
     rng = np.random.default_rng(seed)
-    settings = GateSettings()
+    settings = GateLimits()
     tested = gate.SafetyGate(settings)
     posts = rng.uniform(-2.5, 2.5, (40, 2))
     posts = posts[np.hypot(*posts.T) > 0.6]
@@ -133,15 +133,10 @@ def test_never_touches_a_still_obstacle(seed):
     st.lists(st.tuples(st.floats(), st.floats()), max_size=4),
 )
 def test_any_input_gives_a_finite_command_no_larger_than_wished(v, w, base, scan, points):
-    tested = gate.SafetyGate(GateSettings())
+    tested = gate.SafetyGate(GateLimits())
     for t in (0.0, 0.1, 0.2):
         decision = tested.permit(
             t, (v, w), inputs(gate, t, base_time=base, scan_time=scan, obstacles=points)
         )
         assert 0.0 <= decision.v <= max(v if math.isfinite(v) else 0.0, 0.0)
         assert abs(decision.w) <= (abs(w) if math.isfinite(w) else 0.0)
-
-
-def test_a_battery_low_and_well_at_once_is_refused():
-    with pytest.raises(ValueError, match=r"battery_resume 11\.0 V must not be below"):
-        GateSettings(battery_cutoff=11.5, battery_resume=11.0)

@@ -4,14 +4,14 @@ import math
 
 import pytest
 
-from robot_agent.motion.heading_loop import HeadingLoop, HeadingSettings
+from robot_agent.motion.heading_loop import HeadingLoop
 
 DT = 0.1
 
 
 def settled(velocity, theta, curvature=0.0, *, loop=None, steps=40, start=0.0):
-    """The command after a while of the same requested and heading."""
-    loop = loop or HeadingLoop(HeadingSettings())
+    """The command after a while of the same request and heading."""
+    loop = loop or HeadingLoop()
     return [loop.command(start + DT * k, velocity, theta, curvature) for k in range(steps)][-1]
 
 
@@ -38,7 +38,7 @@ def test_curvature_of_the_path_is_fed_forward():
 
 
 def test_first_command_is_standstill_and_acceleration_is_limited():
-    loop = HeadingLoop(HeadingSettings())
+    loop = HeadingLoop()
     assert loop.command(0.0, (0.35, 0.0), 0.0) == (0.0, 0.0)
     assert loop.command(0.1, (0.35, 0.0), 0.0) == pytest.approx((0.03, 0.0))
     v, w = loop.command(0.2, (0.35, 0.0), -0.9)
@@ -51,9 +51,9 @@ def test_standstill_when_nothing_is_wanted():
     assert settled((0.004, 0.0), 3.0) == (0.0, 0.0)
 
 
-def turning(errors, settings=None):
+def turning(errors):
     """Commands while the heading error takes these values, from standstill."""
-    loop = HeadingLoop(settings or HeadingSettings())
+    loop = HeadingLoop()
     return [loop.command(DT * k, toward(e), 0.0) for k, e in enumerate(errors)]
 
 
@@ -92,7 +92,7 @@ def test_turn_side_is_chosen_anew_for_the_next_turn():
 
 
 def test_brakes_along_the_path_before_it_turns():
-    loop = HeadingLoop(HeadingSettings())
+    loop = HeadingLoop()
     settled((0.35, 0.0), 0.0, 0.5, loop=loop)
     found = [loop.command(4.0 + DT * k, (-0.35, 0.0), 0.0, -0.5) for k in range(20)]
     for v, w in found:
@@ -103,23 +103,17 @@ def test_brakes_along_the_path_before_it_turns():
 
 def test_approach_to_a_heading_can_be_braked():
     """Turning rate never exceeds what turn_braking stops within the error left."""
-    theta, loop, settings = 0.0, HeadingLoop(HeadingSettings()), HeadingSettings()
+    theta, loop = 0.0, HeadingLoop()
     pending = 0.0
     for k in range(60):
         _, w = loop.command(DT * k, toward(3.0), theta)
         theta, pending = theta + pending * DT, w
     assert theta == pytest.approx(3.0, abs=0.02)
-    assert settings.turn_braking < settings.max_turn_acceleration
-
-
-def test_settings_refuse_inverted_hysteresis():
-    with pytest.raises(ValueError, match="resume_angle"):
-        HeadingSettings(resume_angle=1.2)
 
 
 def pinned_turn(times, theta=0.0, error=1.3):
     """Turning rates over 6 s while an obstacle pins the robot from and to each pair of times, s."""
-    loop, rates = HeadingLoop(HeadingSettings()), []
+    loop, rates = HeadingLoop(), []
     for k in range(60):
         t = DT * k
         pinned = any(begin <= t < end for begin, end in times)
@@ -143,7 +137,7 @@ def test_pinned_on_both_sides_it_tries_them_in_turn():
 
 
 def test_pinned_on_one_side_the_other_and_the_first_again_it_edges_straight_ahead():
-    loop = HeadingLoop(HeadingSettings())
+    loop = HeadingLoop()
     steps = [loop.command(DT * k, toward(1.3), 0.0, pinned=k >= 5) for k in range(80)]
     edging = [k for k, (v, _) in enumerate(steps) if v > 0.05]
     assert edging[0] * DT > 3.0  # three times its patience
@@ -155,7 +149,7 @@ def test_pinned_on_one_side_the_other_and_the_first_again_it_edges_straight_ahea
 
 def test_where_it_cannot_edge_ahead_either_it_tries_that_turned_to_the_other_side_next():
     """Pinned throughout: of two attempts to edge ahead, one comes after each side."""
-    loop, sides = HeadingLoop(HeadingSettings()), []
+    loop, sides = HeadingLoop(), []
     w_before = v_before = 0.0
     for k in range(250):
         v, w = loop.command(DT * k, toward(1.3), 0.0, pinned=k >= 5)
@@ -167,7 +161,7 @@ def test_where_it_cannot_edge_ahead_either_it_tries_that_turned_to_the_other_sid
 
 
 def test_once_it_edged_ahead_it_turns_the_shorter_way_again():
-    loop = HeadingLoop(HeadingSettings())
+    loop = HeadingLoop()
     edged = [loop.command(DT * k, toward(1.3), 0.0, pinned=5 <= k < 42)[0] > 0.0 for k in range(80)]
     assert any(edged)
     assert loop.command(8.0, toward(1.3), 0.0)[1] > 0.5
@@ -175,7 +169,7 @@ def test_once_it_edged_ahead_it_turns_the_shorter_way_again():
 
 def test_a_turn_that_came_round_forgets_where_it_was_pinned():
     """Each period of 6 s: pinned for 2 s, so once; then it gets there, and is sent off again."""
-    loop, speeds = HeadingLoop(HeadingSettings()), []
+    loop, speeds = HeadingLoop(), []
     for k in range(300):
         pinned, theta = 10 < k % 60 < 30, 1.3 if k % 60 > 50 else 0.0
         v, _ = loop.command(DT * k, toward(1.3), theta, pinned=pinned)

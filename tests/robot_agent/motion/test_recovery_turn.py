@@ -2,24 +2,26 @@
 
 import math
 
-from robot_agent.motion.recovery_turn import RecoverySettings, RecoveryTurn
+from robot_agent.motion.recovery_turn import RecoveryTurn
 
-SETTINGS = RecoverySettings(wait=3.0, turn_rate=0.5, turn=5.0, rest=2.0)
+WAIT, REST = 3.0, 8.0
+TURNING = math.radians(400.0) / 0.4  # s
 
 
 def test_stands_then_turns_to_both_sides_with_rests():
-    turn = RecoveryTurn(SETTINGS)
-    seen = [
-        (t, turn.requested(100.0 + t)) for t in (0.0, 2.9, 3.0, 12.9, 13.1, 14.9, 15.0, 24.9, 27.0)
-    ]
-    still, left, right = (0.0, 0.0), (0.0, 0.5), (0.0, -0.5)
-    assert [requested for _, requested in seen] == [
+    turn = RecoveryTurn()
+    first = WAIT + TURNING
+    second = first + REST
+    times = [0.0, WAIT - 0.1, WAIT, first - 0.1, first + 0.1, second - 0.1, second + 0.1]
+    times += [second + TURNING - 0.1, second + TURNING + REST + 0.1]
+    still, left, right = (0.0, 0.0), (0.0, 0.4), (0.0, -0.4)
+    assert [turn.requested(100.0 + t) for t in times] == [
         *(still, still, left, left, still, still, right, right, left)
     ]
 
 
 def test_found_again_it_begins_anew():
-    turn = RecoveryTurn(SETTINGS)
+    turn = RecoveryTurn()
     assert not turn.end()
     turn.requested(0.0)
     assert turn.requested(4.0) != (0.0, 0.0)
@@ -29,4 +31,7 @@ def test_found_again_it_begins_anew():
 
 
 def test_a_turn_shows_all_round():
-    assert RecoverySettings().turn > math.tau
+    turn = RecoveryTurn()
+    turn.requested(0.0)
+    turned = sum(0.1 * turn.requested(WAIT + 0.1 * k)[1] for k in range(round(10 * TURNING)))
+    assert turned > math.tau

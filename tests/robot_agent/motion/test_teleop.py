@@ -16,7 +16,7 @@ from maps.pose import Pose
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig
 from robot_agent.messages.events import OperatorKey
-from robot_agent.motion.teleop import Teleop, TeleopSettings
+from robot_agent.motion.teleop import HOLD_S, Teleop, TeleopSettings
 from robot_agent.recording.recording_writer import RecordingWriter
 from robot_agent.recording.run_header import header_of_run
 from tools.campaign.agent_stage import make_room
@@ -30,7 +30,6 @@ from tools.simulation.robot_body import BodyKind
 from tools.simulation.stranger import PERSON
 from tools.simulation.world import World
 
-HOLD_S = TeleopSettings().hold
 STEP_S = 0.02
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap
 from maps.pose import Pose
-from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.swept_footprint import SweptFootprint
 from robot_agent.obstacles.map_obstacles import MapObstacles
 
@@ -18,7 +18,7 @@ def walls() -> MapObstacles:
     cells = np.full((82, 82), FREE, dtype=np.uint8)
     cells[[0, -1], :] = OCCUPIED
     cells[:, [0, -1]] = OCCUPIED
-    return MapObstacles(OccupancyMap(cells, 0.05, Pose(-0.05, -0.05, 0.0)), GateSettings())
+    return MapObstacles(OccupancyMap(cells, 0.05, Pose(-0.05, -0.05, 0.0)), GateLimits())
 
 
 def test_a_wall_near_by_is_where_it_is(walls: MapObstacles) -> None:
@@ -34,7 +34,7 @@ def test_a_wall_near_by_is_where_it_is(walls: MapObstacles) -> None:
 def test_a_turn_stops_before_the_corner_meets_the_wall(walls: MapObstacles, heading: float) -> None:
     # The robot stands along the wall at its right; its rear right corner would swing into it.
     pose = Pose(2.0, 0.30, 0.0)
-    body = SweptFootprint(GateSettings())
+    body = SweptFootprint(GateLimits())
     share = body.free_share(0.0, math.pi / 2, walls.around(pose))
     assert 0.0 < share < 0.5
     away = Pose(2.0, 0.60, heading)

@@ -9,12 +9,12 @@ import pytest
 from numpy.typing import NDArray
 
 from maps.pose import Pose
-from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.swept_footprint import SweptFootprint
 from robot_agent.obstacles.recent_scan_memory import MEMORY, RecentScanMemory
 from robot_agent.perception.scan_points import move_points
 
-GATE = GateSettings()
+GATE = GateLimits()
 START = Pose(3.0, -1.0, 0.7)
 
 

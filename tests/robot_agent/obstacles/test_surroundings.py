@@ -10,6 +10,7 @@ from drivers.p2os.model import load_model
 from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
+from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.obstacles.surroundings import Surroundings
 from robot_agent.perception.unexplained import UnexplainedPoints
 from robot_agent.pose.odometry_history import OdometryHistory
@@ -26,7 +27,7 @@ def surroundings() -> Surroundings:
     config = AgentConfig()
     unexplained = UnexplainedPoints(config.perception, occupancy)
     model = load_model(config.base.model)
-    return Surroundings(Pose(*model.laser_mount), config.gate, model, occupancy, unexplained)
+    return Surroundings(Pose(*model.laser_mount), GateLimits(), model, occupancy, unexplained)
 
 
 def looked(surroundings: Surroundings, heading: float) -> None:

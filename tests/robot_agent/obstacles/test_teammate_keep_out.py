@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 
-from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.swept_footprint import SweptFootprint
 from robot_agent.obstacles.teammate_keep_out import RADIUS, teammate_keep_out
 
 
 def test_a_robot_stops_before_another_ones_circle_where_both_can_turn() -> None:
     """Also before one that faces it, whose axle is nearer than its middle."""
-    body, gate = SweptFootprint(GateSettings()), GateSettings()
+    body, gate = SweptFootprint(GateLimits()), GateLimits()
     corner = math.hypot(gate.rear, gate.half_width)
     axle_before_middle = (gate.rear - gate.front) / 2.0
     for distance in np.arange(0.84, 1.6, 0.02):
@@ -24,5 +24,5 @@ def test_a_robot_stops_before_another_ones_circle_where_both_can_turn() -> None:
 @pytest.mark.parametrize("distance", [0.45, 0.6, 0.75])
 def test_nobody_is_kept_from_turning_away(distance: float) -> None:
     room = teammate_keep_out(np.array([[distance, 0.0], [0.0, -distance]]))
-    assert SweptFootprint(GateSettings()).free_share(0.0, math.pi, room) == 1.0
+    assert SweptFootprint(GateLimits()).free_share(0.0, math.pi, room) == 1.0
     assert np.hypot(*room.T).min() > RADIUS

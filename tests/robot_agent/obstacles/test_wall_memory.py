@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from maps.pose import Pose
-from robot_agent.motion.gate_settings import GateSettings
+from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.obstacles.wall_memory import WallMemory
 from robot_agent.perception.scan_points import move_points
 
@@ -16,7 +16,7 @@ ODOM_FROM_WORLD = Pose(-7.012, 3.031, 1.1)
 
 @pytest.fixture
 def walls() -> WallMemory:
-    return WallMemory(GateSettings())
+    return WallMemory(GateLimits())
 
 
 def drive(walls, xs, *, seen=POSTS, noise=0.0):

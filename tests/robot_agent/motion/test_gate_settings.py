@@ -1,0 +1,27 @@
+"""What is set of the gate, and what comes of it."""
+
+import pytest
+
+from robot_agent.motion.freshness_limits import scan_age_limit
+from robot_agent.motion.gate_limits import GateLimits
+from robot_agent.motion.gate_settings import GateSettings, gate_limits
+
+
+def test_without_settings_the_limits_are_the_defaults():
+    assert gate_limits(GateSettings()) == GateLimits()
+
+
+def test_what_is_set_is_the_limit():
+    limits = gate_limits(GateSettings(front=0.3, max_speed=0.2, battery_cutoff=11.5))
+    assert (limits.front, limits.max_speed, limits.battery_cutoff) == (0.3, 0.2, 11.5)
+
+
+def test_the_lasers_rate_sets_the_age_of_scans_unless_it_is_set():
+    assert gate_limits(GateSettings(), 0.05).scan_age == scan_age_limit(0.05)
+    assert gate_limits(GateSettings(max_scan_age=0.4), 0.05).scan_age == 0.4
+    assert gate_limits(GateSettings(max_scan_age=0.4)).scan_age == 0.4
+
+
+def test_a_battery_low_and_well_at_once_is_refused():
+    with pytest.raises(ValueError, match="battery_resume"):
+        GateSettings(battery_cutoff=11.5, battery_resume=11.0)
