@@ -1,4 +1,4 @@
-"""The second opinion before a search ends: does another place explain the way here as well?
+"""The check before a search ends: does an alternative hypothesis explain the way as well?
 
 A search draws so few particles per place that the true one may never have had a particle that lay
 well, while a look-alike had. So the way since the search began is searched once more, from its
@@ -17,14 +17,22 @@ from numpy.typing import NDArray
 
 from localization.cluster import heavy_clusters, near
 from localization.filter import Belief, ParticleFilter
-from localization.global_search import GlobalSearch
+from localization.global_search import (
+    HIDDEN_LOG_LIKELIHOOD,
+    INDEPENDENT_BEAMS,
+    GlobalSearch,
+)
+from localization.kld import SampleLimits
 from localization.likelihood_field import LikelihoodField
 from localization.motion_model import step_covariance
 from localization.refinement import Refinement
-from localization.settings import LocalizationSettings, SampleSettings
+from localization.settings import MotionSettings
 from maps.pose import Pose
 
-_CONTENDERS = 8  # other places compared
+STOPS = 16  # scans of the way remembered
+STOP_XY = 0.4  # m between two of them
+STOP_THETA = 0.4  # rad; likewise
+_MAX_PLACES = 8  # other places compared
 _ODDS_LIMIT = 700.0  # exp() of more is infinite
 
 
@@ -53,25 +61,25 @@ class AlternativeHypothesis:
         return 1.0 / (1.0 + math.exp(min(-self.odds, _ODDS_LIMIT)))
 
 
-class RivalSearch:
+class AlternativeSearch:
     """Remembers the way since a search began, and searches it for another place."""
 
     def __init__(
         self,
-        settings: LocalizationSettings,
-        samples: SampleSettings,
+        motion: MotionSettings,
+        limits: SampleLimits,
         field: LikelihoodField,
         refinement: Refinement,
         search: GlobalSearch,
         rng: np.random.Generator,
     ) -> None:
-        self._settings = settings
-        self._samples = samples
+        self._motion = motion
+        self._limits = limits
         self._field = field
         self._refinement = refinement
         self._search = search
         self._rng = rng
-        self._way: deque[Stop] = deque(maxlen=settings.search.remembered)
+        self._way: deque[Stop] = deque(maxlen=STOPS)
         self._since = Pose(0.0, 0.0, 0.0)
 
     @property
@@ -88,8 +96,8 @@ class RivalSearch:
         """Take note of a scan after a step of the odometry, if it is a stop's way from the last."""
         if increment is not None:
             self._since = self._since.compose(increment)
-        apart = math.hypot(self._since.x, self._since.y) >= self._settings.search.stop_xy
-        turned = abs(self._since.theta) >= self._settings.search.stop_theta
+        apart = math.hypot(self._since.x, self._since.y) >= STOP_XY
+        turned = abs(self._since.theta) >= STOP_THETA
         if apart or turned or not self._way:
             self._way.append(Stop(self._since, points))
             self._since = Pose(0.0, 0.0, 0.0)
@@ -101,7 +109,7 @@ class RivalSearch:
         alternatives = self._replay(believed)
         if alternatives is None:
             return None
-        others = heavy_clusters(alternatives.particles, alternatives.weights, _CONTENDERS)
+        others = heavy_clusters(alternatives.particles, alternatives.weights, _MAX_PLACES)
         best = max(self._log_likelihood(self._trace(other.mean)) for other in others)
         odds = self._log_likelihood(believed) - best
         alternatives.predict(self._since)
@@ -109,18 +117,18 @@ class RivalSearch:
 
     def _replay(self, avoided: list[Pose]) -> ParticleFilter | None:
         """Search the way anew but for the poses avoided (one a stop); None if nothing is left."""
-        particles = ParticleFilter(self._settings.motion, self._field, self._rng)
+        particles = ParticleFilter(self._motion, self._field, self._rng)
         particles.restart(self._search.sample(self._rng))
         for number, (stop, pose) in enumerate(zip(self._way, avoided, strict=True)):
             if number > 0:
-                particles.resample(self._samples)
+                particles.resample(self._limits)
                 particles.predict(stop.increment)
             if not particles.rule_out(near(particles.particles, pose)):
                 return None
             if number > 0:
                 self._search.weigh(particles, stop.points)
             else:
-                self._search.weigh_first(particles, stop.points, self._samples)
+                self._search.weigh_first(particles, stop.points, self._limits)
         return particles
 
     def _trace(self, pose: Pose) -> list[Pose]:
@@ -129,13 +137,13 @@ class RivalSearch:
         Each step of the odometry is taken back and the scan slid to where it fits best.
         """
         stops, poses = list(self._way), []
-        covariance = step_covariance(Pose(0.0, 0.0, 0.0), self._settings.motion)
+        covariance = step_covariance(Pose(0.0, 0.0, 0.0), self._motion)
         for stop in reversed(stops):
             refined = self._refinement.refine(pose, covariance, stop.points)
             pose = pose if refined is None else refined.pose
             poses.append(pose)
             pose = pose.compose(stop.increment.inverse())
-            covariance = step_covariance(stop.increment, self._settings.motion)
+            covariance = step_covariance(stop.increment, self._motion)
         return poses[::-1]
 
     def _log_likelihood(self, poses: list[Pose]) -> float:
@@ -143,13 +151,11 @@ class RivalSearch:
 
         A scan that people hide fits nowhere, and better or worse by chance: it shall not decide.
         """
-        search = self._settings.search
-        least = search.independent_beams * search.hidden_log_likelihood
+        least = INDEPENDENT_BEAMS * HIDDEN_LOG_LIKELIHOOD
         return sum(
             max(least, self._log_likelihood_at(pose, stop.points))
             for stop, pose in zip(self._way, poses, strict=True)
         )
 
     def _log_likelihood_at(self, pose: Pose, points: NDArray[np.float64]) -> float:
-        beams = self._settings.search.independent_beams
-        return float(self._field.log_weights(np.array([pose]), points, beams)[0])
+        return float(self._field.log_weights(np.array([pose]), points, INDEPENDENT_BEAMS)[0])

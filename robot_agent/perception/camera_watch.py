@@ -5,6 +5,7 @@ from __future__ import annotations
 from drivers.camera_source import CameraSettings
 from robot_agent.messages.events import BlobsSeen
 
+SILENCE = 1.0  # s without a picture after which the camera is silent
 _BLIND_S = 1.0  # without a clear picture, while pictures come, after which the camera is blind
 
 
@@ -47,7 +48,7 @@ class CameraWatch:
         if not self.up:
             return "down"
         heard = self._up_at if self.latest is None else self.latest.t
-        if t - heard > self._settings.silence:
+        if t - heard > SILENCE:
             return "silent"
         if self.latest is None:
             return "clear"

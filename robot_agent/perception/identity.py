@@ -10,7 +10,7 @@ _WEIGHT_SCALE = 1.5  # nats of evidence after which little is unknown any more
 _MOST = 5.0  # nats either way: nobody is so sure that a second of new evidence counts for nothing
 
 # Logarithms of likelihood ratios, teammate over stranger. Those of one picture are far below what
-# a single independent one would be worth, as pictures in a row show the same light and background.
+# a single independent one, as pictures in a row show the same light and background.
 _BAND = 1.2  # the team's band, where and as far as the laser sees something
 _NO_BAND = -0.8  # none, though it would be in the picture
 _ROBOT_LIKE = 0.4  # a Pioneer's outline fits it, and it moves as fast as one

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from maps.border import Border
 from robot_agent.perception.identity import Kind
 from robot_agent.perception.settings import PerceptionSettings
-from robot_agent.perception.track import Track
+from robot_agent.perception.track import TRACK_MEMORY, Track
 
 _SEEN_LATELY = 0.5  # s; a track not seen for longer tells nothing of where somebody is
 _WALK = 1.5  # m/s a person walks unseen
@@ -166,7 +166,7 @@ class Intruders:
         self._candidates = {
             number: each
             for number, each in self._candidates.items()
-            if t - each.last_seen <= self._settings.memory
+            if t - each.last_seen <= TRACK_MEMORY
         }
 
 

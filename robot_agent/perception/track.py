@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from robot_agent.perception.identity import Kind, Probabilities
 
+TRACK_MEMORY = 3.0  # s a confirmed track is kept unseen
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Track:

@@ -14,14 +14,21 @@ from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
 from robot_agent.messages.blob import Blob
 from robot_agent.perception.band_matching import BandMatcher
-from robot_agent.perception.pose_sigma import PoseSigma
+from robot_agent.perception.pose_sigma import USUAL_POSE_SIGMA, PoseSigma
 from robot_agent.perception.scan_points import move_points
-from robot_agent.perception.segments import Segment, find_segments
+from robot_agent.perception.segments import MEAN_HALF_WIDTH, Segment, find_segments
 from robot_agent.perception.settings import PerceptionSettings
-from robot_agent.perception.track import Track
-from robot_agent.perception.track_filter import Detection, TrackFilter
+from robot_agent.perception.track import TRACK_MEMORY, Track
+from robot_agent.perception.track_filter import GATE_DISTANCE, Detection, TrackFilter
 from robot_agent.perception.unexplained import UnexplainedPoints
+from robot_agent.perception.visibility import VISIBILITY, VISIBILITY_MARGIN
 
+COVER = 0.45  # m from the centre of a track just seen: its beams tell nothing of walls
+COVER_MEMORY = 0.5  # s that a track counts as just seen
+MAX_COVERED = 0.5  # share of a scan's beams
+SONAR_GATE = 0.5  # m from a track that no laser sees to a sonar's echo of it
+SONAR_SIGMA = 0.2  # m
+SONAR_MEMORY = 6.0  # s after the laser saw it last
 _TENTATIVE_MISSES = 2  # scans in a row that end an unconfirmed track
 _SEEN_LATELY = 0.35  # s before a picture: who was seen then is where the picture shows it
 _PICTURES_PAUSE = 1.0  # s without a clear picture, after which the laser alone tells
@@ -42,11 +49,20 @@ class TeammateTracker:
         settings: PerceptionSettings,
         occupancy: OccupancyMap,
         camera: CameraSettings | None = None,
+        *,
+        gate_distance: float = GATE_DISTANCE,
+        max_covered: float = MAX_COVERED,
     ) -> None:
-        self._settings = settings
-        self.unexplained = UnexplainedPoints(settings, occupancy)
+        """Begin without tracks.
+
+        gate_distance: m; no detection farther from a track is of it. max_covered: share of a
+        scan's points; ``covered`` tells of no more.
+        """
+        self._reflecting_bands = settings.reflecting_bands
+        self._gate_distance, self._max_covered = gate_distance, max_covered
+        self.unexplained = UnexplainedPoints(occupancy, settings.detection_range)
         """What of a scan the map does not explain."""
-        self._matcher = BandMatcher(camera or CameraSettings(), settings.color)
+        self._matcher = BandMatcher(camera or CameraSettings())
         self._filters: list[TrackFilter] = []
         self._next_id = 1
         self._t = 0.0
@@ -87,7 +103,9 @@ class TeammateTracker:
         for detection in unmatched:
             if not detection.whole:
                 continue
-            self._filters.append(TrackFilter(self._settings, self._next_id, t, detection))
+            self._filters.append(
+                TrackFilter(self._next_id, t, detection, reflecting_bands=self._reflecting_bands)
+            )
             self._next_id += 1
 
     def on_bands(self, t: float, pose: Pose, blobs: Sequence[Blob]) -> None:
@@ -110,11 +128,10 @@ class TeammateTracker:
         return bool(self._unseen(t))
 
     def _unseen(self, t: float) -> list[TrackFilter]:
-        memory = self._settings.sonar_memory
         return [
             each
             for each in self._filters
-            if each.teammate and each.misses and t - each.last_seen <= memory
+            if each.teammate and each.misses and t - each.last_seen <= SONAR_MEMORY
         ]
 
     def on_echoes(self, t: float, pose: Pose, echoes: NDArray[np.float64]) -> None:
@@ -128,16 +145,16 @@ class TeammateTracker:
             return
         ranges = np.hypot(echoes[:, 0], echoes[:, 1])
         free = self.unexplained.mask(pose, echoes, ranges) & (ranges > 0.0)
-        to_middle = 1.0 + self._settings.half_width / ranges[free]
+        to_middle = 1.0 + MEAN_HALF_WIDTH / ranges[free]
         middles = echoes[free] * to_middle[:, None]
         in_map = move_points(middles, pose)
         for each in unseen:
             track = each.track_at(t)
             away = np.hypot(in_map[:, 0] - track.x, in_map[:, 1] - track.y)
-            if away.size and float(away.min()) < self._settings.sonar_gate:
+            if away.size and float(away.min()) < SONAR_GATE:
                 x, y = in_map[int(away.argmin())].tolist()
                 each.predict(t)
-                each.update_by_echo(t, x, y, self._settings.sonar_sigma)
+                each.update_by_echo(t, x, y, SONAR_SIGMA)
 
     def covered(
         self, t: float, pose: Pose, points: NDArray[np.float64]
@@ -150,13 +167,13 @@ class TeammateTracker:
         covered = np.zeros(len(points), dtype=np.bool_)
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         for each in self._filters:
-            if not each.confirmed or t - each.last_seen > self._settings.cover_memory:
+            if not each.confirmed or t - each.last_seen > COVER_MEMORY:
                 continue
             track = each.track_at(t)
             dx, dy = track.x - pose.x, track.y - pose.y
             away = np.hypot(points[:, 0] - (c * dx + s * dy), points[:, 1] - (c * dy - s * dx))
-            covered |= away < self._settings.cover
-        if np.count_nonzero(covered) > self._settings.max_covered * len(points):
+            covered |= away < COVER
+        if np.count_nonzero(covered) > self._max_covered * len(points):
             return None
         return covered
 
@@ -173,12 +190,12 @@ class TeammateTracker:
         visible = set()
         for each in self._filters:
             counts = each.teammate or (blind and each.confirmed and each.may_be_teammate)
-            if not counts or t - each.supported > self._settings.memory:
+            if not counts or t - each.supported > TRACK_MEMORY:
                 continue
             track = each.track_at(t)
             distance = math.hypot(track.x - pose.x, track.y - pose.y)
-            margin = self._settings.visibility_margin if each.id in self._visible else 0.0
-            if distance > self._settings.visibility + margin:
+            margin = VISIBILITY_MARGIN if each.id in self._visible else 0.0
+            if distance > VISIBILITY + margin:
                 continue
             visible.add(each.id)
             if distance < nearest_distance:
@@ -196,10 +213,9 @@ class TeammateTracker:
         """Return the segments of a scan that may be somebody, in the map frame."""
         ranges = np.hypot(points[:, 0], points[:, 1])
         unexplained = self.unexplained.mask(pose, points, ranges, sigma)
-        segments = find_segments(points, ranges, unexplained, self._settings, reflectors)
-        if sigma is None:
-            sigma = PoseSigma(self._settings.pose_sigma_xy, self._settings.pose_sigma_theta)
-        return [_in_map(pose, segment, sigma) for segment in segments]
+        segments = find_segments(points, ranges, unexplained, reflectors)
+        known = USUAL_POSE_SIGMA if sigma is None else sigma
+        return [_in_map(pose, segment, known) for segment in segments]
 
     def _associate(self, t: float, detections: list[Detection]) -> list[Detection]:
         """Give each track its detection, all in all the nearest; return those that fit no track."""
@@ -207,9 +223,11 @@ class TeammateTracker:
         matched: set[int] = set()
         if self._filters and detections:
             cost = np.array(
-                [[each.gate_distance(detection) for detection in detections]
-                 for each in self._filters]
-            )  # fmt: skip
+                [
+                    [each.gate_distance(detection, self._gate_distance) for detection in detections]
+                    for each in self._filters
+                ]
+            )
             cost[np.isinf(cost)] = _FAR
             for i, j in zip(*(each.tolist() for each in linear_sum_assignment(cost)), strict=True):
                 if cost[i, j] < _FAR:
@@ -247,7 +265,7 @@ class TeammateTracker:
     def _alive(self, each: TrackFilter, t: float) -> bool:
         if not each.confirmed:
             return each.misses < _TENTATIVE_MISSES
-        return t - each.supported <= self._settings.memory
+        return t - each.supported <= TRACK_MEMORY
 
 
 def _in_map(pose: Pose, segment: Segment, sigma: PoseSigma) -> Detection:

@@ -83,12 +83,12 @@ def test_defaults_are_the_odometry_noise_of_our_robots(model: str) -> None:
 
 
 def test_odometry_is_as_noisy_as_that_of_the_model_unless_told() -> None:
-    motion = "floor_xy = 0.02\ntranslation_per_rotation = 0.5\n"
+    motion = "translation_per_rotation = 0.5\n"
     told = f'[base]\nmodel = "p3at"\n[localization.motion]\n{motion}'
     config = parse_config(told.encode(), "x")
     found = config.localization.motion
     assert (found.rotation_per_rotation, found.translation_per_translation) == (0.3, 0.1)
-    assert (found.floor_xy, found.translation_per_rotation) == (0.02, 0.5)
+    assert found.translation_per_rotation == 0.5
     assert parse_config(format_config(config).encode(), "x") == config
 
 

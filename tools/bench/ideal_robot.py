@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.p2os.emulator.motion_controller import ramp
+from drivers.p2os.set_up import TURN_ACCELERATION, TURN_DECELERATION
 from drivers.p2os.settings import BaseSettings
 from maps.map_folder import MapFolder
 from maps.pose import Pose
@@ -56,7 +57,7 @@ class IdealRobot:
         base = self.base
         v, w = (0.0, 0.0) if self.dead else self._order
         self.v, distance = ramp(self.v, v, base.acceleration, base.deceleration, dt)
-        self.w, rotation = ramp(self.w, w, base.turn_acceleration, base.turn_deceleration, dt)
+        self.w, rotation = ramp(self.w, w, TURN_ACCELERATION, TURN_DECELERATION, dt)
         if self.stuck:
             self.v = self.w = distance = rotation = 0.0
         return distance, rotation

@@ -92,9 +92,12 @@ def _put(table: dict[str, Any], key: str, value: Any) -> None:
 
 
 def _drop(table: dict[str, Any], key: str) -> None:
-    """Remove a dotted key that is there."""
+    """Remove a dotted key that is there, and its section if nothing else is in it."""
     section, _, name = key.rpartition(".")
-    del _lookup(table, section)[name]
+    rest = _lookup(table, section) if section else table
+    del rest[name]
+    if not rest and section:
+        _drop(table, section)
 
 
 def _known(table: dict[str, Any], shape: type, place: str, left_out: list[str]) -> dict[str, Any]:
