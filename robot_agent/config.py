@@ -227,7 +227,7 @@ def _former_key(key: str) -> str:
         return f"is called {RENAMED_KEYS[key]} now; rename it"
     if key in FIXED_KEYS:
         return f"is no setting any more but always {FIXED_KEYS[key]!r}; delete the line"
-    return "unknown key; see `patrol agent --print-config` for the known ones"
+    return "unknown key; see `patrol agent --list-settings` for the known ones"
 
 
 def format_config(config: AgentConfig) -> str:

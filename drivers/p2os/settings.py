@@ -8,7 +8,7 @@ import msgspec
 
 
 class BaseSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The robot base: its serial port, model and the motion limits given to its controller."""
+    """The robot base: its serial port, model and the speed limits given to its controller."""
 
     url: Annotated[
         str,
@@ -45,24 +45,6 @@ class BaseSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
             extra={"unit": "rad/s"},
         ),
     ] = 1.75
-    acceleration: Annotated[
-        float,
-        msgspec.Meta(
-            gt=0.0,
-            le=5.0,
-            description="Acceleration of the base's controller",
-            extra={"unit": "m/s^2"},
-        ),
-    ] = 0.3
-    deceleration: Annotated[
-        float,
-        msgspec.Meta(
-            gt=0.0,
-            le=5.0,
-            description="Deceleration of the base's controller",
-            extra={"unit": "m/s^2"},
-        ),
-    ] = 0.6
     bump_stall: Annotated[
         Literal["off", "front", "rear", "both"],
         msgspec.Meta(description="Bumpers that stop the motors, of a robot that has any"),

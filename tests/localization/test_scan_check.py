@@ -1,4 +1,4 @@
-"""One scan against the map at one pose: fit, people excused, beams through walls."""
+"""One scan against the map at one pose: fit, dynamic end points, beams that cross walls."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_too_few_points_tell_nothing(room, check: ScanCheck) -> None:
     assert check.wall_crossing(TRUTH, points) == 0.0
 
 
-def test_people_are_excused_up_to_a_share_of_the_beams(room, check: ScanCheck) -> None:
+def test_people_are_left_out_of_the_fit_up_to_a_share_of_the_beams(room, check: ScanCheck) -> None:
     points = room.scan(TRUTH)
     some, many = points.copy(), points.copy()
     some[40:95] *= 0.5  # 30 %
@@ -45,7 +45,7 @@ def test_people_are_excused_up_to_a_share_of_the_beams(room, check: ScanCheck) -
     assert check.fit(TRUTH, many).fit_without_dynamic < 0.65
 
 
-def test_beams_beyond_the_mapped_floor_are_not_excused(room, check: ScanCheck) -> None:
+def test_beams_beyond_the_mapped_floor_are_not_left_out(room, check: ScanCheck) -> None:
     """Who ends outside the map, in the unknown, is no person on the floor."""
     points = room.scan(TRUTH)
     points[40:95] *= 20.0

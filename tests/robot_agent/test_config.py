@@ -33,6 +33,18 @@ def test_effective_configuration_survives_a_round_trip() -> None:
             "[localization.health]\nlost_bellow = 0.1",
             "robot.toml: localization.health.lost_bellow: unknown key",
         ),
+        (
+            "[localization.health]\nlost_below = 0.3",
+            "robot.toml: localization.health.lost_below: is no setting any more but always 0.45",
+        ),
+        (
+            "[perception]\nmost_extent = 0.3",
+            "robot.toml: perception.most_extent: is no setting any more but always 0.75",
+        ),
+        (
+            "[localization.samples]\nfixed = 900",
+            "robot.toml: localization.samples.fixed: is called localization.particles now",
+        ),
         ("[lasers]\nbaud = 9600", "robot.toml: lasers: unknown key"),
         ("[base]\nmax_speed = 20.0", "robot.toml: base.max_speed: expected `float` <= 2.2"),
         ('[base]\nmax_speed = "fast"', "robot.toml: base.max_speed: expected `float`, got `str`"),

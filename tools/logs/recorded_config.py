@@ -44,7 +44,12 @@ def _modernized(content: bytes, source: str) -> tuple[dict[str, Any], list[str]]
     for key in [key for key in RENAMED_KEYS if _lookup(table, key) is not None]:
         _put(table, RENAMED_KEYS[key], _lookup(table, key))
         _drop(table, key)
-    for key in [key for key, value in FIXED_KEYS.items() if _lookup(table, key) == value]:
+    for key, constant in FIXED_KEYS.items():
+        value = _lookup(table, key)
+        if value is None:
+            continue
+        if value != constant:
+            left_out.append(key)
         _drop(table, key)
     return _known(table, AgentConfig, "", left_out), left_out
 
@@ -72,7 +77,7 @@ def _apply(table: dict[str, Any], change: str) -> None:
     for section in sections:
         table = table.setdefault(section, {})
         if not isinstance(table, dict):
-            raise ConfigError(f"--set {change}: {section} is no section; see --print-config")
+            raise ConfigError(f"--set {change}: {section} is no section; see `patrol agent --list-settings`")
     table[name] = value
 
 
