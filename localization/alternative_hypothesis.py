@@ -1,9 +1,9 @@
 """The check before a search ends: does an alternative hypothesis explain the way as well?
 
-A search draws so few particles per place that the true one may never have had a particle that lay
-well, while a look-alike had. So the way since the search began is searched once more, from its
-start and with fresh particles, everywhere but where the robot is believed to be; then the way is
-traced back from both places, and the scans decide between the two.
+A search draws so few particles per place that there may be none near the true pose, and one near a
+look-alike. So the way since the search began is searched once more, from its start and with fresh
+particles, everywhere but along the pose found; then the way is traced back from both places, and
+the likelihoods of its scans are compared.
 """
 
 from __future__ import annotations
@@ -48,21 +48,21 @@ class Stop:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AlternativeHypothesis:
-    """The best other place."""
+    """The best other pose."""
 
     belief: Belief
     """Particles round it."""
     odds: float
-    """Log of how much likelier the scans are where the robot is believed to be than here."""
+    """Log of how much likelier the scans are at the pose found than here."""
 
     @property
     def share(self) -> float:
-        """Share of the belief left to where the robot is believed to be, 0..1."""
+        """Share of the belief left to the pose found, 0..1."""
         return 1.0 / (1.0 + math.exp(min(-self.odds, _ODDS_LIMIT)))
 
 
 class AlternativeSearch:
-    """Remembers the way since a search began, and searches it for another place."""
+    """Keeps the scans since a search began and finds the best other pose that explains them."""
 
     def __init__(
         self,
@@ -88,12 +88,15 @@ class AlternativeSearch:
         return len(self._way)
 
     def forget(self) -> None:
-        """Begin a new way."""
+        """Forget all scans."""
         self._way.clear()
         self._since = Pose(0.0, 0.0, 0.0)
 
     def remember(self, increment: Pose | None, points: NDArray[np.float64]) -> None:
-        """Take note of a scan after a step of the odometry, if it is a stop's way from the last."""
+        """Keep a scan, (m, 2) end points in base_link, if the last one kept is far enough away.
+
+        increment: base_then_from_base_now since the last call; None at the first scan.
+        """
         if increment is not None:
             self._since = self._since.compose(increment)
         apart = math.hypot(self._since.x, self._since.y) >= STOP_XY
@@ -105,13 +108,13 @@ class AlternativeSearch:
     def find(self, pose: Pose) -> AlternativeHypothesis | None:
         """Return the best place other than ``pose`` (map_from_base now); None: there is none."""
         at_last_stop = pose.compose(self._since.inverse())
-        believed = self._trace(at_last_stop)
-        alternatives = self._replay(believed)
+        found = self._trace(at_last_stop)
+        alternatives = self._replay(found)
         if alternatives is None:
             return None
         others = heavy_clusters(alternatives.particles, alternatives.weights, _MAX_PLACES)
         best = max(self._log_likelihood(self._trace(other.mean)) for other in others)
-        odds = self._log_likelihood(believed) - best
+        odds = self._log_likelihood(found) - best
         alternatives.predict(self._since)
         return AlternativeHypothesis(alternatives.belief, odds)
 
@@ -149,7 +152,8 @@ class AlternativeSearch:
     def _log_likelihood(self, poses: list[Pose]) -> float:
         """Return how likely the scans of the way are, one from each of poses.
 
-        A scan that people hide fits nowhere, and better or worse by chance: it shall not decide.
+        Where people hide the map a scan fits nowhere, better or worse by chance: each scan counts
+        no less than ``HIDDEN_LOG_LIKELIHOOD`` a beam.
         """
         least = INDEPENDENT_BEAMS * HIDDEN_LOG_LIKELIHOOD
         return sum(

@@ -52,7 +52,7 @@ class Belief:
 
 
 class ParticleFilter:
-    """A weighted set of poses (map_from_base) standing for the belief."""
+    """A weighted set of poses (map_from_base)."""
 
     def __init__(
         self,

@@ -22,7 +22,7 @@ CLEARANCE = 0.2  # m between a particle and a wall
 
 
 class GlobalSearch:
-    """The free floor clear of walls: where the robot may stand if nothing is known."""
+    """Samples poses on the free floor clear of walls, and weighs them with care."""
 
     def __init__(self, occupancy: OccupancyMap) -> None:
         self._occupancy = occupancy
@@ -62,14 +62,14 @@ class GlobalSearch:
     def weigh_first(
         self, particles: ParticleFilter, points: NDArray[np.float64], limits: SampleLimits
     ) -> None:
-        """Weigh a fresh sample by its first scan, end points (m, 2) in base_link, in two looks.
+        """Weigh a fresh sample by its first scan, end points (m, 2) in base_link, in two passes.
 
-        The sample is so thin that the particle nearest to the robot may see the scan badly. So
-        those that see it not too badly are scattered over the gaps between them, and look again.
+        The sample is so thin that even the particle nearest to the true pose may fit badly. So
+        those that fit not too badly are scattered over the gaps between them and weighed again.
         limits: of the number of particles then.
         """
-        for look in range(2):
-            if look > 0:
+        for again in (False, True):
+            if again:
                 particles.resample(limits)
                 particles.scatter(CLOSER_XY, CLOSER_THETA)
             particles.weigh(points, INDEPENDENT_BEAMS, MIN_EFFECTIVE)
@@ -77,7 +77,7 @@ class GlobalSearch:
     def weigh(
         self, particles: ParticleFilter, points: NDArray[np.float64], information: float = 1.0
     ) -> None:
-        """Weigh particles by a further scan, so that no place is given up on it alone."""
+        """Weigh particles by a further scan, so lightly that it alone rules no place out."""
         beams = information * INDEPENDENT_BEAMS
         hidden = beams * HIDDEN_LOG_LIKELIHOOD
         particles.weigh(points, beams, MIN_EFFECTIVE, hidden)

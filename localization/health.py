@@ -117,7 +117,7 @@ class HealthMonitor:
                 and evidence.share >= UNSURE_SHARE
             )
         else:
-            # People may hide the map from a robot that knows where it is; who does not must see it.
+            # People may hide the map while localized; to become localized the whole scan must fit.
             good = (
                 evidence.fit.whole >= LOCALIZED_ABOVE
                 and evidence.wall_crossing <= LOCALIZED_WALL_CROSSING

@@ -59,20 +59,20 @@ _SLIPPED = 0.8  # of the belief goes to a place found back along the last step
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Sight:
-    """Where one scan is thought to be taken."""
+    """The pose hypothesis after one scan, with its evidence."""
 
     cluster: Cluster
     refined: Refined | None
     pose: Pose
     fit: Fit | None
     relocated: bool = False
-    """Whether it is found only beside where the odometry puts it."""
+    """Whether the scan fits only away from where the odometry puts the pose."""
 
 
 class Localizer:
     """Monte Carlo localization of the base in a known map.
 
-    There is no pose before ``start_at`` or ``start_anywhere``, then none before the first scan.
+    ``estimate`` is None until the first ``update`` after ``start_at`` or ``start_anywhere``.
     """
 
     def __init__(
@@ -100,10 +100,11 @@ class Localizer:
         self._monitor = HealthMonitor()
         self._started = False
         self._searching = False
-        self._uprooted = False  # whether it has gone where no odometry led, and not arrived yet
+        # Whether an alternative hypothesis may contest the pose before it counts as localized.
+        self._contestable = False
         self._last_odometry: Pose | None = None
         self._still_scans = 0
-        self._doubt = 0.0  # once whole, the whole map is searched
+        self._doubt = 0.0  # at 1, the whole map is searched
         self.estimate: Estimate | None = None
 
     @property
@@ -117,20 +118,20 @@ class Localizer:
         return self._filter.weights
 
     def start_at(self, pose: Pose, sigma_xy: float, sigma_theta: float) -> None:
-        """Believe in a pose (map_from_base) with standard deviations in m and rad."""
+        """Start at a pose (map_from_base), with standard deviations in m and rad."""
         limits = self._limits
         count = limits.fixed if limits.fixed is not None else limits.maximum
         scatter = self._rng.standard_normal((count, 3)) * (sigma_xy, sigma_xy, sigma_theta)
         self._start_with(np.array(pose) + scatter, Health.UNSURE)
-        self._searching = self._uprooted = False
+        self._searching = self._contestable = False
 
     def start_anywhere(self) -> None:
-        """Believe in nothing: the robot may stand anywhere on the map's free floor.
+        """Start with particles all over the map's free floor.
 
         Raises MapError on a map without free floor.
         """
         self._start_with(self._search.sample(self._rng), Health.LOST)
-        self._searching = self._uprooted = True
+        self._searching = self._contestable = True
 
     def _start_with(self, particles: NDArray[np.float64], health: Health) -> None:
         self._filter.restart(particles)
@@ -165,7 +166,7 @@ class Localizer:
             self._filter.predict(increment)
         self._last_odometry = odometry
         points = self._without_hiding(odometry, points)
-        if self._uprooted:
+        if self._contestable:
             self._alternatives.remember(increment, points)
         # 2. Weigh them by the scan.
         information = self._information(increment)
@@ -188,29 +189,32 @@ class Localizer:
         return self.estimate
 
     def _without_hiding(self, odometry: Pose, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Leave out what lies on a large unmapped thing before a robot that knows where it is."""
+        """Return points (n, 2) without those on a large unmapped thing close ahead.
+
+        All of them while lost or searching: the pose is not known well enough to tell.
+        """
         if self.estimate is None or self.estimate.health is Health.LOST or self._searching:
             return points
         hiding = self._check.hiding(self.estimate.pose_at(odometry), points)
         return points if hiding is None else points[~hiding]
 
     def _search_again(self, points: NDArray[np.float64]) -> None:
-        """Search the whole map, but keep the old belief: a crowd may only have hidden the map."""
+        """Mix particles all over the map with the old ones, which may be right but for a crowd."""
         kept = self._filter.drawn(KEPT_PARTICLES)
         self._filter.restart(self._search.sample(self._rng))
         self._search.weigh_first(self._filter, points, self._search_limits)
         self._filter.belief = kept.mixed_with(self._filter.belief)
         self._alternatives.forget()
         self._alternatives.remember(None, points)
-        self._searching = self._uprooted = True
+        self._searching = self._contestable = True
         self._doubt = 0.0
 
     def _information(self, increment: Pose | None) -> float:
         """Return this scan's information weight, 0 to 1, after a step (None: the first scan).
 
-        Scans from the same spot repeat each other's errors; taken at full weight they would
-        breed a false confidence. A search, which must not decide between two places by such errors,
-        takes them at less and less.
+        Scans from the same spot repeat each other's errors; at full weight the covariance would
+        become too small. During a search, which must not decide between two places by such errors,
+        their weight decays from scan to scan.
         """
         if increment is None:
             return 1.0
@@ -238,7 +242,7 @@ class Localizer:
     def _look_back(
         self, sight: _Sight, increment: Pose | None, points: NDArray[np.float64]
     ) -> _Sight:
-        """Believe in a place back along the last step if the scan fits better there."""
+        """Return the hypothesis moved back along the last step if the scan fits better there."""
         slipped = None if increment is None else self._slips.find(sight.pose, increment, points)
         if slipped is None:
             return sight
@@ -252,7 +256,10 @@ class Localizer:
     def _look_around(
         self, sight: _Sight, points: NDArray[np.float64], information: float
     ) -> _Sight:
-        """Weigh poses in a window round a misfit; believe in them if the scan fits there."""
+        """Return the best hypothesis in a window round a pose that the scan does not fit.
+
+        The hypothesis given if the scan fits it, or fits nowhere else clearly better.
+        """
         before = self._filter.belief
         if sight.fit is None or sight.fit.fit_without_dynamic >= WINDOW_BELOW:
             return sight
@@ -265,19 +272,19 @@ class Localizer:
         if refined is not None:
             fit = self._check.fit(refined.pose, points)
             needed = max(WINDOW_ABOVE, sight.fit.whole + WINDOW_GAIN)
-            # A false fit is seen through walls.
+            # A wrong pose has beams that cross mapped walls.
             wall_crossing = self._check.wall_crossing(refined.pose, points)
             possible = wall_crossing <= LOCALIZED_WALL_CROSSING
             if fit is not None and fit.whole >= needed and possible:
-                self._uproot(points)
+                self._begin_way(points)
                 cluster = best_cluster(self.particles, self.weights)
                 return _Sight(cluster, refined, refined.pose, fit, relocated=True)
         self._filter.belief = before
         return sight
 
-    def _uproot(self, points: NDArray[np.float64]) -> None:
-        """Begin a new way: the robot is found where the odometry does not lead."""
-        self._uprooted = True
+    def _begin_way(self, points: NDArray[np.float64]) -> None:
+        """Let alternatives be searched from here on: the odometry does not lead to the pose."""
+        self._contestable = True
         self._alternatives.forget()
         self._alternatives.remember(None, points)
 
@@ -293,7 +300,7 @@ class Localizer:
         last = self.estimate
         jump = Pose(0.0, 0.0, 0.0) if last is None else last.pose_at(odometry).between(pose)
         before = self._monitor.health
-        # While all is well, following the beams through the map tells nothing new.
+        # While localized with a good fit, the wall-crossing share tells nothing new.
         seen = 0.0 if sight.fit is None else sight.fit.whole
         well = before is Health.LOCALIZED and seen >= WINDOW_ABOVE
         evidence = Evidence(
@@ -306,7 +313,7 @@ class Localizer:
             jump_theta=abs(jump.theta),
             information=information,
         )
-        if self._uprooted and self._monitor.preview(evidence) is Health.LOCALIZED:
+        if self._contestable and self._monitor.preview(evidence) is Health.LOCALIZED:
             evidence = self._contested(evidence, pose)
         health = self._monitor.update(evidence)
         self._renew_doubt(before, health, sight.fit, information)
@@ -325,10 +332,10 @@ class Localizer:
         )
 
     def _contested(self, evidence: Evidence, pose: Pose) -> Evidence:
-        """Let the best other place contest a pose found; believe in both if it holds out.
+        """Return the evidence, with its share lowered if an alternative hypothesis is as likely.
 
-        A search must win clearly. A pose found near where the odometry led has that in its favour,
-        and must only not lose clearly.
+        The particles then hold both. The pose found by a search must be clearly likelier than the
+        alternative; one found near where the odometry led must only not be clearly less likely.
         """
         alternative, clear = self._alternatives.find(pose), LOCALIZED_SHARE
         if alternative is None or alternative.share >= (clear if self._searching else 1.0 - clear):
@@ -340,9 +347,9 @@ class Localizer:
     def _renew_doubt(
         self, before: Health, health: Health, fit: Fit | None, information: float
     ) -> None:
-        """Count up to the next search of the whole map: at once when lost, then now and then."""
+        """Count up to the next search of the whole map: at once when lost, later repeatedly."""
         if health is Health.LOCALIZED:
-            self._doubt, self._searching, self._uprooted = 0.0, False, False
+            self._doubt, self._searching, self._contestable = 0.0, False, False
         elif health is Health.LOST and before is not Health.LOST and not self._searching:
             self._doubt = 1.0
         elif fit is not None and fit.whole < LOCALIZED_ABOVE:

@@ -35,7 +35,7 @@ class Fit:
     whole: float
     """Of all end points."""
     fit_without_dynamic: float
-    """Without those on free floor, up to the share that people may block."""
+    """Without dynamic end points: those on free floor, up to MAX_DYNAMIC of all."""
 
 
 class ScanCheck:

@@ -1,8 +1,8 @@
-"""Look back along a step of the odometry: the wheels may have slipped.
+"""Search back along a step of the odometry for a place that wheels which slipped would explain.
 
-A bare corridor hides a slip from the particles: most beams end on its sides, which fit as well all
-along it, and the few that tell are outvoted by the odometry. Along this one line every beam can be
-heard in full.
+In a bare corridor particles do not show a slip: most beams end on its sides, which fit equally well
+all along it, and the few other beams weigh less than the odometry. Along this one line a scan can
+be given much more information weight.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ MIN_SHIFT = 0.1  # m; a smaller shift is left to the filter
 
 
 class SlipSearch:
-    """Compares a pose with those where the robot would be had its wheels slipped."""
+    """Compares a pose with those of wheels that slipped by some share of the last step."""
 
     def __init__(
         self, field: LikelihoodField, refinement: Refinement, *, min_gain: float = MIN_GAIN

@@ -14,7 +14,7 @@ from robot_agent.messages.blob import Blob, Sight
 from robot_agent.perception.color_model import ColorTable
 from robot_agent.perception.color_settings import ColorSettings
 
-BAND_RANGE = 4.0  # m; beyond it no blob is believed, and its absence tells nothing
+BAND_RANGE = 4.0  # m; blobs beyond it are dropped, and their absence tells nothing
 MIN_CONFIDENCE = 0.3  # blobs of less are dropped
 TILT_ALLOWANCE = 0.06  # rad the camera may pitch, or be mounted off level
 _MIN_AREA = 12  # pixels

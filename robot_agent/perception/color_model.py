@@ -30,7 +30,7 @@ def log_chromaticity(pixels: NDArray[np.floating]) -> NDArray[np.float64]:
 
 
 class ColorTable:
-    """Tells the team's pixels from all others by one look-up each."""
+    """Classifies pixels as the team's colour or not, by one look-up each."""
 
     def __init__(self, settings: ColorSettings) -> None:
         self._table = _table(settings).astype(np.uint8) * 255

@@ -59,8 +59,7 @@ class Segment:
 
     x, y: estimated centre in base_link, m. extent: width seen across the line of sight, m.
     var_x, var_y, cov_xy: of the centre, m^2, base_link. points: how many beams met it. whole:
-    enough of it is seen to tell its size; otherwise it is a part that may belong to somebody
-    already known. robot_sized: it may be a robot. misfit: how badly a Pioneer's outline fits
+    enough of it is seen to tell its size; otherwise it is a part that may belong to a track. robot_sized: it may be a robot. misfit: how badly a Pioneer's outline fits
     (``OutlineFit``), infinite where none was tried. reflecting: it has a reflector, where the
     laser tells.
     """
@@ -94,7 +93,7 @@ def find_segments(
     unexplained: NDArray[np.bool_],
     reflectors: NDArray[np.bool_] | None = None,
 ) -> list[Segment]:
-    """Return the segments of a scan that may be somebody, nearest first.
+    """Return the segments of a scan that may be a robot or a person, nearest first.
 
     points: (n, 2) base_link, ordered by bearing, counter-clockwise; ranges: (n,) their distances,
     m; unexplained: (n,) which of them the map does not account for; reflectors: (n,) which met
@@ -228,7 +227,7 @@ def _run(
     last: int,
     increment: float,
 ) -> _Run | None:
-    """Return the run of points first..last if it can be somebody, else None."""
+    """Return the run of points first..last if it may be a robot or a person, else None."""
     right = _edge(points, ranges, first, -1, increment)
     left = _edge(points, ranges, last, +1, increment)
     if right is Edge.JOINED and left is Edge.JOINED:

@@ -17,7 +17,7 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         float,
         msgspec.Meta(
             ge=VISIBILITY + VISIBILITY_MARGIN,  # so that tracks exist before anybody counts
-            description="Distance up to which laser points may be somebody",
+            description="Distance up to which laser points may be a robot or a person",
             extra={"unit": "m"},
         ),
     ] = 4.0

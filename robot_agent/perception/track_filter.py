@@ -21,14 +21,14 @@ GATE_DISTANCE = 1.0  # m; no association beyond, however uncertain the track
 VELOCITY_DECAY = 1.0  # s; time constant of an unseen track's velocity
 MOTION_WINDOW = 2.5  # s over which displacement is judged
 MOTION_DISTANCE = 0.20  # m, beyond twice the position's sigma: farther, and it moves
-MAX_ROBOT_SPEED = 0.65  # m/s; whoever is faster is none of the team
+MAX_ROBOT_SPEED = 0.65  # m/s; nothing faster is a teammate
 _SAMPLE_PERIOD = 0.2  # s between the past positions kept to judge motion
 _BROKEN_SIGHT = 3  # misses in a row after which the thing seen next may be another one
 _SIZE_KNOWN = 5  # times seen whole after which its size says something
-_START = 0.1  # m; how far off whoever starts or stops between two scans may be
+_START = 0.1  # m; how far off a body that starts or stops between two scans may be
 _MANOEUVRE_GATE = 9.2  # squared Mahalanobis distance (99 %) beyond which its speed has changed
 _FITS, _FITS_NOT = 0.6, 1.0  # misfit of most robots, and of few
-_OFTEN = 3  # scans in a row whose outline fits, for somebody who may be a robot
+_OFTEN = 3  # scans in a row whose outline fits, for a track that may be a robot
 _MIN_SPEED, _MAX_SPEED = 0.2, 0.55  # m/s of a robot that patrols; people walk faster
 _POSITION_OF_STATE = np.eye(2, 4)
 

@@ -1,4 +1,4 @@
-"""The tracker: scans, pictures, echoes and poses in; who is where out."""
+"""The tracker: scans, pictures, echoes and poses in; classified tracks out."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ _FAR = 1e6
 
 
 class TeammateTracker:
-    """Follows whatever is not in the map and knows who of it is a teammate, who a stranger.
+    """Tracks whatever is not in the map and classifies it as teammate, stranger or unknown.
 
-    A track is confirmed after a few detections. Pictures tell who wears the team's band; beside the
-    camera's view, whom a Pioneer's outline fits while it moves as fast as one is taken for a
-    teammate too. A track is remembered for a while unseen: a robot that turns away does not forget.
+    A track is confirmed after a few detections. The team's band in a picture makes it a teammate;
+    outside the camera's view, so does a Pioneer's outline at a Pioneer's speed. A track is kept for
+    ``TRACK_MEMORY`` unseen.
     """
 
     def __init__(
@@ -124,7 +124,7 @@ class TeammateTracker:
             seen[index].identity.on_missing_band()
 
     def awaits_echo(self, t: float) -> bool:
-        """Tell whether a teammate is out of the laser's sight at t, s, and may be heard yet."""
+        """Return whether sonar may track a teammate that the laser does not see at t, s."""
         return bool(self._unseen(t))
 
     def _unseen(self, t: float) -> list[TrackFilter]:
@@ -137,8 +137,8 @@ class TeammateTracker:
     def on_echoes(self, t: float, pose: Pose, echoes: NDArray[np.float64]) -> None:
         """Take in sonar echoes (n, 2), m, base_link at t, s; pose: map_from_base.
 
-        They keep up a track that no laser sees, for a while, but never start one: a sonar hears
-        walls as well, and does not tell who is there. What it hears is the near side of a body.
+        For ``SONAR_MEMORY`` they keep up a teammate's track that the laser does not see, but never
+        start one: echoes of walls look the same. An echo is of the near side of a body.
         """
         unseen = self._unseen(t)
         if not unseen or not len(echoes):
@@ -180,10 +180,10 @@ class TeammateTracker:
     def closest(self, t: float, pose: Pose) -> Track | None:
         """Return the nearest teammate in the visibility range, predicted to t, or None.
 
-        pose: map_from_base at t. A teammate unseen counts for as long as it is remembered; one
-        that was in range is kept to a slightly larger distance, so that it does not flicker.
-        Where no camera tells, whoever has a robot's outline counts before it has moved: one that
-        turns on the spot behind a corner would be met too late.
+        pose: map_from_base at t. A teammate unseen counts for ``TRACK_MEMORY``; one that was
+        in range is kept to a slightly larger distance, so that it does not flicker. Without
+        pictures, a track with a robot's outline counts before it has moved: a robot that turns on
+        the spot behind a corner would be met too late.
         """
         blind = t - self._pictured_at > _PICTURES_PAUSE
         nearest, nearest_distance = None, math.inf
@@ -210,7 +210,7 @@ class TeammateTracker:
         reflectors: NDArray[np.bool_] | None,
         sigma: PoseSigma | None,
     ) -> list[Detection]:
-        """Return the segments of a scan that may be somebody, in the map frame."""
+        """Return the segments of a scan that may be a robot or a person, in the map frame."""
         ranges = np.hypot(points[:, 0], points[:, 1])
         unexplained = self.unexplained.mask(pose, points, ranges, sigma)
         segments = find_segments(points, ranges, unexplained, reflectors)
@@ -242,7 +242,7 @@ class TeammateTracker:
     def _unite(self) -> None:
         """Make one track of two that stand where only one body can.
 
-        Whoever sets off at once, or shows another side, may be lost and found under a new number.
+        A body that accelerates, or shows another side, may be lost and found as a new track.
         """
         for newer in reversed(self._filters):
             if not newer.confirmed or newer.misses:

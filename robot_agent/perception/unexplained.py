@@ -1,4 +1,4 @@
-"""Scan minus map: the points of a scan that no known wall accounts for."""
+"""The points of a scan that the map does not explain."""
 
 from __future__ import annotations
 

@@ -77,7 +77,9 @@ def _apply(table: dict[str, Any], change: str) -> None:
     for section in sections:
         table = table.setdefault(section, {})
         if not isinstance(table, dict):
-            raise ConfigError(f"--set {change}: {section} is no section; see `patrol agent --list-settings`")
+            raise ConfigError(
+                f"--set {change}: {section} is no section; see `patrol agent --list-settings`"
+            )
     table[name] = value
 
 
