@@ -59,9 +59,9 @@ class Segment:
 
     x, y: estimated centre in base_link, m. extent: width seen across the line of sight, m.
     var_x, var_y, cov_xy: of the centre, m^2, base_link. points: how many beams met it. whole:
-    enough of it is seen to tell its size; otherwise it is a part that may belong to a track. robot_sized: it may be a robot. misfit: how badly a Pioneer's outline fits
-    (``OutlineFit``), infinite where none was tried. reflecting: it has a reflector, where the
-    laser tells.
+    enough of it is seen to tell its size; otherwise it is a part that may belong to a track.
+    robot_sized: it may be a robot. misfit: how badly a Pioneer's outline fits (``OutlineFit``),
+    infinite where none was tried. reflecting: it has a reflector, where the laser tells.
     """
 
     x: float
