@@ -35,31 +35,85 @@ class CameraTrouble(StrEnum):
 
 
 class CameraSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where the camera is and how it is set; an empty ``url`` means there is none.
+    """Where the camera is and how it is set; an empty ``url`` means there is none."""
 
-    url: device, http:// or https:// address of an MJPEG stream, or a file
-    width, height: pixels asked for; the device takes the nearest it has
-    exposure: in the device's unit (V4L2: 0.1 ms); None keeps what the device has, but fixed
-    white_balance: colour temperature in K; None keeps what the device has, but fixed
-    mount: in base_link, (x m, y m, theta rad), of a camera that looks level
-    mount_height: of the lens above the floor, m
-    focal_length: in pixels of a picture ``width`` wide; `patrol calibrate camera` fits it
-    delay: s from taking a picture to its arrival
-    rate: pictures looked at each second; others are let pass
-    silence: s without a picture after which it is said to be stale
-    """
-
-    url: str = ""
-    width: Annotated[int, msgspec.Meta(ge=16, le=4096)] = 320
-    height: Annotated[int, msgspec.Meta(ge=16, le=4096)] = 240
-    exposure: Annotated[float, msgspec.Meta(gt=0.0)] | None = None
-    white_balance: Annotated[int, msgspec.Meta(ge=2000, le=10000)] | None = None
-    mount: tuple[float, float, float] = (0.10, 0.0, 0.0)
-    mount_height: Annotated[float, msgspec.Meta(gt=0.0, le=3.0)] = 0.30
-    focal_length: Annotated[float, msgspec.Meta(gt=10.0)] = 200.0
-    delay: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] = 0.1
-    rate: Annotated[float, msgspec.Meta(gt=0.0, le=60.0)] = 5.0
-    silence: Annotated[float, msgspec.Meta(gt=0.0)] = 1.0
+    url: Annotated[
+        str,
+        msgspec.Meta(
+            description="Camera: V4L2 device, http(s):// address of an MJPEG stream, or a file;"
+            " empty: none"
+        ),
+    ] = ""
+    width: Annotated[
+        int,
+        msgspec.Meta(
+            ge=16,
+            le=4096,
+            description="Width asked for; the device takes the nearest it has",
+            extra={"unit": "pixels"},
+        ),
+    ] = 320
+    height: Annotated[
+        int,
+        msgspec.Meta(
+            ge=16,
+            le=4096,
+            description="Height asked for; the device takes the nearest it has",
+            extra={"unit": "pixels"},
+        ),
+    ] = 240
+    exposure: Annotated[
+        Annotated[float, msgspec.Meta(gt=0.0)] | None,
+        msgspec.Meta(
+            description="Exposure in the device's unit (V4L2: 0.1 ms); unset: fixed as it is"
+        ),
+    ] = None
+    white_balance: Annotated[
+        Annotated[int, msgspec.Meta(ge=2000, le=10000)] | None,
+        msgspec.Meta(description="Colour temperature; unset: fixed as it is", extra={"unit": "K"}),
+    ] = None
+    mount: Annotated[
+        tuple[float, float, float],
+        msgspec.Meta(
+            description="Place of the camera in base_link: x, y, theta; it looks level",
+            extra={"unit": "m, m, rad"},
+        ),
+    ] = (0.10, 0.0, 0.0)
+    mount_height: Annotated[
+        float,
+        msgspec.Meta(
+            gt=0.0,
+            le=3.0,
+            description="Height of the lens above the floor",
+            extra={"unit": "m"},
+        ),
+    ] = 0.30
+    focal_length: Annotated[
+        float,
+        msgspec.Meta(
+            gt=10.0,
+            description="Focal length in a picture camera.width wide; `patrol calibrate camera`",
+            extra={"unit": "pixels"},
+        ),
+    ] = 200.0
+    delay: Annotated[
+        float,
+        msgspec.Meta(
+            ge=0.0,
+            le=1.0,
+            description="Time from taking a picture to its arrival",
+            extra={"unit": "s"},
+        ),
+    ] = 0.1
+    rate: Annotated[
+        float,
+        msgspec.Meta(
+            gt=0.0,
+            le=60.0,
+            description="Pictures looked at each second; others are dropped",
+            extra={"unit": "1/s"},
+        ),
+    ] = 5.0
 
 
 class Adjustable(Protocol):

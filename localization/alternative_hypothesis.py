@@ -1,9 +1,9 @@
-"""The second opinion before a search ends: does another place explain the way here as well?
+"""The check before a search ends: does an alternative hypothesis explain the way as well?
 
-A search draws so few particles per place that the true one may never have had a particle that lay
-well, while a look-alike had. So the way since the search began is searched once more, from its
-start and with fresh particles, everywhere but where the robot is believed to be; then the way is
-traced back from both places, and the scans decide between the two.
+A search draws so few particles per place that there may be none near the true pose, and one near a
+look-alike. So the way since the search began is searched once more, from its start and with fresh
+particles, everywhere but along the pose found; then the way is traced back from both places, and
+the likelihoods of its scans are compared.
 """
 
 from __future__ import annotations
@@ -17,14 +17,22 @@ from numpy.typing import NDArray
 
 from localization.cluster import heavy_clusters, near
 from localization.filter import Belief, ParticleFilter
-from localization.global_search import GlobalSearch
+from localization.global_search import (
+    HIDDEN_LOG_LIKELIHOOD,
+    INDEPENDENT_BEAMS,
+    GlobalSearch,
+)
+from localization.kld import SampleLimits
 from localization.likelihood_field import LikelihoodField
 from localization.motion_model import step_covariance
 from localization.refinement import Refinement
-from localization.settings import LocalizationSettings, SampleSettings
+from localization.settings import MotionSettings
 from maps.pose import Pose
 
-_CONTENDERS = 8  # other places compared
+STOPS = 16  # scans of the way remembered
+STOP_XY = 0.4  # m between two of them
+STOP_THETA = 0.4  # rad; likewise
+_MAX_PLACES = 8  # other places compared
 _ODDS_LIMIT = 700.0  # exp() of more is infinite
 
 
@@ -40,38 +48,38 @@ class Stop:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AlternativeHypothesis:
-    """The best other place."""
+    """The best other pose."""
 
     belief: Belief
     """Particles round it."""
     odds: float
-    """Log of how much likelier the scans are where the robot is believed to be than here."""
+    """Log of how much likelier the scans are at the pose found than here."""
 
     @property
     def share(self) -> float:
-        """Share of the belief left to where the robot is believed to be, 0..1."""
+        """Share of the belief left to the pose found, 0..1."""
         return 1.0 / (1.0 + math.exp(min(-self.odds, _ODDS_LIMIT)))
 
 
-class RivalSearch:
-    """Remembers the way since a search began, and searches it for another place."""
+class AlternativeSearch:
+    """Keeps the scans since a search began and finds the best other pose that explains them."""
 
     def __init__(
         self,
-        settings: LocalizationSettings,
-        samples: SampleSettings,
+        motion: MotionSettings,
+        limits: SampleLimits,
         field: LikelihoodField,
         refinement: Refinement,
         search: GlobalSearch,
         rng: np.random.Generator,
     ) -> None:
-        self._settings = settings
-        self._samples = samples
+        self._motion = motion
+        self._limits = limits
         self._field = field
         self._refinement = refinement
         self._search = search
         self._rng = rng
-        self._way: deque[Stop] = deque(maxlen=settings.search.remembered)
+        self._way: deque[Stop] = deque(maxlen=STOPS)
         self._since = Pose(0.0, 0.0, 0.0)
 
     @property
@@ -80,16 +88,19 @@ class RivalSearch:
         return len(self._way)
 
     def forget(self) -> None:
-        """Begin a new way."""
+        """Forget all scans."""
         self._way.clear()
         self._since = Pose(0.0, 0.0, 0.0)
 
     def remember(self, increment: Pose | None, points: NDArray[np.float64]) -> None:
-        """Take note of a scan after a step of the odometry, if it is a stop's way from the last."""
+        """Keep a scan, (m, 2) end points in base_link, if the last one kept is far enough away.
+
+        increment: base_then_from_base_now since the last call; None at the first scan.
+        """
         if increment is not None:
             self._since = self._since.compose(increment)
-        apart = math.hypot(self._since.x, self._since.y) >= self._settings.search.stop_xy
-        turned = abs(self._since.theta) >= self._settings.search.stop_theta
+        apart = math.hypot(self._since.x, self._since.y) >= STOP_XY
+        turned = abs(self._since.theta) >= STOP_THETA
         if apart or turned or not self._way:
             self._way.append(Stop(self._since, points))
             self._since = Pose(0.0, 0.0, 0.0)
@@ -97,30 +108,30 @@ class RivalSearch:
     def find(self, pose: Pose) -> AlternativeHypothesis | None:
         """Return the best place other than ``pose`` (map_from_base now); None: there is none."""
         at_last_stop = pose.compose(self._since.inverse())
-        believed = self._trace(at_last_stop)
-        alternatives = self._replay(believed)
+        found = self._trace(at_last_stop)
+        alternatives = self._replay(found)
         if alternatives is None:
             return None
-        others = heavy_clusters(alternatives.particles, alternatives.weights, _CONTENDERS)
+        others = heavy_clusters(alternatives.particles, alternatives.weights, _MAX_PLACES)
         best = max(self._log_likelihood(self._trace(other.mean)) for other in others)
-        odds = self._log_likelihood(believed) - best
+        odds = self._log_likelihood(found) - best
         alternatives.predict(self._since)
         return AlternativeHypothesis(alternatives.belief, odds)
 
     def _replay(self, avoided: list[Pose]) -> ParticleFilter | None:
         """Search the way anew but for the poses avoided (one a stop); None if nothing is left."""
-        particles = ParticleFilter(self._settings.motion, self._field, self._rng)
+        particles = ParticleFilter(self._motion, self._field, self._rng)
         particles.restart(self._search.sample(self._rng))
         for number, (stop, pose) in enumerate(zip(self._way, avoided, strict=True)):
             if number > 0:
-                particles.resample(self._samples)
+                particles.resample(self._limits)
                 particles.predict(stop.increment)
             if not particles.rule_out(near(particles.particles, pose)):
                 return None
             if number > 0:
                 self._search.weigh(particles, stop.points)
             else:
-                self._search.weigh_first(particles, stop.points, self._samples)
+                self._search.weigh_first(particles, stop.points, self._limits)
         return particles
 
     def _trace(self, pose: Pose) -> list[Pose]:
@@ -129,27 +140,26 @@ class RivalSearch:
         Each step of the odometry is taken back and the scan slid to where it fits best.
         """
         stops, poses = list(self._way), []
-        covariance = step_covariance(Pose(0.0, 0.0, 0.0), self._settings.motion)
+        covariance = step_covariance(Pose(0.0, 0.0, 0.0), self._motion)
         for stop in reversed(stops):
             refined = self._refinement.refine(pose, covariance, stop.points)
             pose = pose if refined is None else refined.pose
             poses.append(pose)
             pose = pose.compose(stop.increment.inverse())
-            covariance = step_covariance(stop.increment, self._settings.motion)
+            covariance = step_covariance(stop.increment, self._motion)
         return poses[::-1]
 
     def _log_likelihood(self, poses: list[Pose]) -> float:
         """Return how likely the scans of the way are, one from each of poses.
 
-        A scan that people hide fits nowhere, and better or worse by chance: it shall not decide.
+        Where people hide the map a scan fits nowhere, better or worse by chance: each scan counts
+        no less than ``HIDDEN_LOG_LIKELIHOOD`` a beam.
         """
-        search = self._settings.search
-        least = search.independent_beams * search.hidden_log_likelihood
+        least = INDEPENDENT_BEAMS * HIDDEN_LOG_LIKELIHOOD
         return sum(
             max(least, self._log_likelihood_at(pose, stop.points))
             for stop, pose in zip(self._way, poses, strict=True)
         )
 
     def _log_likelihood_at(self, pose: Pose, points: NDArray[np.float64]) -> float:
-        beams = self._settings.search.independent_beams
-        return float(self._field.log_weights(np.array([pose]), points, beams)[0])
+        return float(self._field.log_weights(np.array([pose]), points, INDEPENDENT_BEAMS)[0])

@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from localization.kld import needed_samples
+from localization.kld import SampleLimits, needed_samples
 from localization.likelihood_field import LikelihoodField
 from localization.motion_model import move_particles
 from localization.resampling import draw_low_variance, effective_sample_size
-from localization.settings import MotionSettings, SampleSettings
+from localization.settings import MotionSettings
 from maps.pose import Pose
 
+RESAMPLE_BELOW = 0.5  # effective share of the particles
 _TEMPERED = 0.8  # of a scan's information is left, each time it would decide too much
 _MUCH_LARGER = 2.0  # times the needed number of particles: then the set is thinned
 
@@ -32,17 +33,17 @@ class Belief:
 
     @classmethod
     def in_each_of(cls, particles: NDArray[np.float64]) -> Belief:
-        """Believe equally in each of particles (n, 3)."""
+        """Return particles (n, 3) of equal weight."""
         count = len(particles)
         return cls(particles, np.full(count, 1.0 / count), np.zeros(count, np.float32))
 
     def drawn(self, chosen: NDArray[np.intp]) -> Belief:
-        """Believe equally in each of the chosen particles (m,)."""
+        """Return the chosen particles (m,) with equal weight."""
         count = len(chosen)
         return Belief(self.particles[chosen], np.full(count, 1.0 / count), self.slips[chosen])
 
     def mixed_with(self, other: Belief, share: float = 0.5) -> Belief:
-        """Believe in this to a share, 0..1, and for the rest in another."""
+        """Return this belief with a share, 0..1, of the weight and another with the rest."""
         return Belief(
             np.vstack((self.particles, other.particles)),
             np.concatenate((share * self.weights, (1.0 - share) * other.weights)),
@@ -51,7 +52,7 @@ class Belief:
 
 
 class ParticleFilter:
-    """A weighted set of poses (map_from_base) standing for the belief."""
+    """A weighted set of poses (map_from_base)."""
 
     def __init__(
         self,
@@ -65,7 +66,7 @@ class ParticleFilter:
         self.restart(np.zeros((1, 3)))
 
     def restart(self, particles: NDArray[np.float64]) -> None:
-        """Forget everything and believe equally in each of particles (n, 3)."""
+        """Replace the belief by particles (n, 3) of equal weight."""
         self.belief = Belief.in_each_of(particles)
 
     @property
@@ -84,7 +85,7 @@ class ParticleFilter:
         return self.belief.drawn(self._draw(count))
 
     def rule_out(self, impossible: NDArray[np.bool_]) -> bool:
-        """Believe no more in some particles (n,); return False, changing nothing, if in all."""
+        """Set the weight of some particles (n,) to 0; return False, changing nothing, if of all."""
         left = np.where(impossible, 0.0, self.weights)
         total = float(left.sum())
         if total <= 0.0:
@@ -117,7 +118,7 @@ class ParticleFilter:
         min_effective: share of the particles that must stay effective; the scan is weighted less
         until they do, so that one particle that happens to lie well does not outweigh a place
         where none does.
-        min_log_likelihood: of the scan; where it fits worse, people are thought to hide the map.
+        min_log_likelihood: of the scan; where it fits worse, people are assumed to hide the map.
         """
         with np.errstate(divide="ignore"):
             prior = np.log(self.weights)
@@ -134,19 +135,19 @@ class ParticleFilter:
                 return
             evidence *= _TEMPERED
 
-    def resample(self, samples: SampleSettings) -> None:
+    def resample(self, limits: SampleLimits) -> None:
         """Draw the particles anew if few of them carry the weight or many are superfluous.
 
-        samples: how many particles are needed.
+        limits: of how many there are then.
         """
         count = len(self.weights)
-        if self.effective_sample_size < samples.resample_below * count:
+        if self.effective_sample_size < RESAMPLE_BELOW * count:
             drawn = self._draw(count)
-            needed = needed_samples(_rows(self.particles, drawn), samples)
+            needed = needed_samples(_rows(self.particles, drawn), limits)
             if needed != count:
                 drawn = self._draw(needed)
         else:
-            needed = needed_samples(self.particles, samples)
+            needed = needed_samples(self.particles, limits)
             if count <= _MUCH_LARGER * needed:
                 return
             drawn = self._draw(needed)

@@ -8,17 +8,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from localization.filter import ParticleFilter
-from localization.settings import GlobalSettings, SampleSettings
+from localization.kld import SampleLimits
 from maps.occupancy_map import FREE, MapError, OccupancyMap
+
+PARTICLES_PER_AREA = 300.0  # 1/m^2 of free floor
+MAX_PARTICLES = 200_000  # of a fresh sample
+CLOSER_XY = 0.1  # m; scatter round particles that fit, for the second look: half their spacing
+CLOSER_THETA = 0.09  # rad; likewise
+INDEPENDENT_BEAMS = 6.0  # a scan counts as so few that no place is given up on one scan
+MIN_EFFECTIVE = 0.05  # share of the particles that one scan leaves effective at least
+HIDDEN_LOG_LIKELIHOOD = -1.0  # mean of the beams of a scan that fits too badly to decide
+CLEARANCE = 0.2  # m between a particle and a wall
 
 
 class GlobalSearch:
-    """The free floor clear of walls: where the robot may stand if nothing is known."""
+    """Samples poses on the free floor clear of walls, and weighs them with care."""
 
-    def __init__(self, settings: GlobalSettings, occupancy: OccupancyMap) -> None:
-        self._settings = settings
+    def __init__(self, occupancy: OccupancyMap) -> None:
         self._occupancy = occupancy
-        standable = (occupancy.cells == FREE) & (occupancy.distance_field() >= settings.clearance)
+        standable = (occupancy.cells == FREE) & (occupancy.distance_field() >= CLEARANCE)
         # One bit a cell: searches are rare, large maps are not.
         self._standable = np.packbits(standable)
         self._count = int(np.count_nonzero(standable))
@@ -36,8 +44,8 @@ class GlobalSearch:
         if not self.possible:
             raise MapError("the map has no free floor clear of walls to search for the robot on")
         resolution, origin = self._occupancy.resolution, self._occupancy.origin
-        wanted = math.ceil(self._count * resolution**2 * self._settings.particles_per_area)
-        count = min(wanted, self._settings.maximum)
+        wanted = math.ceil(self._count * resolution**2 * PARTICLES_PER_AREA)
+        count = min(wanted, MAX_PARTICLES)
         floor = np.flatnonzero(np.unpackbits(self._standable, count=self._occupancy.cells.size))
         rows, cols = np.divmod(
             floor[rng.integers(self._count, size=count)], self._occupancy.cells.shape[1]
@@ -52,25 +60,24 @@ class GlobalSearch:
         )
 
     def weigh_first(
-        self, particles: ParticleFilter, points: NDArray[np.float64], samples: SampleSettings
+        self, particles: ParticleFilter, points: NDArray[np.float64], limits: SampleLimits
     ) -> None:
-        """Weigh a fresh sample by its first scan, end points (m, 2) in base_link, in two looks.
+        """Weigh a fresh sample by its first scan, end points (m, 2) in base_link, in two passes.
 
-        The sample is so thin that the particle nearest to the robot may see the scan badly. So
-        those that see it not too badly are scattered over the gaps between them, and look again.
+        The sample is so thin that even the particle nearest to the true pose may fit badly. So
+        those that fit not too badly are scattered over the gaps between them and weighed again.
+        limits: of the number of particles then.
         """
-        search = self._settings
-        for look in range(2):
-            if look > 0:
-                particles.resample(samples)
-                particles.scatter(search.closer_xy, search.closer_theta)
-            particles.weigh(points, search.independent_beams, search.min_effective)
+        for again in (False, True):
+            if again:
+                particles.resample(limits)
+                particles.scatter(CLOSER_XY, CLOSER_THETA)
+            particles.weigh(points, INDEPENDENT_BEAMS, MIN_EFFECTIVE)
 
     def weigh(
         self, particles: ParticleFilter, points: NDArray[np.float64], information: float = 1.0
     ) -> None:
-        """Weigh particles by a further scan, so that no place is given up on it alone."""
-        search = self._settings
-        beams = information * search.independent_beams
-        hidden = beams * search.hidden_log_likelihood
-        particles.weigh(points, beams, search.min_effective, hidden)
+        """Weigh particles by a further scan, so lightly that it alone rules no place out."""
+        beams = information * INDEPENDENT_BEAMS
+        hidden = beams * HIDDEN_LOG_LIKELIHOOD
+        particles.weigh(points, beams, MIN_EFFECTIVE, hidden)

@@ -6,7 +6,22 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from localization.scan_check import Fit
-from localization.settings import HealthSettings
+
+# Thresholds between the states: those to get better are stricter than those to get worse.
+UNSURE_BELOW = 0.6  # mean fit of the scan
+LOCALIZED_ABOVE = 0.7
+LOST_BELOW = 0.45
+FOUND_ABOVE = 0.5
+UNSURE_WALL_CROSSING = 0.4  # share of the beams that pass through mapped walls
+LOCALIZED_WALL_CROSSING = 0.25
+UNSURE_SPREAD = 0.4  # m; standard deviation of the best cluster along its worst direction
+LOCALIZED_SPREAD = 0.3  # m
+UNSURE_SHARE = 0.7  # of the weight in the best cluster
+LOCALIZED_SHARE = 0.85
+MAX_JUMP_XY = 0.5  # m between the estimate and where the odometry would put it
+MAX_JUMP_THETA = 0.5  # rad; a scan with a larger jump is unsure
+WORSEN_AFTER = 1.3  # scans in a row, weighted by their information
+IMPROVE_AFTER = 4.0  # likewise
 
 
 class Health(StrEnum):
@@ -40,14 +55,25 @@ class Evidence:
 
 
 _RANK = {Health.LOST: 0, Health.UNSURE: 1, Health.LOCALIZED: 2}
-_ENOUGH = 1.0 - 1e-9  # sums of worths are not exact
+_ENOUGH = 1.0 - 1e-9  # sums of information weights are not exact
 
 
 class HealthMonitor:
-    """Judges each update by its evidence; wants several to agree before it changes its mind."""
+    """Judges each update by its evidence; the health changes when several in a row agree.
 
-    def __init__(self, settings: HealthSettings, health: Health = Health.UNSURE) -> None:
-        self._settings = settings
+    Scans taken a step apart count in full, those from the same place in part (their information
+    weight).
+    """
+
+    def __init__(
+        self,
+        health: Health = Health.UNSURE,
+        *,
+        worsen_after: float = WORSEN_AFTER,
+        improve_after: float = IMPROVE_AFTER,
+    ) -> None:
+        """Begin with a health; the others: scans in a row that change it, down or up."""
+        self._worsen_after, self._improve_after = worsen_after, improve_after
         self.health = health
         # Verdicts in a row that were all better, or all worse, with the information of their scans.
         self._run: list[tuple[Health, float]] = []
@@ -69,7 +95,7 @@ class HealthMonitor:
             return self.health, []
         goes_on = bool(self._run) and change * _change(self.health, self._run[0][0]) > 0
         run = [*(self._run if goes_on else []), (verdict, evidence.information)]
-        needed = self._settings.worsen_after if change < 0 else self._settings.improve_after
+        needed = self._worsen_after if change < 0 else self._improve_after
         if sum(information for _, information in run) < needed * _ENOUGH:
             return self.health, run
         # What all of the run agree on: the verdict nearest to the present health.
@@ -78,31 +104,30 @@ class HealthMonitor:
 
     def _verdict(self, evidence: Evidence) -> Health:
         """Judge one update alone; thresholds depend on the present health (hysteresis)."""
-        settings = self._settings
         if evidence.fit is None:
             return Health.LOST if self.health is Health.LOST else Health.UNSURE
-        lost_limit = settings.found_above if self.health is Health.LOST else settings.lost_below
+        lost_limit = FOUND_ABOVE if self.health is Health.LOST else LOST_BELOW
         if evidence.fit.fit_without_dynamic < lost_limit:
             return Health.LOST
         if self.health is Health.LOCALIZED:
             good = (
-                evidence.fit.fit_without_dynamic >= settings.unsure_below
-                and evidence.wall_crossing <= settings.unsure_through
-                and evidence.spread <= settings.unsure_spread
-                and evidence.share >= settings.unsure_share
+                evidence.fit.fit_without_dynamic >= UNSURE_BELOW
+                and evidence.wall_crossing <= UNSURE_WALL_CROSSING
+                and evidence.spread <= UNSURE_SPREAD
+                and evidence.share >= UNSURE_SHARE
             )
         else:
-            # People may hide the map from a robot that knows where it is; who does not must see it.
+            # People may hide the map while localized; to become localized the whole scan must fit.
             good = (
-                evidence.fit.whole >= settings.localized_above
-                and evidence.wall_crossing <= settings.localized_through
-                and evidence.spread <= settings.localized_spread
-                and evidence.share >= settings.localized_share
+                evidence.fit.whole >= LOCALIZED_ABOVE
+                and evidence.wall_crossing <= LOCALIZED_WALL_CROSSING
+                and evidence.spread <= LOCALIZED_SPREAD
+                and evidence.share >= LOCALIZED_SHARE
             )
         steady = (
             not evidence.relocated
-            and evidence.jump_xy <= settings.jump_xy
-            and evidence.jump_theta <= settings.jump_theta
+            and evidence.jump_xy <= MAX_JUMP_XY
+            and evidence.jump_theta <= MAX_JUMP_THETA
         )
         return Health.LOCALIZED if good and steady else Health.UNSURE
 

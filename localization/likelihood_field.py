@@ -11,9 +11,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from localization.settings import SensorSettings
 from maps.occupancy_map import OccupancyMap
 
+SIGMA = 0.1  # m; of an end point, from laser, map and particle spacing together
+RANDOM_SHARE = 0.1  # of the beams, ending anywhere: on people, on teammates
 _CHUNK = 1 << 17  # products looked up at once: what fits a core's cache
 _WIDEST = 32766  # columns of what cv2.remap returns
 
@@ -21,14 +22,18 @@ _WIDEST = 32766  # columns of what cv2.remap returns
 class LikelihoodField:
     """Log-likelihoods of end points, looked up in the nearest cell."""
 
-    def __init__(self, settings: SensorSettings, occupancy: OccupancyMap) -> None:
-        self._beams = settings.beams
+    def __init__(self, occupancy: OccupancyMap, beams: int, *, sigma: float = SIGMA) -> None:
+        """Prepare a map.
+
+        beams: of a scan, looked at unless ``log_weights`` is told another number. sigma: of an end
+        point's distance from the nearest obstacle, m.
+        """
+        self._beams = beams
         self._origin = occupancy.origin
         self._resolution = occupancy.resolution
-        fit = np.exp(-0.5 * (occupancy.distance_field() / np.float32(settings.sigma)) ** 2)
-        share = settings.random_share
-        self._log_image = np.log((1.0 - share) * fit + share).astype(np.float32)
-        self._log_outside = float(np.log(share))
+        fit = np.exp(-0.5 * (occupancy.distance_field() / np.float32(sigma)) ** 2)
+        self._log_image = np.log((1.0 - RANDOM_SHARE) * fit + RANDOM_SHARE).astype(np.float32)
+        self._log_outside = float(np.log(RANDOM_SHARE))
         # Kept: memory new from the system at every scan costs more than all the work in it.
         self._columns, self._rows, self._looked_up = np.empty((3, _CHUNK), dtype=np.float32)
 
@@ -44,7 +49,7 @@ class LikelihoodField:
         points: (m, 2) end points in base_link, m. The product over the beams is tempered to what
         ``independent_beams`` of them would tell: neighbouring beams hit the same surface and err
         together, so that a plain product would be overconfident. beams: how many are looked at, if
-        not as many as the settings say.
+        not as many as usual.
         """
         points = spread_evenly(points, min(beams or self._beams, _CHUNK))
         if len(points) == 0:

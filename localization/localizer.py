@@ -5,16 +5,23 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from localization.alternative_hypothesis import RivalSearch
+from localization.alternative_hypothesis import AlternativeSearch
 from localization.cluster import Cluster, best_cluster
 from localization.estimate import Estimate
 from localization.filter import ParticleFilter
 from localization.global_search import GlobalSearch
-from localization.health import Evidence, Health, HealthMonitor
+from localization.health import (
+    LOCALIZED_ABOVE,
+    LOCALIZED_SHARE,
+    LOCALIZED_WALL_CROSSING,
+    Evidence,
+    Health,
+    HealthMonitor,
+)
+from localization.kld import SampleLimits
 from localization.likelihood_field import LikelihoodField
 from localization.refinement import Refined, Refinement
 from localization.scan_check import Fit, ScanCheck
@@ -23,27 +30,49 @@ from localization.slip_search import SlipSearch
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
 
+MIN_SIGMA_XY = 0.0144  # m; no estimate is surer: the error of a place within a cell of 0.05 m
+MIN_SIGMA_THETA = 0.005  # rad; likewise, of the laser's mount
+INDEPENDENT_BEAMS = 12.0  # as many as the beams of one scan count as together
+
+# The information weight of a scan.
+FULL_STEP_XY = 0.2  # m of travel after which a scan counts in full
+FULL_STEP_THETA = 0.2  # rad of turning likewise
+STILL_INFORMATION = 0.3  # of a scan where the last one was taken: its errors are the same
+_STILL_DECAY = 0.8  # of that in a search, from one scan to the next on one spot
+
+# The search in a window round the estimate, when a scan does not fit where the odometry puts it.
+WINDOW_BELOW = 0.8  # fit of a scan, without dynamic beams, that starts it
+WINDOW_ABOVE = 0.75  # fit of a pose that is preferred
+WINDOW_GAIN = 0.1  # by which it must fit better
+WINDOW_SAMPLES = 3000
+WINDOW_XY = 1.0  # m either way
+WINDOW_THETA = 0.6  # rad either way
+
+# The search over the whole map.
+MAX_SEARCH_PARTICLES = 20_000  # until the robot is found, after the first scan
+KEPT_PARTICLES = 1000  # of the old belief, when a lost robot is searched for
+REPEAT_LOST = 15.0  # scans lost until the search starts again
+REPEAT_UNSURE = 4.0  # scans unsure and fitting badly until then
 _WINDOW_STEP = 0.2  # of a window's reach, to the sample nearest to the best pose in it
 _SLIPPED = 0.8  # of the belief goes to a place found back along the last step
-_STILL_DECAY = 0.8  # of a scan's weight in a search, from one scan to the next on one spot
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Sight:
-    """Where one scan is thought to be taken."""
+    """The pose hypothesis after one scan, with its evidence."""
 
     cluster: Cluster
     refined: Refined | None
     pose: Pose
     fit: Fit | None
     relocated: bool = False
-    """Whether it is found only beside where the odometry puts it."""
+    """Whether the scan fits only away from where the odometry puts the pose."""
 
 
 class Localizer:
     """Monte Carlo localization of the base in a known map.
 
-    There is no pose before ``start_at`` or ``start_anywhere``, then none before the first scan.
+    ``estimate`` is None until the first ``update`` after ``start_at`` or ``start_anywhere``.
     """
 
     def __init__(
@@ -52,31 +81,30 @@ class Localizer:
         occupancy: OccupancyMap,
         rng: np.random.Generator,
     ) -> None:
-        self._settings = settings
         self._rng = rng
-        field = LikelihoodField(settings.sensor, occupancy)
+        field = LikelihoodField(occupancy, settings.beams)
         self._filter = ParticleFilter(settings.motion, field, rng)
-        self._refinement = Refinement(settings.refinement, occupancy)
-        self._slips = SlipSearch(settings.slip, field, self._refinement)
-        self._check = ScanCheck(settings.check, occupancy, self._refinement.surface)
-        self._search = GlobalSearch(settings.search, occupancy)
+        self._refinement = Refinement(occupancy)
+        self._slips = SlipSearch(field, self._refinement)
+        self._check = ScanCheck(occupancy, self._refinement.surface)
+        self._search = GlobalSearch(occupancy)
+        self._limits = SampleLimits(
+            settings.min_particles, settings.max_particles, settings.particles
+        )
         # A number fixed for tracking would be too small for a search.
-        self._search_samples = msgspec.structs.replace(
-            settings.samples, fixed=None, maximum=settings.search.maximum_after
+        self._search_limits = SampleLimits(settings.min_particles, MAX_SEARCH_PARTICLES)
+        self._alternatives = AlternativeSearch(
+            settings.motion, self._search_limits, field, self._refinement, self._search, rng
         )
-        self._alternatives = RivalSearch(
-            settings, self._search_samples, field, self._refinement, self._search, rng
-        )
-        self._min_covariance = np.diag(
-            np.square((settings.floor.xy, settings.floor.xy, settings.floor.theta))
-        )
-        self._monitor = HealthMonitor(settings.health)
+        self._min_covariance = np.diag(np.square((MIN_SIGMA_XY, MIN_SIGMA_XY, MIN_SIGMA_THETA)))
+        self._monitor = HealthMonitor()
         self._started = False
         self._searching = False
-        self._uprooted = False  # whether it has gone where no odometry led, and not arrived yet
+        # Whether an alternative hypothesis may contest the pose before it counts as localized.
+        self._contestable = False
         self._last_odometry: Pose | None = None
         self._still_scans = 0
-        self._doubt = 0.0  # once whole, the whole map is searched
+        self._doubt = 0.0  # at 1, the whole map is searched
         self.estimate: Estimate | None = None
 
     @property
@@ -90,25 +118,25 @@ class Localizer:
         return self._filter.weights
 
     def start_at(self, pose: Pose, sigma_xy: float, sigma_theta: float) -> None:
-        """Believe in a pose (map_from_base) with standard deviations in m and rad."""
-        samples = self._settings.samples
-        count = samples.fixed if samples.fixed is not None else samples.maximum
+        """Start at a pose (map_from_base), with standard deviations in m and rad."""
+        limits = self._limits
+        count = limits.fixed if limits.fixed is not None else limits.maximum
         scatter = self._rng.standard_normal((count, 3)) * (sigma_xy, sigma_xy, sigma_theta)
         self._start_with(np.array(pose) + scatter, Health.UNSURE)
-        self._searching = self._uprooted = False
+        self._searching = self._contestable = False
 
     def start_anywhere(self) -> None:
-        """Believe in nothing: the robot may stand anywhere on the map's free floor.
+        """Start with particles all over the map's free floor.
 
         Raises MapError on a map without free floor.
         """
         self._start_with(self._search.sample(self._rng), Health.LOST)
-        self._searching = self._uprooted = True
+        self._searching = self._contestable = True
 
     def _start_with(self, particles: NDArray[np.float64], health: Health) -> None:
         self._filter.restart(particles)
         self._alternatives.forget()
-        self._monitor = HealthMonitor(self._settings.health, health)
+        self._monitor = HealthMonitor(health)
         self._started = True
         self._last_odometry = None
         self._doubt = 0.0
@@ -138,14 +166,14 @@ class Localizer:
             self._filter.predict(increment)
         self._last_odometry = odometry
         points = self._without_hiding(odometry, points)
-        if self._uprooted:
+        if self._contestable:
             self._alternatives.remember(increment, points)
         # 2. Weigh them by the scan.
         information = self._information(increment)
         if self._doubt >= 1.0 and self._search.possible:
             self._search_again(points)
         elif self._searching and increment is None:
-            self._search.weigh_first(self._filter, points, self._search_samples)
+            self._search.weigh_first(self._filter, points, self._search_limits)
         else:
             self._weigh(points, information)
         # 3. Take the best cluster, slid to where the scan fits best.
@@ -157,50 +185,52 @@ class Localizer:
         # 5. Judge how sure that is.
         self.estimate = self._judge(t, odometry, points, sight, information)
         # 6. Renew the set for the next scan.
-        self._filter.resample(self._search_samples if self._searching else self._settings.samples)
+        self._filter.resample(self._search_limits if self._searching else self._limits)
         return self.estimate
 
     def _without_hiding(self, odometry: Pose, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Leave out what lies on a large unmapped thing before a robot that knows where it is."""
+        """Return points (n, 2) without those on a large unmapped thing close ahead.
+
+        All of them while lost or searching: the pose is not known well enough to tell.
+        """
         if self.estimate is None or self.estimate.health is Health.LOST or self._searching:
             return points
         hiding = self._check.hiding(self.estimate.pose_at(odometry), points)
         return points if hiding is None else points[~hiding]
 
     def _search_again(self, points: NDArray[np.float64]) -> None:
-        """Search the whole map, but keep the old belief: a crowd may only have hidden the map."""
-        kept = self._filter.drawn(self._settings.search.kept)
+        """Mix particles all over the map with the old ones, which may be right but for a crowd."""
+        kept = self._filter.drawn(KEPT_PARTICLES)
         self._filter.restart(self._search.sample(self._rng))
-        self._search.weigh_first(self._filter, points, self._search_samples)
+        self._search.weigh_first(self._filter, points, self._search_limits)
         self._filter.belief = kept.mixed_with(self._filter.belief)
         self._alternatives.forget()
         self._alternatives.remember(None, points)
-        self._searching = self._uprooted = True
+        self._searching = self._contestable = True
         self._doubt = 0.0
 
     def _information(self, increment: Pose | None) -> float:
         """Return this scan's information weight, 0 to 1, after a step (None: the first scan).
 
-        Scans from the same spot repeat each other's errors; taken at full weight they would
-        breed a false confidence. A search, which must not decide between two places by such errors,
-        takes them at less and less.
+        Scans from the same spot repeat each other's errors; at full weight the covariance would
+        become too small. During a search, which must not decide between two places by such errors,
+        their weight decays from scan to scan.
         """
         if increment is None:
             return 1.0
-        sensor = self._settings.sensor
-        travel = math.hypot(increment.x, increment.y) / sensor.full_step_xy
-        step = max(travel, abs(increment.theta) / sensor.full_step_theta)
-        self._still_scans = 0 if step > sensor.still_worth else self._still_scans + 1
-        still_worth = sensor.still_worth
+        travel = math.hypot(increment.x, increment.y) / FULL_STEP_XY
+        step = max(travel, abs(increment.theta) / FULL_STEP_THETA)
+        still = STILL_INFORMATION
+        self._still_scans = 0 if step > still else self._still_scans + 1
         if self._searching:
-            still_worth *= _STILL_DECAY**self._still_scans
-        return min(1.0, max(still_worth, step))
+            still *= _STILL_DECAY**self._still_scans
+        return min(1.0, max(still, step))
 
     def _weigh(self, points: NDArray[np.float64], information: float) -> None:
         if self._searching:
             self._search.weigh(self._filter, points, information)
         else:
-            self._filter.weigh(points, information * self._settings.sensor.independent_beams)
+            self._filter.weigh(points, information * INDEPENDENT_BEAMS)
 
     def _look(self, points: NDArray[np.float64]) -> _Sight:
         """Return the best cluster and the pose in it that the scan fits best."""
@@ -212,7 +242,7 @@ class Localizer:
     def _look_back(
         self, sight: _Sight, increment: Pose | None, points: NDArray[np.float64]
     ) -> _Sight:
-        """Believe in a place back along the last step if the scan fits better there."""
+        """Return the hypothesis moved back along the last step if the scan fits better there."""
         slipped = None if increment is None else self._slips.find(sight.pose, increment, points)
         if slipped is None:
             return sight
@@ -226,32 +256,35 @@ class Localizer:
     def _look_around(
         self, sight: _Sight, points: NDArray[np.float64], information: float
     ) -> _Sight:
-        """Weigh poses in a window round a misfit; believe in them if the scan fits there."""
-        before, window = self._filter.belief, self._settings.window
-        if sight.fit is None or sight.fit.fit_without_dynamic >= window.below:
+        """Return the best hypothesis in a window round a pose that the scan does not fit.
+
+        The hypothesis given if the scan fits it, or fits nowhere else clearly better.
+        """
+        before = self._filter.belief
+        if sight.fit is None or sight.fit.fit_without_dynamic >= WINDOW_BELOW:
             return sight
-        reach = np.array((window.reach_xy, window.reach_xy, window.reach_theta))
-        offsets = self._rng.uniform(-1.0, 1.0, (window.samples, 3)) * reach
+        reach = np.array((WINDOW_XY, WINDOW_XY, WINDOW_THETA))
+        offsets = self._rng.uniform(-1.0, 1.0, (WINDOW_SAMPLES, 3)) * reach
         self._filter.restart(np.array(sight.cluster.mean) + offsets)
         self._weigh(points, information)
         best = Pose(*self.particles[self.weights.argmax()].tolist())
         refined = self._refinement.refine(best, np.diag(np.square(_WINDOW_STEP * reach)), points)
         if refined is not None:
             fit = self._check.fit(refined.pose, points)
-            needed = max(window.above, sight.fit.whole + window.gain)
-            # A false fit is seen through walls.
-            wall_crossing = self._check.through(refined.pose, points)
-            possible = wall_crossing <= self._settings.health.localized_through
+            needed = max(WINDOW_ABOVE, sight.fit.whole + WINDOW_GAIN)
+            # A wrong pose has beams that cross mapped walls.
+            wall_crossing = self._check.wall_crossing(refined.pose, points)
+            possible = wall_crossing <= LOCALIZED_WALL_CROSSING
             if fit is not None and fit.whole >= needed and possible:
-                self._uproot(points)
+                self._begin_way(points)
                 cluster = best_cluster(self.particles, self.weights)
                 return _Sight(cluster, refined, refined.pose, fit, relocated=True)
         self._filter.belief = before
         return sight
 
-    def _uproot(self, points: NDArray[np.float64]) -> None:
-        """Begin a new way: the robot is found where the odometry does not lead."""
-        self._uprooted = True
+    def _begin_way(self, points: NDArray[np.float64]) -> None:
+        """Let alternatives be searched from here on: the odometry does not lead to the pose."""
+        self._contestable = True
         self._alternatives.forget()
         self._alternatives.remember(None, points)
 
@@ -267,20 +300,20 @@ class Localizer:
         last = self.estimate
         jump = Pose(0.0, 0.0, 0.0) if last is None else last.pose_at(odometry).between(pose)
         before = self._monitor.health
-        # While all is well, following the beams through the map tells nothing new.
+        # While localized with a good fit, the wall-crossing share tells nothing new.
         seen = 0.0 if sight.fit is None else sight.fit.whole
-        well = before is Health.LOCALIZED and seen >= self._settings.window.above
+        well = before is Health.LOCALIZED and seen >= WINDOW_ABOVE
         evidence = Evidence(
             fit=sight.fit,
             spread=cluster.spread,
             share=cluster.share,
             relocated=sight.relocated,
-            wall_crossing=0.0 if well else self._check.through(pose, points),
+            wall_crossing=0.0 if well else self._check.wall_crossing(pose, points),
             jump_xy=math.hypot(jump.x, jump.y),
             jump_theta=abs(jump.theta),
             information=information,
         )
-        if self._uprooted and self._monitor.preview(evidence) is Health.LOCALIZED:
+        if self._contestable and self._monitor.preview(evidence) is Health.LOCALIZED:
             evidence = self._contested(evidence, pose)
         health = self._monitor.update(evidence)
         self._renew_doubt(before, health, sight.fit, information)
@@ -299,12 +332,12 @@ class Localizer:
         )
 
     def _contested(self, evidence: Evidence, pose: Pose) -> Evidence:
-        """Let the best other place contest a pose found; believe in both if it holds out.
+        """Return the evidence, with its share lowered if an alternative hypothesis is as likely.
 
-        A search must win clearly. A pose found near where the odometry led has that in its favour,
-        and must only not lose clearly.
+        The particles then hold both. The pose found by a search must be clearly likelier than the
+        alternative; one found near where the odometry led must only not be clearly less likely.
         """
-        alternative, clear = self._alternatives.find(pose), self._settings.health.localized_share
+        alternative, clear = self._alternatives.find(pose), LOCALIZED_SHARE
         if alternative is None or alternative.share >= (clear if self._searching else 1.0 - clear):
             return evidence
         self._filter.belief = self._filter.belief.mixed_with(alternative.belief, alternative.share)
@@ -314,12 +347,11 @@ class Localizer:
     def _renew_doubt(
         self, before: Health, health: Health, fit: Fit | None, information: float
     ) -> None:
-        """Count up to the next search of the whole map: at once when lost, then now and then."""
-        search = self._settings.search
+        """Count up to the next search of the whole map: at once when lost, later repeatedly."""
         if health is Health.LOCALIZED:
-            self._doubt, self._searching, self._uprooted = 0.0, False, False
+            self._doubt, self._searching, self._contestable = 0.0, False, False
         elif health is Health.LOST and before is not Health.LOST and not self._searching:
             self._doubt = 1.0
-        elif fit is not None and fit.whole < self._settings.health.localized_above:
-            scans = search.repeat_lost if health is Health.LOST else search.repeat_unsure
-            self._doubt += information / (scans or math.inf)
+        elif fit is not None and fit.whole < LOCALIZED_ABOVE:
+            scans = REPEAT_LOST if health is Health.LOST else REPEAT_UNSURE
+            self._doubt += information / scans

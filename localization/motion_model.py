@@ -16,6 +16,15 @@ from numpy.typing import NDArray
 from localization.settings import MotionSettings
 from maps.pose import Pose, wrap_angle
 
+# Standard deviations added at every update: without them the filter freezes while the wheels slip
+# or the robot is turned by hand.
+FLOOR_XY = 0.01  # m
+FLOOR_THETA = 0.01  # rad
+SLIP_SHARE = 0.1  # of the particles, moved as if the wheels had slipped
+MAX_SLIP = 0.5  # share of the counted translation that those lose, at most
+SLIP_LASTING = 0.7  # share of the particles that slipped which slip on at the next step
+SLIP_XY = 0.1  # m; more standard deviation of the particles that slip
+SLIP_THETA = 0.1  # rad; likewise
 _MIN_TRANSLATION = 0.01  # m; below it the direction of travel means nothing
 
 
@@ -39,30 +48,32 @@ def move_particles(
     increment: Pose,
     settings: MotionSettings,
     rng: np.random.Generator,
+    *,
+    slip_share: float = SLIP_SHARE,
 ) -> tuple[NDArray[np.float64], NDArray[np.float32]]:
     """Return particles (n, 3) moved by a sample each of the odometry's step, and their slips.
 
     particles: map_from_base. slips (n,): the share of a counted translation that each particle
     lost at its last step. ``increment``: the raw odometry's step in the frame of the robot at the
-    last update.
+    last update. slip_share: of the particles, moved as if the wheels had slipped.
     """
     count = len(particles)
     first, translation, second = decompose(increment)
     noise = rng.standard_normal((4, count), dtype=np.float32)
     travel = _translation_sigma(first, translation, second, settings)
     turn = _rotation_sigma(second, translation, settings)
-    aside_sigma = np.full(count, settings.floor_xy, dtype=np.float32)
-    travel_sigma = np.full(count, math.hypot(settings.floor_xy, travel), dtype=np.float32)
-    turn_sigma = np.full(count, math.hypot(settings.floor_theta, turn), dtype=np.float32)
-    slips = slips * (rng.random(count, dtype=np.float32) < settings.slip_lasting)
-    if settings.slip_share > 0.0:
-        scouts = slice(None, None, max(1, round(1.0 / settings.slip_share)))
-        slip_xy = settings.floor_xy + settings.slip_xy
-        slip_theta = settings.floor_theta + settings.slip_theta
+    aside_sigma = np.full(count, FLOOR_XY, dtype=np.float32)
+    travel_sigma = np.full(count, math.hypot(FLOOR_XY, travel), dtype=np.float32)
+    turn_sigma = np.full(count, math.hypot(FLOOR_THETA, turn), dtype=np.float32)
+    slips = slips * (rng.random(count, dtype=np.float32) < SLIP_LASTING)
+    if slip_share > 0.0:
+        scouts = slice(None, None, max(1, round(1.0 / slip_share)))
+        slip_xy = FLOOR_XY + SLIP_XY
+        slip_theta = FLOOR_THETA + SLIP_THETA
         aside_sigma[scouts] = slip_xy
         travel_sigma[scouts] = math.hypot(slip_xy, travel)
         turn_sigma[scouts] = math.hypot(slip_theta, turn)
-        slips[scouts] = settings.max_slip * rng.random(len(slips[scouts]), dtype=np.float32)
+        slips[scouts] = MAX_SLIP * rng.random(len(slips[scouts]), dtype=np.float32)
     # Single precision is ample for a step of a metre or so.
     heading = particles[:, 2].astype(np.float32)
     heading += first + _rotation_sigma(first, translation, settings) * noise[0]
@@ -88,8 +99,8 @@ def step_covariance(increment: Pose, settings: MotionSettings) -> NDArray[np.flo
         _rotation_sigma(first, translation, settings),
         _rotation_sigma(second, translation, settings),
     )
-    xy = math.hypot(settings.floor_xy, travel, translation * heading)
-    theta = math.hypot(settings.floor_theta, heading)
+    xy = math.hypot(FLOOR_XY, travel, translation * heading)
+    theta = math.hypot(FLOOR_THETA, heading)
     return np.diag(np.square((xy, xy, theta)))
 
 

@@ -18,10 +18,20 @@ from numpy.typing import NDArray
 
 from localization.distance_surface import DistanceSurface
 from localization.likelihood_field import spread_evenly
-from localization.settings import RefinementSettings
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose, wrap_angle
 
+MAX_POINTS = 180  # of a scan, spread evenly over it
+STEPS = 4  # of Gauss-Newton, at most
+INDEPENDENT_POINTS = 60.0  # as many as the points of one scan count as together
+SIGMA = 0.05  # m; of an end point's distance from the mapped surface
+COVARIANCE_POINTS = 6.0  # as INDEPENDENT_POINTS, for the stated covariance
+MIN_RESIDUAL = 0.01  # m; the laser's own noise
+KERNEL = 0.15  # m; end points farther from the map than this hardly pull
+MIN_XY = 0.05  # m; sigma of the cloud, at least: a few hundred samples are never surer
+MIN_THETA = 0.025  # rad; likewise
+LIMIT_XY = 0.3  # m from the cloud's mean; a refinement farther away is refused
+LIMIT_THETA = 0.15  # rad; likewise
 _CLOUD_SIGMAS = 4.0  # a refinement farther than this from the cloud's mean is refused
 _FAR_KERNELS = 3.0  # end points farther from the map than this pull no more
 _CONVERGED = 3e-3  # m and rad
@@ -54,11 +64,17 @@ class _Misfit:
 class Refinement:
     """Refines poses against one map."""
 
-    def __init__(self, settings: RefinementSettings, occupancy: OccupancyMap) -> None:
-        self._settings = settings
-        least = (settings.min_xy, settings.min_xy, settings.min_theta)
-        self._min_covariance = np.diag(np.square(least))
-        self.surface = DistanceSurface(occupancy, _FAR_KERNELS * settings.kernel)
+    def __init__(
+        self,
+        occupancy: OccupancyMap,
+        *,
+        limit_xy: float = LIMIT_XY,
+        limit_theta: float = LIMIT_THETA,
+    ) -> None:
+        """Prepare a map. limit_xy, limit_theta: farthest a pose is moved, m and rad."""
+        self._limit_xy, self._limit_theta = limit_xy, limit_theta
+        self._min_covariance = np.diag(np.square((MIN_XY, MIN_XY, MIN_THETA)))
+        self.surface = DistanceSurface(occupancy, _FAR_KERNELS * KERNEL)
 
     def refine(
         self, mean: Pose, covariance: NDArray[np.float64], points: NDArray[np.float64]
@@ -67,14 +83,14 @@ class Refinement:
 
         mean, covariance (3, 3): the particle cloud's. points (m, 2): end points in base_link, m.
         """
-        ends = as_complex(spread_evenly(points, self._settings.points))
+        ends = as_complex(spread_evenly(points, MAX_POINTS))
         if len(ends) < TOO_FEW_POINTS:
             return None
         prior = np.linalg.inv(covariance + self._min_covariance)
         away: NDArray[np.float64] = np.zeros(3)
         best, best_misfit = away, None
         start_cost = best_cost = math.inf
-        for step in range(self._settings.steps + 1):
+        for step in range(STEPS + 1):
             misfit = self._misfit(_moved(mean, away), ends)
             pull_back = prior @ away
             cost = misfit.cost + 0.5 * float(away @ pull_back)
@@ -96,12 +112,12 @@ class Refinement:
         # Turning the robot moves an end point at right angles to its lever arm.
         slope_theta = slope_y * arms.real - slope_x * arms.imag
         rows = np.array((slope_x, slope_y, slope_theta, distance))
-        pull = np.exp(distance * distance * np.float32(-0.5 / self._settings.kernel**2))
+        pull = np.exp(distance * distance * np.float32(-0.5 / KERNEL**2))
         moments = ((rows * pull) @ rows.T).astype(np.float64)
         total = float(pull.sum())
         scale = self._information_per_point(len(ends))
         return _Misfit(
-            cost=scale * self._settings.kernel**2 * (len(ends) - total),
+            cost=scale * KERNEL**2 * (len(ends) - total),
             gradient=scale * moments[:3, 3],
             curvature=scale * moments[:3, :3],
             residual=math.sqrt(moments[3, 3] / max(total, 1.0)),
@@ -116,21 +132,19 @@ class Refinement:
         least squares): where the map is blurred, the pose is less sure. They err together, so
         that a whole scan counts as a few independent ones.
         """
-        settings = self._settings
-        residual = max(misfit.residual, settings.min_residual)
-        information = min(1.0, settings.covariance_points / count) / residual**2
+        residual = max(misfit.residual, MIN_RESIDUAL)
+        information = min(1.0, COVARIANCE_POINTS / count) / residual**2
         per_point = misfit.curvature / self._information_per_point(count)
         covariance = np.asarray(np.linalg.inv(per_point * information + prior), dtype=np.float64)
         return 0.5 * (covariance + covariance.T)  # single precision moments are not quite symmetric
 
     def _information_per_point(self, count: int) -> float:
-        return min(1.0, self._settings.independent_points / count) / self._settings.sigma**2
+        return min(1.0, INDEPENDENT_POINTS / count) / SIGMA**2
 
     def _is_near(self, away: NDArray[np.float64], information: NDArray[np.floating[Any]]) -> bool:
-        limits = self._settings
         return (
-            math.hypot(away[0], away[1]) <= limits.limit_xy
-            and abs(away[2]) <= limits.limit_theta
+            math.hypot(away[0], away[1]) <= self._limit_xy
+            and abs(away[2]) <= self._limit_theta
             and float(away @ information @ away) <= _CLOUD_SIGMAS**2
         )
 

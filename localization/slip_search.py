@@ -1,8 +1,8 @@
-"""Look back along a step of the odometry: the wheels may have slipped.
+"""Search back along a step of the odometry for a place that wheels which slipped would explain.
 
-A bare corridor hides a slip from the particles: most beams end on its sides, which fit as well all
-along it, and the few that tell are outvoted by the odometry. Along this one line every beam can be
-heard in full.
+In a bare corridor particles do not show a slip: most beams end on its sides, which fit equally well
+all along it, and the few other beams weigh less than the odometry. Along this one line a scan can
+be given much more information weight.
 """
 
 from __future__ import annotations
@@ -14,20 +14,27 @@ from numpy.typing import NDArray
 
 from localization.likelihood_field import LikelihoodField
 from localization.refinement import Refined, Refinement
-from localization.settings import SlipSettings
 from maps.pose import Pose
+
+MAX_SLIP = 0.5  # share of a counted translation, lost at most
+CANDIDATES = 10  # places tried, spread evenly up to it
+BEAMS = 180  # of a scan, spread evenly over it, at most: few of them tell
+INDEPENDENT_BEAMS = 60.0  # as many as they count as together
+MIN_GAIN = 2.0  # of log-likelihood, for a place to be preferred
+MIN_SHIFT = 0.1  # m; a smaller shift is left to the filter
 
 
 class SlipSearch:
-    """Compares a pose with those where the robot would be had its wheels slipped."""
+    """Compares a pose with those of wheels that slipped by some share of the last step."""
 
     def __init__(
-        self, settings: SlipSettings, field: LikelihoodField, refinement: Refinement
+        self, field: LikelihoodField, refinement: Refinement, *, min_gain: float = MIN_GAIN
     ) -> None:
-        self._settings = settings
+        """Prepare for one map. min_gain: of log-likelihood, for a place to be preferred."""
+        self._min_gain = min_gain
         self._field = field
         self._refinement = refinement
-        self._lost = np.arange(1, settings.candidates + 1) / settings.candidates * settings.most
+        self._lost = np.arange(1, CANDIDATES + 1) / CANDIDATES * MAX_SLIP
 
     def find(self, pose: Pose, increment: Pose, points: NDArray[np.float64]) -> Refined | None:
         """Return where behind ``pose`` (map_from_base) the scan fits clearly better, or None.
@@ -35,21 +42,21 @@ class SlipSearch:
         increment: the odometry's last step (base_then_from_base_now). points (m, 2): base_link, m.
         """
         travel = math.hypot(increment.x, increment.y)
-        if travel * self._settings.most < self._settings.min_xy:
+        if travel * MAX_SLIP < MIN_SHIFT:
             return None
         behind = self._behind(pose, increment, travel)
         fits = self._fits(np.vstack((np.array(pose), behind)), points)
         best = int(fits[1:].argmax())
         if fits[1 + best] < fits[0]:
             return None
-        spacing = travel * self._settings.most / self._settings.candidates
+        spacing = travel * MAX_SLIP / CANDIDATES
         place = Pose(*behind[best].tolist())
         refined = self._refinement.refine(place, np.diag((spacing**2, spacing**2, 1e-3)), points)
         if refined is None:
             return None
         shift = math.hypot(refined.pose.x - pose.x, refined.pose.y - pose.y)
         gain = float(self._fits(np.array([refined.pose]), points)[0] - fits[0])
-        if shift < self._settings.min_xy or gain < self._settings.gain:
+        if shift < MIN_SHIFT or gain < self._min_gain:
             return None
         return refined
 
@@ -64,5 +71,4 @@ class SlipSearch:
         return places
 
     def _fits(self, poses: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
-        settings = self._settings
-        return self._field.log_weights(poses, points, settings.independent_beams, settings.beams)
+        return self._field.log_weights(poses, points, INDEPENDENT_BEAMS, BEAMS)

@@ -127,7 +127,7 @@ class Agent:
             else None
         )
         self.heading_loop = HeadingLoop()
-        self.teleop = Teleop(config.teleop) if config.teleop.enabled else None
+        self.teleop = Teleop() if config.teleop.enabled else None
         self.recovery = RecoveryTurn()
         limits = gate_limits(config.gate, config.laser.scan_period)
         self.gate = SafetyGate(limits)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -40,30 +41,46 @@ class ConfigError(ValueError):
 class RobotSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Who this robot is."""
 
-    name: KeyPart = "robot1"
-    team: KeyPart = "team"
-    seed: Annotated[int, msgspec.Meta(ge=0)] = 0
-    """Seed of all the agent's random draws."""
+    name: Annotated[
+        KeyPart,
+        msgspec.Meta(description="Name of this robot, which no other of the team has"),
+    ] = "robot1"
+    team: Annotated[KeyPart, msgspec.Meta(description="Name of the team")] = "team"
+    seed: Annotated[int, msgspec.Meta(ge=0, description="Seed of all the agent's random draws")] = 0
 
 
 class MapSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where the robot patrols."""
 
-    folder: str = "paper_lab"
-    """A map folder, relative to the configuration file, or the name of a shipped map."""
-    border: str = "border"
-    """Which border file of the folder, without ``.toml``."""
+    folder: Annotated[
+        str,
+        msgspec.Meta(
+            description="Map folder, relative to the configuration file, or name of a shipped map"
+        ),
+    ] = "paper_lab"
+    border: Annotated[str, msgspec.Meta(description="Border file of the folder, without .toml")] = (
+        "border"
+    )
 
 
 class TelemetrySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Where telemetry goes."""
 
-    operator: Annotated[str, msgspec.Meta(pattern=r"^$|^(tcp|tls)/[^/\s]+:\d{1,5}$")] = ""
-    """Endpoint the operator listens on, e.g. ``tcp/192.168.1.10:7447``; empty: no telemetry."""
-    keys: Annotated[str, msgspec.Meta(pattern=r"^$|^/")] = ""
-    """Folder of this robot's keys, as ``patrol keys`` makes it; needed for a tls endpoint."""
-    queue: Annotated[int, msgspec.Meta(ge=1, le=10_000)] = 256
-    """Payloads that may wait for the network before the oldest is dropped."""
+    operator: Annotated[
+        str,
+        msgspec.Meta(
+            pattern=r"^$|^(tcp|tls)/[^/\s]+:\d{1,5}$",
+            description="Endpoint the operator listens on, e.g. tcp/192.168.1.10:7447; empty: no"
+            " telemetry",
+        ),
+    ] = ""
+    keys: Annotated[
+        str,
+        msgspec.Meta(
+            pattern=r"^$|^/",
+            description="Folder of this robot's keys, as `patrol keys` makes it; needed for tls/",
+        ),
+    ] = ""
 
     def __post_init__(self) -> None:
         """Refuse an endpoint that asks for certificates without any."""
@@ -76,12 +93,27 @@ class TelemetrySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknow
 class RecorderSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The flight recorder."""
 
-    folder: str = ""
-    """Where recordings go; empty means none is made."""
-    keep_mb: Annotated[float, msgspec.Meta(gt=0.0)] = 4000.0
-    """MB that all runs of this robot in the folder may take; the oldest are deleted."""
-    leave_free_mb: Annotated[float, msgspec.Meta(ge=0.0)] = 200.0
-    """MB of the disk never taken: runs are deleted, then recording ends, before that."""
+    folder: Annotated[
+        str, msgspec.Meta(description="Folder of the recordings; empty: none is made")
+    ] = ""
+    keep_mb: Annotated[
+        float,
+        msgspec.Meta(
+            gt=0.0,
+            description="Space that all runs of this robot in the folder may take; the oldest are"
+            " deleted",
+            extra={"unit": "MB"},
+        ),
+    ] = 4000.0
+    leave_free_mb: Annotated[
+        float,
+        msgspec.Meta(
+            ge=0.0,
+            description="Space of the disk never taken: runs are deleted, then recording ends,"
+            " before that",
+            extra={"unit": "MB"},
+        ),
+    ] = 200.0
 
 
 class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -129,11 +161,12 @@ def parse_config(content: bytes, source: str) -> AgentConfig:
     """
     try:
         told = tomllib.loads(content.decode())
-        return _with_noise_of_model(msgspec.convert(told, AgentConfig), told)
-    except msgspec.ValidationError as error:
-        raise ConfigError(_explain(source, str(error))) from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{source}: is not TOML: {error}; correct that line") from error
+    try:
+        return _with_noise_of_model(msgspec.convert(told, AgentConfig), told)
+    except msgspec.ValidationError as error:
+        raise ConfigError(_explain(source, str(error), told)) from error
 
 
 def _with_noise_of_model(config: AgentConfig, told: dict[str, Any]) -> AgentConfig:
@@ -151,17 +184,37 @@ def _with_noise_of_model(config: AgentConfig, told: dict[str, Any]) -> AgentConf
     return msgspec.structs.replace(config, localization=localization)
 
 
-def _explain(source: str, complaint: str) -> str:
-    """Turn msgspec's complaint into «file: key: reason; remedy»."""
+def _explain(source: str, complaint: str, told: dict[str, Any]) -> str:
+    """Turn msgspec's complaint about a table into «file: key: reason; remedy»."""
     reason, _, place = complaint.partition(" - at `$")
     section = place.rstrip("`").lstrip(".")
     unknown = re.match(r"Object contains unknown field `(.*)`", reason)
     if unknown:
-        key = ".".join(part for part in (section, unknown[1]) if part)
+        key = _full_key(".".join(part for part in (section, unknown[1]) if part), told)
         return f"{source}: {key}: {_former_key(key)}"
     return (
         f"{source}: {section or 'top level'}: {reason[:1].lower()}{reason[1:]}; correct the value"
     )
+
+
+def _full_key(unknown: str, told: dict[str, Any]) -> str:
+    """Return the first key in an unknown section that was one before, else ``unknown``."""
+    formerly = [key for key in (*RENAMED_KEYS, *FIXED_KEYS) if key.startswith(f"{unknown}.")]
+    if not formerly:
+        return unknown
+    section: Any = told
+    for name in unknown.split("."):
+        section = section[name]
+    return next(iter(_leaves(section, unknown)), unknown)
+
+
+def _leaves(value: Any, place: str) -> Iterator[str]:
+    """Yield the dotted keys of everything in a table that is no table itself."""
+    if not isinstance(value, dict):
+        yield place
+        return
+    for name, item in value.items():
+        yield from _leaves(item, f"{place}.{name}")
 
 
 def _former_key(key: str) -> str:
@@ -170,7 +223,7 @@ def _former_key(key: str) -> str:
         return f"is called {RENAMED_KEYS[key]} now; rename it"
     if key in FIXED_KEYS:
         return f"is no setting any more but always {FIXED_KEYS[key]!r}; delete the line"
-    return "unknown key; see `patrol agent --print-config` for the known ones"
+    return "unknown key; see `patrol agent --list-settings` for the known ones"
 
 
 def format_config(config: AgentConfig) -> str:

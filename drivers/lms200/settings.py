@@ -20,26 +20,64 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
     A laser behind the base controller's auxiliary port is not supported: TTY2 and SERAUX carry at
     most 200 bytes a cycle of 100 ms, a scan of 181 values takes 372.
-    url: serial device, pty path, or socket://host:port
-    baud: rate to run at; 500000 needs RS-422
-    field_of_view_deg: 180 or 100, centred ahead
-    resolution_deg: 1.0, 0.5 (two interlaced mirror turns) or, of 100 degrees, 0.25 (four turns)
-    measuring_mode: number in the listing; 5 is up to 32 m and a reflector bit
-    units: mm, or cm for ten times the mode's range
-    partial_scans: each mirror turn comes as a scan of its own, steps of 1 degree
-    mount: laser in base_link, (x m, y m, theta rad); None takes it from the robot's model
-    silence: s without a scan after which the laser is looked for again
     """
 
-    url: str = "/dev/ttyS2"
-    baud: Literal[9600, 19200, 38400, 500000] = 38400
-    field_of_view_deg: Literal[100, 180] = 180
-    resolution_deg: float = 1.0
-    measuring_mode: int = MODE_32_M
-    units: Literal["mm", "cm"] = "mm"
-    partial_scans: bool = False
-    mount: tuple[float, float, float] | None = None
-    silence: Annotated[float, msgspec.Meta(gt=0.0)] = 2.0
+    url: Annotated[
+        str,
+        msgspec.Meta(
+            description="Serial port of the laser: device, pseudo-terminal or socket://host:port"
+        ),
+    ] = "/dev/ttyS2"
+    baud: Annotated[
+        Literal[9600, 19200, 38400, 500000],
+        msgspec.Meta(
+            description="Rate the laser's line is run at; 500000 needs RS-422",
+            extra={"unit": "baud"},
+        ),
+    ] = 38400
+    field_of_view_deg: Annotated[
+        Literal[100, 180],
+        msgspec.Meta(description="Field of view, centred ahead", extra={"unit": "deg"}),
+    ] = 180
+    resolution_deg: Annotated[
+        float,
+        msgspec.Meta(
+            description="Angle between beams: 1.0, 0.5 (two interlaced mirror turns) or, of 100"
+            " degrees, 0.25 (four turns)",
+            extra={"unit": "deg"},
+        ),
+    ] = 1.0
+    measuring_mode: Annotated[
+        int,
+        msgspec.Meta(
+            description="Number in SICK's telegram listing; 5 is up to 32 m and a reflector bit"
+        ),
+    ] = MODE_32_M
+    units: Annotated[
+        Literal["mm", "cm"],
+        msgspec.Meta(description="Unit of the ranges sent; cm is for ten times the mode's range"),
+    ] = "mm"
+    partial_scans: Annotated[
+        bool,
+        msgspec.Meta(
+            description="Each mirror turn comes as a scan of its own, in steps of 1 degree"
+        ),
+    ] = False
+    mount: Annotated[
+        tuple[float, float, float] | None,
+        msgspec.Meta(
+            description="Place of the laser in base_link: x, y, theta; unset: the model's",
+            extra={"unit": "m, m, rad"},
+        ),
+    ] = None
+    silence: Annotated[
+        float,
+        msgspec.Meta(
+            gt=0.0,
+            description="Time without a scan after which the laser is looked for again",
+            extra={"unit": "s"},
+        ),
+    ] = 2.0
 
     def __post_init__(self) -> None:
         if self.variant not in VARIANTS:

@@ -15,6 +15,10 @@ from drivers.p2os.commands import REQUEST_CONFIG, STAND_STILL, STOP, Command, co
 from drivers.p2os.config_packet import ConfigPacket
 from drivers.p2os.settings import BaseSettings
 
+ACCELERATION = 0.3  # m/s^2
+DECELERATION = 0.6  # m/s^2
+TURN_ACCELERATION = 1.75  # rad/s^2
+TURN_DECELERATION = 1.75  # rad/s^2
 CONFIG_TIMEOUT = 1.0  # s
 CONFIG_RETRY = 0.33  # s
 CONFIG_TRIES = 3
@@ -132,10 +136,10 @@ def limit_commands(settings: BaseSettings) -> list[Command]:
     return [
         command(CommandNumber.SETV, _whole_millimetres(settings.max_speed)),
         command(CommandNumber.SETRV, _whole_degrees(settings.max_turn_rate)),
-        command(CommandNumber.SETA, _whole_millimetres(settings.acceleration)),
-        command(CommandNumber.SETA, -_whole_millimetres(settings.deceleration)),
-        command(CommandNumber.SETRA, _whole_degrees(settings.turn_acceleration)),
-        command(CommandNumber.SETRA, -_whole_degrees(settings.turn_deceleration)),
+        command(CommandNumber.SETA, _whole_millimetres(ACCELERATION)),
+        command(CommandNumber.SETA, -_whole_millimetres(DECELERATION)),
+        command(CommandNumber.SETRA, _whole_degrees(TURN_ACCELERATION)),
+        command(CommandNumber.SETRA, -_whole_degrees(TURN_DECELERATION)),
     ]
 
 

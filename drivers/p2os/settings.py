@@ -6,22 +6,46 @@ from typing import Annotated, Literal
 
 import msgspec
 
-Speed = Annotated[float, msgspec.Meta(gt=0.0, le=2.2)]
-TurnRate = Annotated[float, msgspec.Meta(gt=0.0, le=8.7)]
-Acceleration = Annotated[float, msgspec.Meta(gt=0.0, le=5.0)]
-TurnAcceleration = Annotated[float, msgspec.Meta(gt=0.0, le=30.0)]
-
 
 class BaseSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The robot base: its serial port, model and the motion limits given to its controller."""
+    """The robot base: its serial port, model and the speed limits given to its controller."""
 
-    url: str = "/dev/ttyS0"  # pyserial URL
-    baud: Literal[9600, 19200, 38400, 57600, 115200] = 9600
-    model: str = "p2dx"  # used when the robot reports a subclass without a model file
-    max_speed: Speed = 0.5  # m/s
-    max_turn_rate: TurnRate = 1.75  # rad/s
-    acceleration: Acceleration = 0.3  # m/s^2
-    deceleration: Acceleration = 0.6  # m/s^2
-    turn_acceleration: TurnAcceleration = 1.75  # rad/s^2
-    turn_deceleration: TurnAcceleration = 1.75  # rad/s^2
-    bump_stall: Literal["off", "front", "rear", "both"] = "off"  # bumpers that stop the motors
+    url: Annotated[
+        str,
+        msgspec.Meta(
+            description="Serial port of the base: device, pseudo-terminal or socket://host:port"
+        ),
+    ] = "/dev/ttyS0"
+    baud: Annotated[
+        Literal[9600, 19200, 38400, 57600, 115200],
+        msgspec.Meta(description="Rate of the base's line", extra={"unit": "baud"}),
+    ] = 9600
+    model: Annotated[
+        str,
+        msgspec.Meta(
+            description="Model file used if the robot reports a subclass without one; its odometry"
+            " noise is the default of localization.motion"
+        ),
+    ] = "p2dx"
+    max_speed: Annotated[
+        float,
+        msgspec.Meta(
+            gt=0.0,
+            le=2.2,
+            description="Largest speed the base's controller accepts",
+            extra={"unit": "m/s"},
+        ),
+    ] = 0.5
+    max_turn_rate: Annotated[
+        float,
+        msgspec.Meta(
+            gt=0.0,
+            le=8.7,
+            description="Largest turn rate the base's controller accepts",
+            extra={"unit": "rad/s"},
+        ),
+    ] = 1.75
+    bump_stall: Annotated[
+        Literal["off", "front", "rear", "both"],
+        msgspec.Meta(description="Bumpers that stop the motors, of a robot that has any"),
+    ] = "off"

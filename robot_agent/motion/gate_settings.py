@@ -16,26 +16,36 @@ NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]
 class GateSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Body, speeds and battery of one robot, for the gate; its other limits are constants."""
 
-    front: Positive = 0.21
-    """m from the axle to the foremost point of the body"""
-    rear: Positive = 0.301
-    """m from the axle to the rearmost point"""
-    half_width: Positive = 0.2125
-    """m"""
-    margin: NotNegative = 0.08
-    """m kept free beside while driving"""
-    max_speed: Positive = 0.5
-    """m/s"""
-    unsure_speed: NotNegative = 0.15
-    """m/s while the localization is unsure, or not needed"""
-    max_turn_rate: Positive = 1.5
-    """rad/s"""
-    max_scan_age: Positive | None = None
-    """s since the last scan was measured; absent: as the laser's rate asks"""
-    battery_cutoff: Positive = 11.0
-    """V; near it the controller itself shuts down"""
-    battery_resume: Positive = 12.0
-    """V"""
+    front: Annotated[
+        Positive,
+        msgspec.Meta(
+            description="from the axle to the foremost point of the body", extra={"unit": "m"}
+        ),
+    ] = 0.21
+    rear: Annotated[
+        Positive,
+        msgspec.Meta(description="from the axle to the rearmost point", extra={"unit": "m"}),
+    ] = 0.301
+    half_width: Annotated[
+        Positive, msgspec.Meta(description="half the body's width", extra={"unit": "m"})
+    ] = 0.2125
+    margin: Annotated[
+        NotNegative, msgspec.Meta(description="kept free beside while driving", extra={"unit": "m"})
+    ] = 0.08
+    max_speed: Annotated[
+        Positive, msgspec.Meta(description="limit of the forward speed", extra={"unit": "m/s"})
+    ] = 0.5
+    max_turn_rate: Annotated[
+        Positive, msgspec.Meta(description="limit of the turning rate", extra={"unit": "rad/s"})
+    ] = 1.5
+    battery_cutoff: Annotated[
+        Positive,
+        msgspec.Meta(description="near it the controller itself shuts down", extra={"unit": "V"}),
+    ] = 11.0
+    battery_resume: Annotated[
+        Positive,
+        msgspec.Meta(description="from which a robot may drive again", extra={"unit": "V"}),
+    ] = 12.0
 
     def __post_init__(self) -> None:
         """Refuse a battery that would be low and well at once."""
@@ -49,6 +59,6 @@ class GateSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 def gate_limits(settings: GateSettings, scan_period: float | None = None) -> GateLimits:
     """Return the limits for a robot; a laser that gives a scan each period, s, sets their age."""
     limits = GateLimits(**msgspec.structs.asdict(settings))
-    if settings.max_scan_age is not None or scan_period is None:
+    if scan_period is None:
         return limits
     return msgspec.structs.replace(limits, max_scan_age=scan_age_limit(scan_period))

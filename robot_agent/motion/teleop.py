@@ -12,26 +12,27 @@ import msgspec
 
 from robot_agent.messages.events import OperatorKey
 
+_SPEED = 0.15  # m/s
+_TURN_RATE = 0.4  # rad/s
 HOLD_S = 0.7
 """How long a key is good for: longer than keyboards wait before they repeat it."""
 
 
 class TeleopSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Limits of driving by keys; the gate's limited mode has its own, tighter or not."""
+    """Whether the robot is driven by keys."""
 
-    enabled: bool = False
-    """Set by `patrol record`: an agent that obeys keys does nothing else."""
-    speed: Annotated[float, msgspec.Meta(gt=0.0, le=0.3)] = 0.15
-    """m/s"""
-    turn_rate: Annotated[float, msgspec.Meta(gt=0.0, le=1.0)] = 0.4
-    """rad/s"""
+    enabled: Annotated[
+        bool,
+        msgspec.Meta(
+            description="Set by `patrol record`: an agent that obeys keys does nothing else."
+        ),
+    ] = False
 
 
 class Teleop:
     """Turns keys into requested velocities, each for its moment."""
 
-    def __init__(self, settings: TeleopSettings) -> None:
-        self._settings = settings
+    def __init__(self) -> None:
         self._key: OperatorKey | None = None
 
     def press(self, key: OperatorKey) -> None:
@@ -40,8 +41,8 @@ class Teleop:
 
     def requested(self, t: float) -> tuple[float, float]:
         """Return what is asked for at t, s: (v m/s, w rad/s), forwards or turning only."""
-        key, settings = self._key, self._settings
+        key = self._key
         if key is None or not 0.0 <= t - key.t < HOLD_S:
             return 0.0, 0.0
         ahead, left = min(max(key.ahead, 0), 1), min(max(key.left, -1), 1)
-        return ahead * settings.speed, left * settings.turn_rate
+        return ahead * _SPEED, left * _TURN_RATE

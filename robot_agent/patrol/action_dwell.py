@@ -6,6 +6,8 @@ import math
 
 from robot_agent.patrol.actions import Action
 
+MINIMUM_DWELL = 0.5
+"""s an action lasts, unless Avoid Teammate is called for."""
 _EQUAL = 1e-9  # s
 
 

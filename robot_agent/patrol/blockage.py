@@ -12,16 +12,16 @@ from robot_agent.patrol.situation import Situation
 from robot_agent.patrol.supervisor import Choice
 from robot_agent.patrol.turn_log import TurnCause
 
+_PATIENCE = 10.0  # s an object may hold the robot before it turns back
 _MOVED = 0.15  # m; a robot that got so far is not held at one place
 _PAUSE = 1.0  # s without being held that end it; the gate's noise is shorter
 _TEAMMATE_NEAR = 1.0  # m; a teammate so near may be the object, and is waited for
 
 
 class Blockage:
-    """Turns a robot that an object has held at one place for ``patience``, s."""
+    """Turns a robot that an object has held at one place for long."""
 
-    def __init__(self, patience: float) -> None:
-        self._patience = patience
+    def __init__(self) -> None:
         self._held = HeldAtPlace(_MOVED, _PAUSE)
 
     def propose(
@@ -36,7 +36,7 @@ class Blockage:
             return None
         if not situation.held:
             return None
-        if self._held.update(situation.t, situation.position) < self._patience:
+        if self._held.update(situation.t, situation.position) < _PATIENCE:
             return None
         self._held.forget()
         return Override(OverrideReason.BLOCKAGE, turn=TurnCause.BLOCKAGE)

@@ -16,6 +16,7 @@ import numpy as np
 
 from maps.border import Border, BorderProjection
 from maps.pose import Pose
+from robot_agent.patrol.action_dwell import MINIMUM_DWELL
 from robot_agent.patrol.actions import PATROL_DIRECTION, PATROLLING, Action, action_velocity
 from robot_agent.patrol.automaton import Automaton, require_safety_distance
 from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
@@ -288,9 +289,9 @@ def _make_modifiers(
 ) -> list[Modifier]:
     """Return the modifiers the settings name, in their order."""
     makers: dict[str, Callable[[], Modifier]] = {
-        STANDOFF: lambda: Standoff(settings.standoff_time),
+        STANDOFF: Standoff,
         HOLD_AT_END: HoldAtEnd,
-        BLOCKAGE: lambda: Blockage(settings.blockage_time),
+        BLOCKAGE: Blockage,
         CLOSING_IN: lambda: ClosingIn(border, make_chooser(), turns, rng),
         EVEN_GAPS: lambda: EvenGaps(border, settings.patrol_speed, turns, rng),
     }
@@ -305,7 +306,7 @@ def _choosers(settings: PatrolSettings, border: Border) -> Callable[[], ActionCh
 
     Raises RulesError.
     """
-    dwell = settings.minimum_dwell if DWELL in settings.modifiers else 0.0
+    dwell = MINIMUM_DWELL if DWELL in settings.modifiers else 0.0
     if settings.supervisor == "automaton":
         require_safety_distance(settings.safety_distance)
         return lambda: Automaton(dwell)

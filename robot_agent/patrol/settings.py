@@ -35,44 +35,83 @@ DEFAULT_MODIFIERS: tuple[ModifierName, ...] = (
 class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Settings of one robot's patrol; the printed values of the paper are marked [paper]."""
 
-    reach_gain: Positive = 0.3
-    """1/s, lambda_rf [paper]"""
-    avoid_gain: Positive = 0.3
-    """1/s, lambda_ta [paper]"""
-    approach_speed: Positive = 0.5
-    """m/s, limit of Reach Frontier and of every sum [paper]"""
-    patrol_speed: Positive = 0.35
-    """m/s, lambda_cw = lambda_ccw [paper]"""
-    escape_speed: Positive = 0.3
-    """m/s, limit of Teammate Avoidance [paper]"""
-    safety_distance: Positive = 2.4
-    """m, d_s"""
-    patrolling_distance: Positive = 0.7
-    """m, theta_th1: nearer the border a teammate patrols [paper]"""
-    passing_distance: Positive = 2.0
-    """m, theta_th2: farther from it a teammate does not [paper]"""
-    reversal_period: Positive = 27.0
-    """s between random decisions to turn back [paper]"""
-    reversal_distribution: Distribution = "fixed"
-    """of the times between: fixed, uniform or exponential"""
-    reversal_probability: Share = 0.1
-    """of turning back then; the paper gives none"""
-    turning_radius: Positive = 0.5
-    """m; tighter borders are refused: at 0.35 m/s the robot is 0.045 m off an arc of 0.5 m"""
-    supervisor: Literal["fuzzy", "automaton"] = "fuzzy"
-    """fuzzy rules [paper], or a finite state automaton in their place"""
-    reading: Literal["R1", "R2", "R3"] = "R1"
-    """of the damaged cell of Table I"""
-    rules_file: str = ""
-    """another rule file in place of the shipped rules.toml"""
-    modifiers: tuple[ModifierName, ...] = DEFAULT_MODIFIERS
-    """what is on beyond the paper, the first has the last word; [] is the paper alone"""
-    minimum_dwell: NotNegative = 0.5
-    """s an action lasts, unless Avoid Teammate is called for (modifier dwell)"""
-    standoff_time: Positive = 12.0
-    """s beside the border, or caught at its end, until it insists (modifier standoff)"""
-    blockage_time: Positive = 10.0
-    """s an object may hold the robot before it turns back (modifier blockage)"""
+    reach_gain: Annotated[
+        Positive,
+        msgspec.Meta(description="of Reach Frontier, lambda_rf [paper]", extra={"unit": "1/s"}),
+    ] = 0.3
+    avoid_gain: Annotated[
+        Positive,
+        msgspec.Meta(description="of avoidance, lambda_ta [paper]", extra={"unit": "1/s"}),
+    ] = 0.3
+    approach_speed: Annotated[
+        Positive,
+        msgspec.Meta(
+            description="limit of Reach Frontier and of every sum [paper]", extra={"unit": "m/s"}
+        ),
+    ] = 0.5
+    patrol_speed: Annotated[
+        Positive,
+        msgspec.Meta(description="lambda_cw = lambda_ccw [paper]", extra={"unit": "m/s"}),
+    ] = 0.35
+    escape_speed: Annotated[
+        Positive,
+        msgspec.Meta(description="limit of Teammate Avoidance [paper]", extra={"unit": "m/s"}),
+    ] = 0.3
+    safety_distance: Annotated[
+        Positive,
+        msgspec.Meta(description="a nearer teammate is avoided, d_s", extra={"unit": "m"}),
+    ] = 2.4
+    patrolling_distance: Annotated[
+        Positive,
+        msgspec.Meta(
+            description="theta_th1: nearer the border a teammate patrols [paper]",
+            extra={"unit": "m"},
+        ),
+    ] = 0.7
+    passing_distance: Annotated[
+        Positive,
+        msgspec.Meta(
+            description="theta_th2: farther from it a teammate does not [paper]",
+            extra={"unit": "m"},
+        ),
+    ] = 2.0
+    reversal_period: Annotated[
+        Positive,
+        msgspec.Meta(
+            description="between random decisions to turn back [paper]", extra={"unit": "s"}
+        ),
+    ] = 27.0
+    reversal_distribution: Annotated[
+        Distribution,
+        msgspec.Meta(description="of the times between: fixed, uniform or exponential"),
+    ] = "fixed"
+    reversal_probability: Annotated[
+        Share,
+        msgspec.Meta(description="of turning back then; the paper gives none"),
+    ] = 0.1
+    turning_radius: Annotated[
+        Positive,
+        msgspec.Meta(
+            description="tighter borders are refused; at 0.35 m/s this one is missed by 0.045 m",
+            extra={"unit": "m"},
+        ),
+    ] = 0.5
+    supervisor: Annotated[
+        Literal["fuzzy", "automaton"],
+        msgspec.Meta(description="fuzzy rules [paper], or a finite state automaton in their place"),
+    ] = "fuzzy"
+    reading: Annotated[
+        Literal["R1", "R2", "R3"], msgspec.Meta(description="of the damaged cell of Table I")
+    ] = "R1"
+    rules_file: Annotated[
+        str, msgspec.Meta(description="another rule file in place of the shipped rules.toml")
+    ] = ""
+    modifiers: Annotated[
+        tuple[ModifierName, ...],
+        msgspec.Meta(
+            description="what is on beyond the paper, in order of precedence; [] is the paper"
+        ),
+    ] = DEFAULT_MODIFIERS
 
     def __post_init__(self) -> None:
         """Refuse thresholds out of order and modifiers named twice."""

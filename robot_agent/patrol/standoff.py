@@ -20,6 +20,7 @@ from robot_agent.patrol.modifier import Override, OverrideReason
 from robot_agent.patrol.situation import Situation
 from robot_agent.patrol.supervisor import Choice
 
+_PATIENCE = 12.0  # s beside the border, or caught at its end, until it insists
 _STANDS = 0.3  # m; a robot that got no farther is still at the same place
 _ON_BORDER = 0.3  # m; nearer, it has arrived
 _LONGEST_AVOIDING = 20.0  # s of Avoid Teammate, wherever it leads
@@ -28,10 +29,9 @@ _WAY_OUT_SPEED = 0.2  # m/s
 
 
 class Standoff:
-    """Overrides the action of a robot that got nowhere for ``patience``, s, or avoided for long."""
+    """Overrides the action of a robot that got nowhere, or avoided, for long."""
 
-    def __init__(self, patience: float) -> None:
-        self._patience = patience
+    def __init__(self) -> None:
         self._held = HeldAtPlace(_STANDS)
         self._avoids_since: float | None = None
         self._insists_until = -math.inf
@@ -66,7 +66,7 @@ class Standoff:
         free = self._on_border and out is None
         if free or action is Action.REACH_FRONTIER:
             self._held.restart(situation.t, situation.position)
-        return self._held.update(situation.t, situation.position) >= self._patience
+        return self._held.update(situation.t, situation.position) >= _PATIENCE
 
     def _avoids(self, t: float, action: Action) -> bool:
         if action is not Action.AVOID_TEAMMATE:

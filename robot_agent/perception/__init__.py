@@ -1,1 +1,1 @@
-"""Perception: where the teammates are, from laser points that the map does not explain."""
+"""Perception: tracks of what the map does not explain, by laser, sonar and camera."""

@@ -14,6 +14,9 @@ from robot_agent.messages.blob import Blob, Sight
 from robot_agent.perception.color_model import ColorTable
 from robot_agent.perception.color_settings import ColorSettings
 
+BAND_RANGE = 4.0  # m; blobs beyond it are dropped, and their absence tells nothing
+MIN_CONFIDENCE = 0.3  # blobs of less are dropped
+TILT_ALLOWANCE = 0.06  # rad the camera may pitch, or be mounted off level
 _MIN_AREA = 12  # pixels
 _MAX_BLOBS = 8  # largest ones looked at: a picture full of the colour must not cost time
 _EDGE_SIGMA = 1.0  # pixels by which an apparent height is off
@@ -77,7 +80,7 @@ class BandDetector:
         focal = self._camera.focal_length * columns / self._camera.width
         height = max(region.column_height - _GROWTH, 1.0)
         distance = self._color.band_height * focal / height
-        if distance > self._color.range:
+        if distance > BAND_RANGE:
             return None
         across = region.left + (region.width - 1) / 2 - (columns - 1) / 2
         down = region.top + (region.height - 1) / 2 - (rows - 1) / 2
@@ -86,7 +89,7 @@ class BandDetector:
         distance /= math.cos(bearing)
         elevation = -math.atan(down / math.hypot(focal, across))
         confidence = self._confidence(region, columns, distance, elevation, focal)
-        if confidence < self._color.min_confidence:
+        if confidence < MIN_CONFIDENCE:
             return None
         return Blob(
             bearing=round(bearing, 6),
@@ -110,7 +113,7 @@ class BandDetector:
         # Wider than any band is worse than narrower: something may stand before it.
         shape = _bell(math.log(relative), 0.35 if relative > 1.0 else 0.9 if cut else 0.6)
         expected = math.atan((self._color.band_middle - self._camera.mount_height) / distance)
-        place = _bell(elevation - expected, self._color.tilt_allowance)
+        place = _bell(elevation - expected, TILT_ALLOWANCE)
         return min(fill / 0.8, 1.0) * shape * place
 
 

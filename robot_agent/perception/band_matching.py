@@ -13,7 +13,7 @@ from scipy.optimize import linear_sum_assignment
 from drivers.camera_source import CameraSettings
 from maps.pose import Pose
 from robot_agent.messages.blob import Blob
-from robot_agent.perception.color_settings import ColorSettings
+from robot_agent.perception.band_detector import BAND_RANGE
 from robot_agent.perception.track import Track
 
 _GATE = 9.2  # squared Mahalanobis distance: 99 % of two dimensions
@@ -54,10 +54,9 @@ class Matches:
 class BandMatcher:
     """Compares pictures with tracks."""
 
-    def __init__(self, camera: CameraSettings, color: ColorSettings) -> None:
+    def __init__(self, camera: CameraSettings) -> None:
         self._mount = Pose(*camera.mount)
         self._half_view = math.atan(0.5 * camera.width / camera.focal_length)
-        self._range = color.range
 
     def match(
         self,
@@ -110,7 +109,7 @@ class BandMatcher:
         """Tell whether enough of it is in the picture, wherever it is by two sigma."""
         outer = abs(each.bearing) + 2.0 * each.bearing_sigma
         farthest = self._half_view + (1.0 - 2.0 * _MIN_SHARE) * _half_angle(each.distance)
-        return _NEAREST <= each.distance <= self._range - 0.8 and outer < farthest
+        return _NEAREST <= each.distance <= BAND_RANGE - 0.8 and outer < farthest
 
 
 def _hidden(each: _Sighted, lens: Pose, seen: NDArray[np.float64]) -> bool:

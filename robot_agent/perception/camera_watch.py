@@ -1,15 +1,16 @@
-"""How the camera fares, from what the agent hears of it."""
+"""State of the camera, from its events."""
 
 from __future__ import annotations
 
 from drivers.camera_source import CameraSettings
 from robot_agent.messages.events import BlobsSeen
 
+SILENCE = 1.0  # s without a picture after which the camera is silent
 _BLIND_S = 1.0  # without a clear picture, while pictures come, after which the camera is blind
 
 
 class CameraWatch:
-    """Keeps the camera's state; a camera without an address does not exist."""
+    """Keeps the camera's state; without an address there is no camera."""
 
     def __init__(self, settings: CameraSettings) -> None:
         self._settings = settings
@@ -26,11 +27,11 @@ class CameraWatch:
         return bool(self._settings.url) or self.pictures > 0
 
     def opened(self, t: float) -> None:
-        """Pictures come from now on."""
+        """Note that the camera was opened at t, s."""
         self.up, self.reason, self._up_at = True, "", t
 
     def lost(self, reason: str) -> None:
-        """None come, and why."""
+        """Note that the camera is lost, and why."""
         self.up, self.reason = False, reason
 
     def on_picture(self, event: BlobsSeen) -> None:
@@ -47,7 +48,7 @@ class CameraWatch:
         if not self.up:
             return "down"
         heard = self._up_at if self.latest is None else self.latest.t
-        if t - heard > self._settings.silence:
+        if t - heard > SILENCE:
             return "silent"
         if self.latest is None:
             return "clear"

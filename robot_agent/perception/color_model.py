@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from robot_agent.perception.color_settings import ColorModelSettings, ColorSettings
 
+MAX_DISTANCE = 9.2  # squared Mahalanobis distance from the colour: 99 % of its pixels
 _BITS = 6  # of each channel that count
 _SHIFT = 8 - _BITS
 _FLOOR = 6.0  # counts added to each channel: keeps the logarithms of dark pixels tame
@@ -29,7 +30,7 @@ def log_chromaticity(pixels: NDArray[np.floating]) -> NDArray[np.float64]:
 
 
 class ColorTable:
-    """Tells the team's pixels from all others by one look-up each."""
+    """Classifies pixels as the team's colour or not, by one look-up each."""
 
     def __init__(self, settings: ColorSettings) -> None:
         self._table = _table(settings).astype(np.uint8) * 255
@@ -57,7 +58,7 @@ def _table(settings: ColorSettings) -> NDArray[np.bool_]:
     distance, likelihood = _fit(place, noise, settings.band)
     grey = ColorModelSettings(mean=(0.0, 0.0), covariance=(_GREY_VARIANCE, 0.0, _GREY_VARIANCE))
     mine = likelihood > _fit(place, noise, grey)[1] + _ADVANTAGE
-    mine &= distance < settings.gate
+    mine &= distance < MAX_DISTANCE
     mine &= np.maximum(np.maximum(blue, green), red) >= _MIN_BRIGHTNESS
     for other in settings.others:
         mine &= likelihood > _fit(place, noise, other)[1]

@@ -1,4 +1,4 @@
-"""Intruders: strangers who stay near the border, each reported once and then kept up to date."""
+"""Intruders: strangers that stay near the border, each reported once and then updated."""
 
 from __future__ import annotations
 
@@ -9,16 +9,17 @@ from dataclasses import dataclass, replace
 from maps.border import Border
 from robot_agent.perception.identity import Kind
 from robot_agent.perception.settings import PerceptionSettings
-from robot_agent.perception.track import Track
+from robot_agent.perception.track import TRACK_MEMORY, Track
 
-_SEEN_LATELY = 0.5  # s; a track not seen for longer tells nothing of where somebody is
+_MEMORY = 60.0  # s unseen within which an intruder that comes back is the same one
+_SEEN_LATELY = 0.5  # s; a track not seen for longer has no certain place
 _WALK = 1.5  # m/s a person walks unseen
 _FARTHEST_WALK = 10.0  # m
 _SAME_PLACE = 0.8  # m; two sightings this near are of one
-_SAME_STANDER = 0.5  # m; whoever is found this near the place of an intruder just lost is the same
+_SAME_STANDER = 0.5  # m; a track found this near the place of an intruder just lost is the same
 _TURNED_AWAY = 10.0  # s unseen within which that holds: robots turn round beside strangers
-_DOUBT = 1.0  # s after somebody was taken for a teammate in which nothing is said against it
-_EDGE = 0.3  # m beyond the zone within which somebody is still in it
+_DOUBT = 1.0  # s after a track was last a teammate, in which it is no intruder
+_EDGE = 0.3  # m beyond the zone within which a track stays in it
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,9 +43,9 @@ class Intruder:
 
 @dataclass(frozen=True, slots=True)
 class _Candidate:
-    """Somebody near the border since a time, s, who may yet turn out to be a stranger.
+    """A track near the border since a time, s, that is not classified as a stranger yet.
 
-    Who it is may be known only after a while, and all of the stay counts then.
+    When it is, all of its stay counts.
     """
 
     track: int
@@ -111,7 +112,7 @@ class Intruders:
         return new
 
     def _candidate(self, track: Track) -> _Candidate:
-        """Return somebody's stay near the border, which may have begun under another track."""
+        """Return a track's stay near the border, which may have begun under another track."""
         own = self._candidates.get(track.id)
         if own is None:
             own = next(
@@ -131,7 +132,7 @@ class Intruders:
         return _Candidate(track.id, since, track.last_seen, track.x, track.y, taken_for_teammate)
 
     def _stands_where_one_was(self, track: Track) -> bool:
-        """Tell whether somebody not known yet stands where an intruder was when last seen."""
+        """Return whether a track is where an intruder was when last seen."""
         return any(
             each.track == track.id
             or (
@@ -142,7 +143,7 @@ class Intruders:
         )
 
     def _known(self, t: float, track: Track, tracks: Sequence[Track]) -> Intruder | None:
-        """Return the intruder that a track is of, if it was reported before."""
+        """Return the intruder reported before that a track is of; None if there is none."""
         for each in self.known:
             if each.track == track.id:
                 return each
@@ -161,17 +162,16 @@ class Intruders:
         return moved
 
     def _forget(self, t: float) -> None:
-        memory = self._settings.intruder_memory
-        self.known = [each for each in self.known if t - each.last_seen <= memory]
+        self.known = [each for each in self.known if t - each.last_seen <= _MEMORY]
         self._candidates = {
             number: each
             for number, each in self._candidates.items()
-            if t - each.last_seen <= self._settings.memory
+            if t - each.last_seen <= TRACK_MEMORY
         }
 
 
 def _is_stranger(track: Track, t: float, settings: PerceptionSettings) -> bool:
-    """Tell strangers from teammates, and from robots nobody has looked at yet."""
+    """Return whether a track is a stranger, or unknown for long and not a robot by its size."""
     if track.kind is Kind.UNKNOWN:
         old = t - track.first_seen >= settings.intruder_time
         return old and not track.robot_sized

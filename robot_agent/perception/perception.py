@@ -1,4 +1,4 @@
-"""Who is near: teammates and others by laser, sonar and camera; intruders at the border."""
+"""Tracks of teammates and others, by laser, sonar and camera; intruders at the border."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class NewIntruder:
 
 
 class Perception:
-    """Tracks everybody the map does not explain; strangers that stay near the border are intruders.
+    """Tracks what the map does not explain; strangers that stay near the border are intruders.
 
     ``intruders`` is None for a map without a border.
     """
@@ -97,7 +97,8 @@ class Perception:
     def on_picture(self, event: PictureTaken, pose: Pose | None) -> tuple[Intruder, str] | None:
         """Return the intruder a picture was asked for, with its cut-out (JPEG, base64).
 
-        pose: map_from_base when it was taken. None: nobody asked, or it does not show the place.
+        pose: map_from_base when it was taken. None: no picture was asked for, or it
+        does not show the place.
         """
         intruder, self._pictured = self._pictured, None
         if intruder is None or pose is None:

@@ -21,3 +21,6 @@ class PoseSigma(NamedTuple):
         xx, xy, yy = covariance[0, 0], covariance[0, 1], covariance[1, 1]
         largest = 0.5 * (xx + yy) + math.hypot(0.5 * (xx - yy), xy)
         return cls(math.sqrt(max(float(largest), 0.0)), math.sqrt(max(covariance[2, 2], 0.0)))
+
+
+USUAL_POSE_SIGMA = PoseSigma(0.05, 0.0175)  # m, rad; of a pose of which no covariance is known

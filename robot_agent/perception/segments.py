@@ -16,8 +16,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot_agent.perception.outline_fit import SightEdge, fit_outlines
-from robot_agent.perception.settings import PerceptionSettings
 
+# What a Pioneer looks like in the plane of the laser, and what is none.
+SEGMENT_GAP = 0.10  # m between neighbouring points of one object, close up
+MIN_EXTENT = 0.30  # m across the line of sight, both edges in view
+MIN_PARTIAL_EXTENT = 0.12  # m, an edge hidden by something nearer or out of view
+MAX_EXTENT = 0.75  # m
+MAX_STRANGER_EXTENT = 1.1  # m; larger things are furniture
+MIN_PERSON_EXTENT = 0.22  # m; smaller ones are legs, and count by twos
+STRIDE = 0.55  # m between two legs of one person
+MEAN_HALF_WIDTH = 0.27  # m from the centre to an edge, mean over headings
 _MIN_POINTS = 3
 _LEG = 0.05  # m; less is a chair's leg or noise
 _LEG_SIGMA = 0.12  # m; a person's middle from the legs, one of which stands still
@@ -51,10 +59,9 @@ class Segment:
 
     x, y: estimated centre in base_link, m. extent: width seen across the line of sight, m.
     var_x, var_y, cov_xy: of the centre, m^2, base_link. points: how many beams met it. whole:
-    enough of it is seen to tell its size; otherwise it is a part that may belong to somebody
-    already known. robot_sized: it may be a robot. misfit: how badly a Pioneer's outline fits
-    (``OutlineFit``), infinite where none was tried. reflecting: it has a reflector, where the
-    laser tells.
+    enough of it is seen to tell its size; otherwise it is a part that may belong to a track.
+    robot_sized: it may be a robot. misfit: how badly a Pioneer's outline fits (``OutlineFit``),
+    infinite where none was tried. reflecting: it has a reflector, where the laser tells.
     """
 
     x: float
@@ -84,10 +91,9 @@ def find_segments(
     points: NDArray[np.float64],
     ranges: NDArray[np.float64],
     unexplained: NDArray[np.bool_],
-    settings: PerceptionSettings,
     reflectors: NDArray[np.bool_] | None = None,
 ) -> list[Segment]:
-    """Return the segments of a scan that may be somebody, nearest first.
+    """Return the segments of a scan that may be a robot or a person, nearest first.
 
     points: (n, 2) base_link, ordered by bearing, counter-clockwise; ranges: (n,) their distances,
     m; unexplained: (n,) which of them the map does not account for; reflectors: (n,) which met
@@ -97,18 +103,18 @@ def find_segments(
     if len(indices) < _MIN_POINTS:
         return []
     increment = _angular_increment(points)
-    firsts, lasts = _runs(points, ranges, indices, increment, settings.segment_gap)
+    firsts, lasts = _runs(points, ranges, indices, increment)
     runs = [
         run
         for first, last in zip(firsts.tolist(), lasts.tolist(), strict=True)
         if last - first + 1 >= _MIN_POINTS
-        and (run := _run(points, ranges, first, last, increment, settings)) is not None
+        and (run := _run(points, ranges, first, last, increment)) is not None
     ]
     segments = [each.segment for each in runs if not each.segment.robot_sized]
     segments += _fitted(points, [each for each in runs if each.segment.robot_sized])
     if reflectors is not None and reflectors.any():
         segments = [_with_reflector(segment, points, reflectors) for segment in segments]
-    segments = _people(segments, settings)
+    segments = _people(segments)
     segments.sort(key=_distance)
     return segments[:_MAX_SEGMENTS]
 
@@ -145,7 +151,7 @@ def _with_reflector(
     return replace(segment, reflecting=bool((away < _REFLECTOR_REACH).any()))
 
 
-def _people(segments: list[Segment], settings: PerceptionSettings) -> list[Segment]:
+def _people(segments: list[Segment]) -> list[Segment]:
     """Return the segments with legs paired up: two a stride apart are a person, one is a part.
 
     What is thin and beside something as large as a robot is a part of that.
@@ -155,17 +161,14 @@ def _people(segments: list[Segment], settings: PerceptionSettings) -> list[Segme
         each
         for each in segments
         if each not in robots
-        and (
-            each.extent > settings.max_extent
-            or all(_apart(each, robot) > _BESIDE for robot in robots)
-        )
+        and (each.extent > MAX_EXTENT or all(_apart(each, robot) > _BESIDE for robot in robots))
     ]
-    legs = [each for each in segments if each.extent < settings.min_person_extent and each.whole]
+    legs = [each for each in segments if each.extent < MIN_PERSON_EXTENT and each.whole]
     found = [each for each in segments if each not in legs]
     while legs:
         leg = legs.pop()
         other = min(legs, key=lambda each: _apart(leg, each), default=None)
-        if other is None or _apart(leg, other) > settings.stride:
+        if other is None or _apart(leg, other) > STRIDE:
             found.append(replace(leg, whole=False))
             continue
         legs.remove(other)
@@ -205,13 +208,12 @@ def _runs(
     ranges: NDArray[np.float64],
     indices: NDArray[np.intp],
     increment: float,
-    min_gap: float,
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """Return first and last index of each run of neighbouring points without a gap."""
     steps = np.diff(points[indices], axis=0)
     gaps = np.hypot(steps[:, 0], steps[:, 1])
     # Beams fan out: the gap allowed leaves room for one missing return.
-    allowed = np.maximum(min_gap, 2.5 * increment * ranges[indices[1:]])
+    allowed = np.maximum(SEGMENT_GAP, 2.5 * increment * ranges[indices[1:]])
     breaks = np.flatnonzero((np.diff(indices) > 1) | (gaps > allowed))
     firsts = indices[np.concatenate(([0], breaks + 1))]
     lasts = indices[np.concatenate((breaks, [len(indices) - 1]))]
@@ -224,11 +226,10 @@ def _run(
     first: int,
     last: int,
     increment: float,
-    settings: PerceptionSettings,
 ) -> _Run | None:
-    """Return the run of points first..last if it can be somebody, else None."""
-    right = _edge(points, ranges, first, -1, increment, settings.segment_gap)
-    left = _edge(points, ranges, last, +1, increment, settings.segment_gap)
+    """Return the run of points first..last if it may be a robot or a person, else None."""
+    right = _edge(points, ranges, first, -1, increment)
+    left = _edge(points, ranges, last, +1, increment)
     if right is Edge.JOINED and left is Edge.JOINED:
         return None  # a bulge of a known surface
 
@@ -249,11 +250,11 @@ def _run(
     count = last - first + 1
     partial = Edge.HIDDEN in (right, left)
     clear = right is Edge.CLEAR and left is Edge.CLEAR
-    robot_sized = settings.min_extent <= extent <= settings.max_extent
+    robot_sized = MIN_EXTENT <= extent <= MAX_EXTENT
     if partial and not robot_sized:
-        if not settings.min_partial_extent <= extent < settings.min_extent:
+        if not MIN_PARTIAL_EXTENT <= extent < MIN_EXTENT:
             return None
-    elif not robot_sized and not (clear and _LEG <= extent <= settings.max_stranger_extent):
+    elif not robot_sized and not (clear and _LEG <= extent <= MAX_STRANGER_EXTENT):
         return None
     span = _angle_between(points[first], points[last])
     if count < _MIN_FILL * (1.0 + span / increment):
@@ -263,7 +264,7 @@ def _run(
         distance = near + float(np.interp(extent, _WIDTHS, _HALF_DEPTHS))
     else:
         distance = near + min(0.4 * extent, _HALF_DEPTHS[-1])
-    offset, sigma_across = _across(right, left, rightmost, leftmost, settings.half_width)
+    offset, sigma_across = _across(right, left, rightmost, leftmost)
     along_variance, across_variance = (0.08 if partial else 0.05) ** 2, sigma_across**2
     segment = Segment(
         x=distance * ux - offset * uy,
@@ -273,7 +274,7 @@ def _run(
         var_y=uy * uy * along_variance + ux * ux * across_variance,
         cov_xy=ux * uy * (along_variance - across_variance),
         points=count,
-        whole=extent >= settings.min_extent or not partial,
+        whole=extent >= MIN_EXTENT or not partial,
         robot_sized=robot_sized or partial,
     )
     edges = tuple(
@@ -315,28 +316,25 @@ def _edge(
     index: int,
     step: int,
     increment: float,
-    min_gap: float,
 ) -> Edge:
     """Return how the run that ends at ``index`` ends towards its neighbour in direction step."""
     neighbour = index + step
     if not 0 <= neighbour < len(points):
         return Edge.HIDDEN
     dx, dy = points[neighbour] - points[index]
-    if math.hypot(dx, dy) <= max(min_gap, 2.5 * increment * ranges[index]):
+    if math.hypot(dx, dy) <= max(SEGMENT_GAP, 2.5 * increment * ranges[index]):
         return Edge.JOINED
     if ranges[neighbour] < ranges[index] - _OCCLUDER_STEP:
         return Edge.HIDDEN
     return Edge.CLEAR
 
 
-def _across(
-    right: Edge, left: Edge, rightmost: float, leftmost: float, half_width: float
-) -> tuple[float, float]:
+def _across(right: Edge, left: Edge, rightmost: float, leftmost: float) -> tuple[float, float]:
     """Return the centre's offset to the left of the line of sight, m, and its sigma."""
     if right is Edge.CLEAR and left is Edge.CLEAR:
         return 0.0, 0.03
     half_seen = (leftmost - rightmost) / 2
-    missing = max(half_width - half_seen, 0.0)
+    missing = max(MEAN_HALF_WIDTH - half_seen, 0.0)
     if right is Edge.CLEAR:
         return missing, 0.05 + missing / 2
     if left is Edge.CLEAR:

@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from robot_agent.perception.identity import Kind, Probabilities
 
+TRACK_MEMORY = 3.0  # s a confirmed track is kept unseen
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Track:
-    """Where somebody is, and who.
+    """Place, velocity and class of a tracked body.
 
     x, y: centre of the outline, m, map frame. vx, vy: velocity, m/s, map frame. covariance:
     (2, 2) of the position, m^2. first_seen, last_seen: times of the laser's first and latest

@@ -11,16 +11,24 @@ from numpy.typing import NDArray
 
 from robot_agent.perception.identity import Identity, Kind
 from robot_agent.perception.kalman import KalmanFilter
-from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.track import Track
 
+CONFIRM_HITS = 3  # detections until a track counts
+VELOCITY_NOISE = 0.05  # m^2/s^3; spectral density of the acceleration
+FIRST_SPEED_SIGMA = 0.35  # m/s; of a new track's velocity, per axis
+GATE = 11.8  # squared Mahalanobis distance: 99.7 % of two dimensions
+GATE_DISTANCE = 1.0  # m; no association beyond, however uncertain the track
+VELOCITY_DECAY = 1.0  # s; time constant of an unseen track's velocity
+MOTION_WINDOW = 2.5  # s over which displacement is judged
+MOTION_DISTANCE = 0.20  # m, beyond twice the position's sigma: farther, and it moves
+MAX_ROBOT_SPEED = 0.65  # m/s; nothing faster is a teammate
 _SAMPLE_PERIOD = 0.2  # s between the past positions kept to judge motion
 _BROKEN_SIGHT = 3  # misses in a row after which the thing seen next may be another one
 _SIZE_KNOWN = 5  # times seen whole after which its size says something
-_START = 0.1  # m; how far off whoever starts or stops between two scans may be
+_START = 0.1  # m; how far off a body that starts or stops between two scans may be
 _MANOEUVRE_GATE = 9.2  # squared Mahalanobis distance (99 %) beyond which its speed has changed
 _FITS, _FITS_NOT = 0.6, 1.0  # misfit of most robots, and of few
-_OFTEN = 3  # scans in a row whose outline fits, for somebody who may be a robot
+_OFTEN = 3  # scans in a row whose outline fits, for a track that may be a robot
 _MIN_SPEED, _MAX_SPEED = 0.2, 0.55  # m/s of a robot that patrols; people walk faster
 _POSITION_OF_STATE = np.eye(2, 4)
 
@@ -57,9 +65,10 @@ class TrackFilter:
     """State (x, y, vx, vy), map frame, m and m/s, with its hits, misses and signs of motion."""
 
     def __init__(
-        self, settings: PerceptionSettings, track_id: int, t: float, detection: Detection
+        self, track_id: int, t: float, detection: Detection, *, reflecting_bands: bool = False
     ) -> None:
-        self._settings = settings
+        """Start a track at t, s. reflecting_bands: whether a reflector tells a teammate."""
+        self._reflecting_bands = reflecting_bands
         self.id = track_id
         self.first_seen = t
         self.last_seen = t
@@ -79,12 +88,12 @@ class TrackFilter:
         self._kalman.x = np.array((detection.x, detection.y, 0.0, 0.0))
         self._kalman.P = np.zeros((4, 4))
         self._kalman.P[:2, :2] = _covariance(detection)
-        self._kalman.P[2, 2] = self._kalman.P[3, 3] = settings.first_speed_sigma**2
+        self._kalman.P[2, 2] = self._kalman.P[3, 3] = FIRST_SPEED_SIGMA**2
 
     @property
     def confirmed(self) -> bool:
         """Whether it was detected often enough to be real."""
-        return self.hits >= self._settings.confirm_hits
+        return self.hits >= CONFIRM_HITS
 
     @property
     def robot_sized(self) -> bool:
@@ -111,15 +120,16 @@ class TrackFilter:
         F[2, 2] = F[3, 3] = kept
         self._kalman.predict(F=F, Q=self._process_noise(dt))
 
-    def gate_distance(self, detection: Detection) -> float:
-        """Return the squared Mahalanobis distance of a detection, infinite outside the gate."""
+    def gate_distance(self, detection: Detection, farthest: float = GATE_DISTANCE) -> float:
+        """Return the squared Mahalanobis distance of a detection, infinite outside the gate.
+
+        farthest: m; a detection farther away is outside, however uncertain the track.
+        """
         x = self._kalman.x
-        if math.hypot(detection.x - float(x[0]), detection.y - float(x[1])) > (
-            self._settings.gate_distance
-        ):
+        if math.hypot(detection.x - float(x[0]), detection.y - float(x[1])) > farthest:
             return math.inf
         squared = self._squared_distance(detection, _START**2)
-        return squared if squared <= self._settings.gate else math.inf
+        return squared if squared <= GATE else math.inf
 
     def _squared_distance(self, detection: Detection, more: float) -> float:
         """Return a detection's squared Mahalanobis distance, with more variance, m^2, per axis."""
@@ -132,7 +142,7 @@ class TrackFilter:
 
     def _open_up(self, dt: float) -> None:
         """Know the velocity no better than a new track's: it has changed within the last dt, s."""
-        variance = self._settings.first_speed_sigma**2
+        variance = FIRST_SPEED_SIGMA**2
         for place, speed in ((0, 2), (1, 3)):
             self._kalman.P[place, place] += variance * dt * dt
             self._kalman.P[place, speed] += variance * dt
@@ -197,12 +207,12 @@ class TrackFilter:
 
     def _decay(self, dt: float) -> tuple[float, float]:
         """Return (s of present velocity covered in dt, share of the velocity left after it)."""
-        kept = math.exp(-dt / self._settings.velocity_decay)
-        return self._settings.velocity_decay * (1.0 - kept), kept
+        kept = math.exp(-dt / VELOCITY_DECAY)
+        return VELOCITY_DECAY * (1.0 - kept), kept
 
     def _process_noise(self, dt: float) -> NDArray[np.float64]:
         """Return Q (4, 4) of white acceleration over dt."""
-        density = self._settings.velocity_noise
+        density = VELOCITY_NOISE
         Q = np.zeros((4, 4))
         Q[0, 0] = Q[1, 1] = density * dt**3 / 3.0
         Q[0, 2] = Q[2, 0] = Q[1, 3] = Q[3, 1] = density * dt**2 / 2.0
@@ -218,7 +228,7 @@ class TrackFilter:
             return
         self._next_evidence = t + _SAMPLE_PERIOD
         speed = math.hypot(*self._kalman.x[2:].tolist())
-        if speed > self._settings.max_robot_speed:
+        if speed > MAX_ROBOT_SPEED:
             self.identity.on_too_fast()
         if detection.whole and detection.robot_sized:
             if detection.misfit > _FITS_NOT:
@@ -227,7 +237,7 @@ class TrackFilter:
                 self.identity.on_robot_shape()
         if self._whole >= _SIZE_KNOWN and not self.robot_sized:
             self.identity.on_wrong_size()
-        if detection.reflecting and self._settings.reflecting_bands:
+        if detection.reflecting and self._reflecting_bands:
             self.identity.on_reflector()
 
     def _judge_motion(self, t: float) -> None:
@@ -237,19 +247,18 @@ class TrackFilter:
         wanders by its own size while we drive round it, but only slowly. Over the window, the
         distance also means a lasting speed.
         """
-        settings = self._settings
         if self._has_moved:
             return
         x, y = float(self._kalman.x[0]), float(self._kalman.x[1])
         P = self._kalman.P
         variance = max(float(P[0, 0]), float(P[1, 1]))
         past = self._past
-        while past and past[0].t < t - settings.motion_window:
+        while past and past[0].t < t - MOTION_WINDOW:
             past.popleft()
         if past:
             moved = math.hypot(x - past[0].x, y - past[0].y)
             noise = 2.0 * math.sqrt(variance + past[0].variance)
-            self._has_moved = moved > settings.motion_distance + noise
+            self._has_moved = moved > MOTION_DISTANCE + noise
         if not past or t - past[-1].t >= _SAMPLE_PERIOD:
             past.append(_PastPosition(t, x, y, variance))
 

@@ -1,4 +1,4 @@
-"""The tracker: scans, pictures, echoes and poses in; who is where out."""
+"""The tracker: scans, pictures, echoes and poses in; classified tracks out."""
 
 from __future__ import annotations
 
@@ -14,14 +14,21 @@ from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
 from robot_agent.messages.blob import Blob
 from robot_agent.perception.band_matching import BandMatcher
-from robot_agent.perception.pose_sigma import PoseSigma
+from robot_agent.perception.pose_sigma import USUAL_POSE_SIGMA, PoseSigma
 from robot_agent.perception.scan_points import move_points
-from robot_agent.perception.segments import Segment, find_segments
+from robot_agent.perception.segments import MEAN_HALF_WIDTH, Segment, find_segments
 from robot_agent.perception.settings import PerceptionSettings
-from robot_agent.perception.track import Track
-from robot_agent.perception.track_filter import Detection, TrackFilter
+from robot_agent.perception.track import TRACK_MEMORY, Track
+from robot_agent.perception.track_filter import GATE_DISTANCE, Detection, TrackFilter
 from robot_agent.perception.unexplained import UnexplainedPoints
+from robot_agent.perception.visibility import VISIBILITY, VISIBILITY_MARGIN
 
+COVER = 0.45  # m from the centre of a track just seen: its beams tell nothing of walls
+COVER_MEMORY = 0.5  # s that a track counts as just seen
+MAX_COVERED = 0.5  # share of a scan's beams
+SONAR_GATE = 0.5  # m from a track that no laser sees to a sonar's echo of it
+SONAR_SIGMA = 0.2  # m
+SONAR_MEMORY = 6.0  # s after the laser saw it last
 _TENTATIVE_MISSES = 2  # scans in a row that end an unconfirmed track
 _SEEN_LATELY = 0.35  # s before a picture: who was seen then is where the picture shows it
 _PICTURES_PAUSE = 1.0  # s without a clear picture, after which the laser alone tells
@@ -30,11 +37,11 @@ _FAR = 1e6
 
 
 class TeammateTracker:
-    """Follows whatever is not in the map and knows who of it is a teammate, who a stranger.
+    """Tracks whatever is not in the map and classifies it as teammate, stranger or unknown.
 
-    A track is confirmed after a few detections. Pictures tell who wears the team's band; beside the
-    camera's view, whom a Pioneer's outline fits while it moves as fast as one is taken for a
-    teammate too. A track is remembered for a while unseen: a robot that turns away does not forget.
+    A track is confirmed after a few detections. The team's band in a picture makes it a teammate;
+    outside the camera's view, so does a Pioneer's outline at a Pioneer's speed. A track is kept for
+    ``TRACK_MEMORY`` unseen.
     """
 
     def __init__(
@@ -42,11 +49,20 @@ class TeammateTracker:
         settings: PerceptionSettings,
         occupancy: OccupancyMap,
         camera: CameraSettings | None = None,
+        *,
+        gate_distance: float = GATE_DISTANCE,
+        max_covered: float = MAX_COVERED,
     ) -> None:
-        self._settings = settings
-        self.unexplained = UnexplainedPoints(settings, occupancy)
+        """Begin without tracks.
+
+        gate_distance: m; no detection farther from a track is of it. max_covered: share of a
+        scan's points; ``covered`` tells of no more.
+        """
+        self._reflecting_bands = settings.reflecting_bands
+        self._gate_distance, self._max_covered = gate_distance, max_covered
+        self.unexplained = UnexplainedPoints(occupancy, settings.detection_range)
         """What of a scan the map does not explain."""
-        self._matcher = BandMatcher(camera or CameraSettings(), settings.color)
+        self._matcher = BandMatcher(camera or CameraSettings())
         self._filters: list[TrackFilter] = []
         self._next_id = 1
         self._t = 0.0
@@ -87,7 +103,9 @@ class TeammateTracker:
         for detection in unmatched:
             if not detection.whole:
                 continue
-            self._filters.append(TrackFilter(self._settings, self._next_id, t, detection))
+            self._filters.append(
+                TrackFilter(self._next_id, t, detection, reflecting_bands=self._reflecting_bands)
+            )
             self._next_id += 1
 
     def on_bands(self, t: float, pose: Pose, blobs: Sequence[Blob]) -> None:
@@ -106,38 +124,37 @@ class TeammateTracker:
             seen[index].identity.on_missing_band()
 
     def awaits_echo(self, t: float) -> bool:
-        """Tell whether a teammate is out of the laser's sight at t, s, and may be heard yet."""
+        """Return whether sonar may track a teammate that the laser does not see at t, s."""
         return bool(self._unseen(t))
 
     def _unseen(self, t: float) -> list[TrackFilter]:
-        memory = self._settings.sonar_memory
         return [
             each
             for each in self._filters
-            if each.teammate and each.misses and t - each.last_seen <= memory
+            if each.teammate and each.misses and t - each.last_seen <= SONAR_MEMORY
         ]
 
     def on_echoes(self, t: float, pose: Pose, echoes: NDArray[np.float64]) -> None:
         """Take in sonar echoes (n, 2), m, base_link at t, s; pose: map_from_base.
 
-        They keep up a track that no laser sees, for a while, but never start one: a sonar hears
-        walls as well, and does not tell who is there. What it hears is the near side of a body.
+        For ``SONAR_MEMORY`` they keep up a teammate's track that the laser does not see, but never
+        start one: echoes of walls look the same. An echo is of the near side of a body.
         """
         unseen = self._unseen(t)
         if not unseen or not len(echoes):
             return
         ranges = np.hypot(echoes[:, 0], echoes[:, 1])
         free = self.unexplained.mask(pose, echoes, ranges) & (ranges > 0.0)
-        to_middle = 1.0 + self._settings.half_width / ranges[free]
+        to_middle = 1.0 + MEAN_HALF_WIDTH / ranges[free]
         middles = echoes[free] * to_middle[:, None]
         in_map = move_points(middles, pose)
         for each in unseen:
             track = each.track_at(t)
             away = np.hypot(in_map[:, 0] - track.x, in_map[:, 1] - track.y)
-            if away.size and float(away.min()) < self._settings.sonar_gate:
+            if away.size and float(away.min()) < SONAR_GATE:
                 x, y = in_map[int(away.argmin())].tolist()
                 each.predict(t)
-                each.update_by_echo(t, x, y, self._settings.sonar_sigma)
+                each.update_by_echo(t, x, y, SONAR_SIGMA)
 
     def covered(
         self, t: float, pose: Pose, points: NDArray[np.float64]
@@ -150,35 +167,35 @@ class TeammateTracker:
         covered = np.zeros(len(points), dtype=np.bool_)
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         for each in self._filters:
-            if not each.confirmed or t - each.last_seen > self._settings.cover_memory:
+            if not each.confirmed or t - each.last_seen > COVER_MEMORY:
                 continue
             track = each.track_at(t)
             dx, dy = track.x - pose.x, track.y - pose.y
             away = np.hypot(points[:, 0] - (c * dx + s * dy), points[:, 1] - (c * dy - s * dx))
-            covered |= away < self._settings.cover
-        if np.count_nonzero(covered) > self._settings.max_covered * len(points):
+            covered |= away < COVER
+        if np.count_nonzero(covered) > self._max_covered * len(points):
             return None
         return covered
 
     def closest(self, t: float, pose: Pose) -> Track | None:
         """Return the nearest teammate in the visibility range, predicted to t, or None.
 
-        pose: map_from_base at t. A teammate unseen counts for as long as it is remembered; one
-        that was in range is kept to a slightly larger distance, so that it does not flicker.
-        Where no camera tells, whoever has a robot's outline counts before it has moved: one that
-        turns on the spot behind a corner would be met too late.
+        pose: map_from_base at t. A teammate unseen counts for ``TRACK_MEMORY``; one that was
+        in range is kept to a slightly larger distance, so that it does not flicker. Without
+        pictures, a track with a robot's outline counts before it has moved: a robot that turns on
+        the spot behind a corner would be met too late.
         """
         blind = t - self._pictured_at > _PICTURES_PAUSE
         nearest, nearest_distance = None, math.inf
         visible = set()
         for each in self._filters:
             counts = each.teammate or (blind and each.confirmed and each.may_be_teammate)
-            if not counts or t - each.supported > self._settings.memory:
+            if not counts or t - each.supported > TRACK_MEMORY:
                 continue
             track = each.track_at(t)
             distance = math.hypot(track.x - pose.x, track.y - pose.y)
-            margin = self._settings.visibility_margin if each.id in self._visible else 0.0
-            if distance > self._settings.visibility + margin:
+            margin = VISIBILITY_MARGIN if each.id in self._visible else 0.0
+            if distance > VISIBILITY + margin:
                 continue
             visible.add(each.id)
             if distance < nearest_distance:
@@ -193,13 +210,12 @@ class TeammateTracker:
         reflectors: NDArray[np.bool_] | None,
         sigma: PoseSigma | None,
     ) -> list[Detection]:
-        """Return the segments of a scan that may be somebody, in the map frame."""
+        """Return the segments of a scan that may be a robot or a person, in the map frame."""
         ranges = np.hypot(points[:, 0], points[:, 1])
         unexplained = self.unexplained.mask(pose, points, ranges, sigma)
-        segments = find_segments(points, ranges, unexplained, self._settings, reflectors)
-        if sigma is None:
-            sigma = PoseSigma(self._settings.pose_sigma_xy, self._settings.pose_sigma_theta)
-        return [_in_map(pose, segment, sigma) for segment in segments]
+        segments = find_segments(points, ranges, unexplained, reflectors)
+        known = USUAL_POSE_SIGMA if sigma is None else sigma
+        return [_in_map(pose, segment, known) for segment in segments]
 
     def _associate(self, t: float, detections: list[Detection]) -> list[Detection]:
         """Give each track its detection, all in all the nearest; return those that fit no track."""
@@ -207,9 +223,11 @@ class TeammateTracker:
         matched: set[int] = set()
         if self._filters and detections:
             cost = np.array(
-                [[each.gate_distance(detection) for detection in detections]
-                 for each in self._filters]
-            )  # fmt: skip
+                [
+                    [each.gate_distance(detection, self._gate_distance) for detection in detections]
+                    for each in self._filters
+                ]
+            )
             cost[np.isinf(cost)] = _FAR
             for i, j in zip(*(each.tolist() for each in linear_sum_assignment(cost)), strict=True):
                 if cost[i, j] < _FAR:
@@ -224,7 +242,7 @@ class TeammateTracker:
     def _unite(self) -> None:
         """Make one track of two that stand where only one body can.
 
-        Whoever sets off at once, or shows another side, may be lost and found under a new number.
+        A body that accelerates, or shows another side, may be lost and found as a new track.
         """
         for newer in reversed(self._filters):
             if not newer.confirmed or newer.misses:
@@ -247,7 +265,7 @@ class TeammateTracker:
     def _alive(self, each: TrackFilter, t: float) -> bool:
         if not each.confirmed:
             return each.misses < _TENTATIVE_MISSES
-        return t - each.supported <= self._settings.memory
+        return t - each.supported <= TRACK_MEMORY
 
 
 def _in_map(pose: Pose, segment: Segment, sigma: PoseSigma) -> Detection:

@@ -1,4 +1,4 @@
-"""Scan minus map: the points of a scan that no known wall accounts for."""
+"""The points of a scan that the map does not explain."""
 
 from __future__ import annotations
 
@@ -9,8 +9,12 @@ from numpy.typing import NDArray
 
 from maps.occupancy_map import FREE, OccupancyMap
 from maps.pose import Pose
-from robot_agent.perception.pose_sigma import PoseSigma
-from robot_agent.perception.settings import PerceptionSettings
+from robot_agent.perception.pose_sigma import USUAL_POSE_SIGMA, PoseSigma
+
+# The map explains points nearer to an occupied cell than EXPLAINED_DISTANCE + range times
+# EXPLAINED_ANGLE.
+EXPLAINED_DISTANCE = 0.15  # m; map and position error
+EXPLAINED_ANGLE = 0.035  # rad; heading error, two sigma
 
 
 class UnexplainedPoints:
@@ -18,12 +22,12 @@ class UnexplainedPoints:
 
     A wall's point is displaced by the pose's error, and by range times its heading error; the
     distance allowed therefore grows with range, and beyond that with what the localizer says of its
-    own error. Points in unknown cells or outside the map are
-    never unexplained: nothing is known there.
+    own error. Points in unknown cells or outside the map are never unexplained.
     """
 
-    def __init__(self, settings: PerceptionSettings, occupancy: OccupancyMap) -> None:
-        self._settings = settings
+    def __init__(self, occupancy: OccupancyMap, detection_range: float) -> None:
+        """Prepare a map. detection_range: m; points farther away are never unexplained."""
+        self._detection_range = detection_range
         clearance = np.where(occupancy.cells == FREE, occupancy.distance_field(), 0.0)
         # A rim of zeros stands for everything outside, so that one look-up per point suffices.
         self._clearance = np.pad(clearance, 1).astype(np.float64)
@@ -43,16 +47,15 @@ class UnexplainedPoints:
         pose: map_from_base, and its sigma where known. ranges: (n,) m, the points' distances from
         base_link.
         """
-        settings = self._settings
         rows, cols = self._cells(pose, points)
-        distance, angle = settings.explained_distance, settings.explained_angle
+        distance, angle = EXPLAINED_DISTANCE, EXPLAINED_ANGLE
         if sigma is not None:
             # Two sigma, as far as they are more than is allowed for anyway.
-            distance += 2.0 * max(sigma.xy - settings.pose_sigma_xy, 0.0)
-            angle += 2.0 * max(sigma.theta - settings.pose_sigma_theta, 0.0)
+            distance += 2.0 * max(sigma.xy - USUAL_POSE_SIGMA.xy, 0.0)
+            angle += 2.0 * max(sigma.theta - USUAL_POSE_SIGMA.theta, 0.0)
         allowed = distance + angle * ranges
         unexplained: NDArray[np.bool_] = self._clearance[rows, cols] > allowed
-        unexplained &= ranges <= settings.detection_range
+        unexplained &= ranges <= self._detection_range
         return unexplained
 
     def _cells(

@@ -26,20 +26,25 @@ Counters = tuple[int, int, int]
 POSITION_WRAP = 0x8000
 """Counts after which a position counter begins anew: 27 m, unlike the 12 bits of a heading."""
 SIGMA_XY, SIGMA_THETA = 0.1, 0.05
-"""m and rad; how sure a remembered pose is, and per metre and radian counted since, at most:"""
+"""m and rad; standard deviations of a remembered pose."""
 SIGMA_PER_COUNTED = 0.2
+"""m/m and rad/rad; more of them by what the odometer counted since, at most."""
+NOTE_PERIOD = 1.0
+"""s between two notes."""
+MAX_COUNTED = 1.5
+"""m the odometer may have counted since the note: cut off, a robot rolls until its watchdog halts
+it."""
 
 
 class MemorySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Pose remembered over restarts."""
 
-    file: str = ""
-    """Where it is kept; empty: nowhere."""
-    period: Annotated[float, msgspec.Meta(gt=0.0)] = 1.0
-    """s between two notes."""
-    reach: Annotated[float, msgspec.Meta(gt=0.0, le=3.0)] = 1.5
-    """m the odometer may have counted since the note: cut off, a robot rolls until its watchdog
-    halts it."""
+    file: Annotated[
+        str,
+        msgspec.Meta(
+            description="File that keeps the last sure pose over a restart; empty: none is kept"
+        ),
+    ] = ""
 
 
 class RememberedPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -56,10 +61,10 @@ class RememberedPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     odometer_y: int
     odometer_heading: int
 
-    def carried_to(self, now: Counters, metres_per_count: float, reach: float) -> Start | None:
+    def carried_to(self, now: Counters, metres_per_count: float) -> Start | None:
         """Return where the robot is when the odometer reads ``now``; None: they do not agree.
 
-        They agree if the odometer moved by less than ``reach``, m, and neither reading is that of
+        They agree if the odometer moved by less than ``MAX_COUNTED`` and neither reading is that of
         one that has just been zeroed.
         """
         noted = (self.odometer_x, self.odometer_y, self.odometer_heading)
@@ -73,7 +78,7 @@ class RememberedPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         ahead = Pose(0.0, 0.0, noted[2] * RADIANS_PER_COUNT).inverse()
         counted = ahead.compose(counted)._replace(theta=counted.theta)
         travel = math.hypot(counted.x, counted.y)
-        if travel >= reach:
+        if travel >= MAX_COUNTED:
             return None
         return Start(
             Pose(self.x, self.y, self.theta).compose(counted),
@@ -95,8 +100,6 @@ class PoseMemory:
 
     def __init__(self, settings: MemorySettings) -> None:
         self._settings = settings
-        self.reach = settings.reach
-        """m the odometer may have counted since the pose was kept."""
         self._last: float | None = None
         self._forgotten = False
 
@@ -115,7 +118,7 @@ class PoseMemory:
         if estimate.health is Health.LOST and not self._forgotten:
             self._last, self._forgotten = None, True
             return Remember(b"{}")
-        due = at_once or self._last is None or t - self._last >= self._settings.period
+        due = at_once or self._last is None or t - self._last >= NOTE_PERIOD
         if estimate.health is not Health.LOCALIZED or not due:
             return None
         self._last, self._forgotten = t, False

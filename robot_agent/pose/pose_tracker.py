@@ -103,7 +103,7 @@ class PoseTracker:
             return
         self._to_recall = None
         scale = self._base.model.conversion.distance
-        start = remembered.carried_to(counters, scale, self._memory.reach)
+        start = remembered.carried_to(counters, scale)
         if start is None:
             words = "not believed: the odometer does not go on from it"
             self._outbox.log(t, "memory", f"remembered pose {words}", LogLevel.WARNING)

@@ -27,6 +27,8 @@ LOOK_S = 1.0
 RECONNECT_MS = {"period_init_ms": 250, "period_max_ms": 1000, "period_increase_factor": 2}
 LEASE_MS = 4000
 """A peer that was silent this long is gone; both ends send a sign of life every quarter of it."""
+QUEUE = 256
+"""Payloads that may wait for the network before the oldest is dropped."""
 
 
 class Telemetry:
@@ -39,8 +41,13 @@ class Telemetry:
     thread at a time may call the methods.
     """
 
-    def __init__(self, settings: TelemetrySettings, *, robot: str, team: str) -> None:
-        """Start the thread that opens the session; without an operator do nothing at all."""
+    def __init__(
+        self, settings: TelemetrySettings, *, robot: str, team: str, queue: int = QUEUE
+    ) -> None:
+        """Start the thread that opens the session; without an operator do nothing at all.
+
+        queue: payloads that may wait for the network before the oldest is dropped.
+        """
         self.sent = 0
         self.dropped = 0
         self.failed = ""
@@ -50,7 +57,7 @@ class Telemetry:
         self._keys = settings.keys
         self._robot = robot
         self._team = team
-        self._queue: deque[tuple[str, bytes]] = deque(maxlen=settings.queue)
+        self._queue: deque[tuple[str, bytes]] = deque(maxlen=queue)
         self._waiting = threading.Event()
         self._ending = False
         self._thread: threading.Thread | None = None

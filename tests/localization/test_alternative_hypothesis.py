@@ -8,9 +8,10 @@ import math
 import numpy as np
 import pytest
 
-from localization.alternative_hypothesis import RivalSearch
+from localization.alternative_hypothesis import STOP_XY, AlternativeSearch
 from localization.global_search import GlobalSearch
 from localization.health import Health
+from localization.kld import SampleLimits
 from localization.likelihood_field import LikelihoodField
 from localization.localizer import Localizer
 from localization.refinement import Refinement
@@ -20,19 +21,19 @@ from maps.pose import Pose
 APART = 9.0  # m between the two rooms
 
 
-def alternative_search(room, seed: int = 3) -> RivalSearch:
+def alternative_search(room, seed: int = 3) -> AlternativeSearch:
     settings, rng = LocalizationSettings(), np.random.default_rng(seed)
-    return RivalSearch(
-        settings,
-        settings.samples,
-        LikelihoodField(settings.sensor, room.map),
-        Refinement(settings.refinement, room.map),
-        GlobalSearch(settings.search, room.map),
+    return AlternativeSearch(
+        settings.motion,
+        SampleLimits(settings.min_particles, settings.max_particles),
+        LikelihoodField(room.map, settings.beams),
+        Refinement(room.map),
+        GlobalSearch(room.map),
         rng,
     )
 
 
-def walked(alternatives: RivalSearch, room, poses: list[Pose]) -> RivalSearch:
+def walked(alternatives: AlternativeSearch, room, poses: list[Pose]) -> AlternativeSearch:
     """Let it see a way; every pose is a scan."""
     rng = np.random.default_rng(7)
     alternatives.remember(None, room.scan(poses[0], rng))
@@ -73,7 +74,7 @@ def test_twins_share_the_belief(twin_rooms, circle) -> None:
 
 def test_the_way_is_forgotten_and_remembered_a_stop_at_a_time(room) -> None:
     alternatives = alternative_search(room)
-    step = Pose(LocalizationSettings().search.stop_xy / 4.1, 0.0, 0.0)
+    step = Pose(STOP_XY / 4.1, 0.0, 0.0)
     start = Pose(3.0, 2.0, 0.0)
     walked(alternatives, room, [start.compose(Pose(i * step.x, 0.0, 0.0)) for i in range(11)])
     assert alternatives.stops == 3

@@ -6,19 +6,35 @@ from dataclasses import replace
 
 import pytest
 
-from localization.health import Evidence, Health, HealthMonitor
+from localization.health import (
+    FOUND_ABOVE,
+    LOCALIZED_ABOVE,
+    LOCALIZED_SHARE,
+    LOCALIZED_SPREAD,
+    LOCALIZED_WALL_CROSSING,
+    LOST_BELOW,
+    UNSURE_BELOW,
+    UNSURE_SHARE,
+    UNSURE_SPREAD,
+    UNSURE_WALL_CROSSING,
+    Evidence,
+    Health,
+    HealthMonitor,
+)
 from localization.scan_check import Fit
-from localization.settings import HealthSettings
 
-SETTINGS = HealthSettings(worsen_after=3, improve_after=5)
 GOOD = Evidence(fit=Fit(0.95, 0.95), spread=0.05, share=1.0)
 CLOUDY = replace(GOOD, fit=Fit(0.55, 0.55))
 NOTHING_FITS = replace(GOOD, fit=Fit(0.1, 0.1))
 BLIND = replace(GOOD, fit=None)
 
 
+def monitor_at(health: Health) -> HealthMonitor:
+    return HealthMonitor(health, worsen_after=3, improve_after=5)
+
+
 def after(health: Health, count: int, evidence: Evidence) -> Health:
-    monitor = HealthMonitor(SETTINGS, health)
+    monitor = monitor_at(health)
     for _ in range(count):
         monitor.update(evidence)
     return monitor.health
@@ -83,7 +99,7 @@ def test_scans_from_the_same_place_count_in_part() -> None:
 
 
 def test_an_interrupted_run_of_bad_scans_does_not_count() -> None:
-    monitor = HealthMonitor(SETTINGS, Health.LOCALIZED)
+    monitor = monitor_at(Health.LOCALIZED)
     for _ in range(20):
         monitor.update(NOTHING_FITS)
         monitor.update(NOTHING_FITS)
@@ -91,7 +107,7 @@ def test_an_interrupted_run_of_bad_scans_does_not_count() -> None:
 
 
 def test_verdicts_that_waver_between_two_better_ones_count_for_the_lesser() -> None:
-    monitor = HealthMonitor(SETTINGS, Health.LOST)
+    monitor = monitor_at(Health.LOST)
     for evidence in (GOOD, CLOUDY, GOOD, GOOD, CLOUDY):
         assert monitor.health is Health.LOST
         monitor.update(evidence)
@@ -100,7 +116,7 @@ def test_verdicts_that_waver_between_two_better_ones_count_for_the_lesser() -> N
 
 def test_the_better_tail_of_a_run_counts_towards_the_next_step() -> None:
     """Five scans bring it from lost to unsure; three of them already spoke for localized."""
-    monitor = HealthMonitor(SETTINGS, Health.LOST)
+    monitor = monitor_at(Health.LOST)
     for evidence in (CLOUDY, CLOUDY, GOOD, GOOD, GOOD):
         monitor.update(evidence)
     assert monitor.health is Health.UNSURE
@@ -108,23 +124,15 @@ def test_the_better_tail_of_a_run_counts_towards_the_next_step() -> None:
     assert monitor.update(GOOD) is Health.LOCALIZED
 
 
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        {"lost_below": 0.9},
-        {"localized_above": 0.4},
-        {"localized_spread": 0.9},
-        {"localized_through": 0.9},
-        {"unsure_share": 0.9},
-    ],
-)
-def test_unordered_thresholds_are_refused(wrong: dict[str, float]) -> None:
-    with pytest.raises(ValueError, match="must"):
-        HealthSettings(**wrong)
+def test_it_is_harder_to_get_better_than_to_stay() -> None:
+    assert LOST_BELOW < FOUND_ABOVE <= UNSURE_BELOW < LOCALIZED_ABOVE
+    assert LOCALIZED_WALL_CROSSING < UNSURE_WALL_CROSSING
+    assert LOCALIZED_SPREAD < UNSURE_SPREAD
+    assert LOCALIZED_SHARE > UNSURE_SHARE
 
 
 def test_a_preview_tells_the_next_health_and_changes_nothing() -> None:
-    monitor = HealthMonitor(SETTINGS, Health.UNSURE)
+    monitor = monitor_at(Health.UNSURE)
     for _ in range(4):
         assert monitor.preview(GOOD) is Health.UNSURE
         monitor.update(GOOD)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from localization.kld import bin_keys, needed_samples, sample_size
-from localization.settings import SampleSettings
+from localization.kld import SampleLimits, bin_keys, needed_samples, sample_size
+from localization.settings import LocalizationSettings
 
 
 @pytest.mark.parametrize("bins", [2, 5, 20, 100, 1000])
@@ -62,19 +62,19 @@ def test_bins_are_counted_as_by_a_plain_loop() -> None:
 
 
 def test_number_follows_the_spread_between_the_limits() -> None:
-    settings = SampleSettings(minimum=50, maximum=3000)
+    limits = SampleLimits(minimum=50, maximum=3000)
     rng = np.random.default_rng(6)
     cloud = rng.standard_normal((3000, 3))
     middle = (0.05, 0.05, 0.04)
-    sizes = [needed_samples(middle + cloud * s, settings) for s in (1e-4, 0.03, 0.1, 5.0)]
+    sizes = [needed_samples(middle + cloud * s, limits) for s in (1e-4, 0.03, 0.1, 5.0)]
     assert sizes[0] == 50
     assert sizes[0] < sizes[1] < sizes[2] < sizes[3] == 3000
 
 
 def test_a_fixed_number_is_kept() -> None:
-    assert needed_samples(np.zeros((9, 3)), SampleSettings(fixed=777)) == 777
+    assert needed_samples(np.zeros((9, 3)), SampleLimits(500, 5000, 777)) == 777
 
 
 def test_limits_must_be_ordered() -> None:
-    with pytest.raises(ValueError, match="minimum"):
-        SampleSettings(minimum=600, maximum=500)
+    with pytest.raises(ValueError, match="min_particles"):
+        LocalizationSettings(min_particles=600, max_particles=500)

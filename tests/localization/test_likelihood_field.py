@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from localization.likelihood_field import LikelihoodField, spread_evenly
-from localization.settings import SensorSettings
 from maps.occupancy_map import OCCUPIED, UNKNOWN, OccupancyMap
 from maps.pose import Pose
 
-SETTINGS = SensorSettings(sigma=0.2, random_share=0.1)
+
+def field_of(occupancy: OccupancyMap) -> LikelihoodField:
+    return LikelihoodField(occupancy, 60, sigma=0.2)
 
 
 def one_wall() -> OccupancyMap:
@@ -24,7 +25,7 @@ def one_wall() -> OccupancyMap:
 
 
 def log_weight(pose: tuple[float, float, float], points: list[tuple[float, float]]) -> float:
-    field = LikelihoodField(SETTINGS, one_wall())
+    field = field_of(one_wall())
     return float(field.log_weights(np.array([pose]), np.array(points), 1.0)[0])
 
 
@@ -53,7 +54,7 @@ def test_outside_the_map_only_the_random_share_is_left() -> None:
 
 
 def test_the_product_over_beams_is_tempered() -> None:
-    field = LikelihoodField(SETTINGS, one_wall())
+    field = field_of(one_wall())
     pose = np.array([[0.05, 2.55, 0.0]])
     beams = np.tile([[0.2, 0.0]], (30, 1))
     assert field.log_weights(pose, beams, 6.0)[0] == pytest.approx(6 * expected(0.2), rel=1e-4)
@@ -62,12 +63,12 @@ def test_the_product_over_beams_is_tempered() -> None:
 
 
 def test_no_beams_tell_nothing() -> None:
-    field = LikelihoodField(SETTINGS, one_wall())
+    field = field_of(one_wall())
     assert not field.log_weights(np.zeros((7, 3)), np.empty((0, 2)), 6.0).any()
 
 
 def test_many_particles_give_what_each_gives_alone() -> None:
-    field = LikelihoodField(SETTINGS, one_wall())
+    field = field_of(one_wall())
     rng = np.random.default_rng(3)
     particles = rng.uniform((-1, 2, -3), (1, 3, 3), (4500, 3))
     points = rng.uniform(-1, 1, (40, 2))
@@ -79,9 +80,7 @@ def test_many_particles_give_what_each_gives_alone() -> None:
 
 def test_a_map_without_obstacles_is_harmless() -> None:
     empty = OccupancyMap(np.zeros((5, 5), dtype=np.uint8), 0.1, Pose(0, 0, 0))
-    weights = LikelihoodField(SETTINGS, empty).log_weights(
-        np.array([[0.2, 0.2, 0.0]]), np.array([[0.1, 0.0]]), 1.0
-    )
+    weights = field_of(empty).log_weights(np.array([[0.2, 0.2, 0.0]]), np.array([[0.1, 0.0]]), 1.0)
     assert weights == pytest.approx([math.log(0.1)], abs=1e-6)
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from localization.health import Health
 from localization.localizer import Localizer
-from localization.settings import LocalizationSettings, SampleSettings
+from localization.settings import LocalizationSettings
 from maps.occupancy_map import MapError, OccupancyMap
 from maps.pose import Pose, wrap_angle
 from tools.logs.carmen import read_carmen
@@ -105,7 +105,7 @@ def test_same_seed_same_estimates_other_seed_others(room, circle) -> None:
 
 
 def test_a_fixed_number_of_particles_is_kept(room, circle) -> None:
-    localizer = new_localizer(room, samples=SampleSettings(fixed=400))
+    localizer = new_localizer(room, particles=400)
     localizer.start_at(circle[0], 0.1, 0.05)
     assert {e.particle_count for e in track(localizer, room, circle[:40])} == {400}
 

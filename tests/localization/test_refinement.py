@@ -9,7 +9,6 @@ import pytest
 
 from localization.distance_surface import DistanceSurface
 from localization.refinement import Refinement
-from localization.settings import RefinementSettings
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose
 
@@ -52,7 +51,7 @@ def test_surface_is_the_distance_field_at_cell_centres_and_far_outside() -> None
 def test_finds_the_true_pose_from_beside_it(room, off: tuple[float, float, float]) -> None:
     points = room.scan(TRUTH, np.random.default_rng(1))
     start = Pose(TRUTH.x + off[0], TRUTH.y + off[1], TRUTH.theta + off[2])
-    refined = Refinement(RefinementSettings(), room.map).refine(start, CLOUD, points)
+    refined = Refinement(room.map).refine(start, CLOUD, points)
     assert refined is not None
     pose = refined.pose
     assert math.hypot(pose.x - TRUTH.x, pose.y - TRUTH.y) < 0.02
@@ -64,7 +63,7 @@ def test_people_do_not_pull(room) -> None:
     points = room.scan(TRUTH, rng)
     points[60:100] *= 0.4
     start = Pose(TRUTH.x + 0.06, TRUTH.y - 0.04, TRUTH.theta + 0.02)
-    refined = Refinement(RefinementSettings(), room.map).refine(start, CLOUD, points)
+    refined = Refinement(room.map).refine(start, CLOUD, points)
     assert refined is not None
     pose = refined.pose
     assert math.hypot(pose.x - TRUTH.x, pose.y - TRUTH.y) < 0.03
@@ -72,8 +71,7 @@ def test_people_do_not_pull(room) -> None:
 
 def test_never_jumps_beyond_its_limits(room) -> None:
     """From anywhere near, with any scan: either refused or within the limits."""
-    settings = RefinementSettings(limit_xy=0.15, limit_theta=0.08)
-    refinement = Refinement(settings, room.map)
+    refinement = Refinement(room.map, limit_xy=0.15, limit_theta=0.08)
     rng = np.random.default_rng(3)
     accepted = 0
     for _ in range(300):
@@ -101,7 +99,7 @@ def test_a_bare_corridor_leaves_the_position_along_it_to_the_cloud() -> None:
     )
     truth = Pose(10.0, 1.525, 0.0)
     start = Pose(truth.x + 0.1, truth.y + 0.08, 0.03)
-    refined = Refinement(RefinementSettings(), corridor).refine(start, CLOUD, walls)
+    refined = Refinement(corridor).refine(start, CLOUD, walls)
     assert refined is not None
     assert refined.pose.y == pytest.approx(truth.y, abs=0.01)
     assert refined.pose.theta == pytest.approx(0.0, abs=0.005)
@@ -112,14 +110,14 @@ def test_a_bare_corridor_leaves_the_position_along_it_to_the_cloud() -> None:
 
 
 def test_too_few_points_tell_nothing(room) -> None:
-    refinement = Refinement(RefinementSettings(), room.map)
+    refinement = Refinement(room.map)
     points = room.scan(TRUTH)[:9]
     assert refinement.refine(TRUTH, CLOUD, points) is None
 
 
 def test_stated_covariance_is_symmetric_and_grows_where_the_map_is_blurred(room) -> None:
     """The end points' own residual measures their error."""
-    refinement = Refinement(RefinementSettings(), room.map)
+    refinement = Refinement(room.map)
     sharp, blurred = (
         refinement.refine(
             Pose(TRUTH.x + 0.05, TRUTH.y, TRUTH.theta),

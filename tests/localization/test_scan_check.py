@@ -1,4 +1,4 @@
-"""One scan against the map at one pose: fit, people excused, beams through walls."""
+"""One scan against the map at one pose: fit, dynamic end points, beams that cross walls."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import pytest
 
 from localization.distance_surface import DistanceSurface
 from localization.scan_check import ScanCheck
-from localization.settings import CheckSettings
 from maps.pose import Pose
 
 TRUTH = Pose(3.0, 2.0, 0.4)
@@ -15,7 +14,7 @@ TRUTH = Pose(3.0, 2.0, 0.4)
 
 @pytest.fixture
 def check(room) -> ScanCheck:
-    return ScanCheck(CheckSettings(), room.map, DistanceSurface(room.map, 0.45))
+    return ScanCheck(room.map, DistanceSurface(room.map, 0.45))
 
 
 def test_fit_falls_with_the_distance_from_the_truth(room, check: ScanCheck) -> None:
@@ -32,10 +31,10 @@ def test_fit_falls_with_the_distance_from_the_truth(room, check: ScanCheck) -> N
 def test_too_few_points_tell_nothing(room, check: ScanCheck) -> None:
     points = room.scan(TRUTH)[:9]
     assert check.fit(TRUTH, points) is None
-    assert check.through(TRUTH, points) == 0.0
+    assert check.wall_crossing(TRUTH, points) == 0.0
 
 
-def test_people_are_excused_up_to_a_share_of_the_beams(room, check: ScanCheck) -> None:
+def test_people_are_left_out_of_the_fit_up_to_a_share_of_the_beams(room, check: ScanCheck) -> None:
     points = room.scan(TRUTH)
     some, many = points.copy(), points.copy()
     some[40:95] *= 0.5  # 30 %
@@ -46,7 +45,7 @@ def test_people_are_excused_up_to_a_share_of_the_beams(room, check: ScanCheck) -
     assert check.fit(TRUTH, many).fit_without_dynamic < 0.65
 
 
-def test_beams_beyond_the_mapped_floor_are_not_excused(room, check: ScanCheck) -> None:
+def test_beams_beyond_the_mapped_floor_are_not_left_out(room, check: ScanCheck) -> None:
     """Who ends outside the map, in the unknown, is no person on the floor."""
     points = room.scan(TRUTH)
     points[40:95] *= 20.0
@@ -55,8 +54,8 @@ def test_beams_beyond_the_mapped_floor_are_not_excused(room, check: ScanCheck) -
 
 
 def test_no_beam_passes_through_walls_at_the_truth(room, check: ScanCheck) -> None:
-    assert check.through(TRUTH, room.scan(TRUTH)) == 0.0
-    assert check.through(TRUTH, 0.5 * room.scan(TRUTH)) == 0.0
+    assert check.wall_crossing(TRUTH, room.scan(TRUTH)) == 0.0
+    assert check.wall_crossing(TRUTH, 0.5 * room.scan(TRUTH)) == 0.0
 
 
 def test_beams_that_pass_a_wall_are_counted(room, check: ScanCheck) -> None:
@@ -64,14 +63,14 @@ def test_beams_that_pass_a_wall_are_counted(room, check: ScanCheck) -> None:
     pose = Pose(3.5, 1.0, 0.0)
     angles = np.concatenate((np.full(30, -np.pi / 2), np.full(30, np.pi / 2)))
     points = np.column_stack((3.0 * np.cos(angles), 3.0 * np.sin(angles)))
-    assert check.through(pose, points) == pytest.approx(0.5, abs=0.02)
+    assert check.wall_crossing(pose, points) == pytest.approx(0.5, abs=0.02)
 
 
 def test_a_beam_that_ends_just_behind_its_wall_does_not_pass_it(room, check: ScanCheck) -> None:
     points = room.scan(TRUTH)
     length = np.linalg.norm(points, axis=1, keepdims=True)
-    assert check.through(TRUTH, points * (1.0 + 0.1 / length)) == 0.0
-    assert check.through(TRUTH, points * (1.0 + 1.0 / length)) > 0.9
+    assert check.wall_crossing(TRUTH, points * (1.0 + 0.1 / length)) == 0.0
+    assert check.wall_crossing(TRUTH, points * (1.0 + 1.0 / length)) > 0.9
 
 
 def with_board(points, ahead: float = 0.6, half_width: float = 0.7):

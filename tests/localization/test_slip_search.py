@@ -9,18 +9,17 @@ import pytest
 
 from localization.likelihood_field import LikelihoodField
 from localization.refinement import Refinement
-from localization.settings import RefinementSettings, SensorSettings, SlipSettings
-from localization.slip_search import SlipSearch
+from localization.settings import LocalizationSettings
+from localization.slip_search import MIN_GAIN, SlipSearch
 from maps.pose import Pose
 
 TRUTH = Pose(9.0, 1.0, 0.02)
 STEP = Pose(1.4, 0.0, 0.0)
 
 
-def search(room, settings: SlipSettings | None = None) -> SlipSearch:
-    refinement = Refinement(RefinementSettings(), room.map)
-    field = LikelihoodField(SensorSettings(), room.map)
-    return SlipSearch(settings or SlipSettings(), field, refinement)
+def search(room, min_gain: float = MIN_GAIN) -> SlipSearch:
+    field = LikelihoodField(room.map, LocalizationSettings().beams)
+    return SlipSearch(field, Refinement(room.map), min_gain=min_gain)
 
 
 @pytest.mark.parametrize("lost", [0.15, 0.3, 0.45])
@@ -67,5 +66,5 @@ def test_bare_walls_that_tell_nothing_move_nothing(corridor) -> None:
 def test_a_higher_gain_asks_for_more(corridor) -> None:
     points = corridor.scan(TRUTH, np.random.default_rng(1))
     counted = TRUTH.compose(Pose(0.4, 0.0, 0.0))
-    assert search(corridor, SlipSettings(gain=1e3)).find(counted, STEP, points) is None
+    assert search(corridor, min_gain=1e3).find(counted, STEP, points) is None
     assert search(corridor).find(counted, STEP, points[:3]) is None

@@ -33,6 +33,18 @@ def test_effective_configuration_survives_a_round_trip() -> None:
             "[localization.health]\nlost_bellow = 0.1",
             "robot.toml: localization.health.lost_bellow: unknown key",
         ),
+        (
+            "[localization.health]\nlost_below = 0.3",
+            "robot.toml: localization.health.lost_below: is no setting any more but always 0.45",
+        ),
+        (
+            "[perception]\nmost_extent = 0.3",
+            "robot.toml: perception.most_extent: is no setting any more but always 0.75",
+        ),
+        (
+            "[localization.samples]\nfixed = 900",
+            "robot.toml: localization.samples.fixed: is called localization.particles now",
+        ),
         ("[lasers]\nbaud = 9600", "robot.toml: lasers: unknown key"),
         ("[base]\nmax_speed = 20.0", "robot.toml: base.max_speed: expected `float` <= 2.2"),
         ('[base]\nmax_speed = "fast"', "robot.toml: base.max_speed: expected `float`, got `str`"),
@@ -83,12 +95,12 @@ def test_defaults_are_the_odometry_noise_of_our_robots(model: str) -> None:
 
 
 def test_odometry_is_as_noisy_as_that_of_the_model_unless_told() -> None:
-    motion = "floor_xy = 0.02\ntranslation_per_rotation = 0.5\n"
+    motion = "translation_per_rotation = 0.5\n"
     told = f'[base]\nmodel = "p3at"\n[localization.motion]\n{motion}'
     config = parse_config(told.encode(), "x")
     found = config.localization.motion
     assert (found.rotation_per_rotation, found.translation_per_translation) == (0.3, 0.1)
-    assert (found.floor_xy, found.translation_per_rotation) == (0.02, 0.5)
+    assert found.translation_per_rotation == 0.5
     assert parse_config(format_config(config).encode(), "x") == config
 
 

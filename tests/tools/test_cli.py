@@ -92,6 +92,12 @@ def test_print_config_is_the_effective_configuration(
     assert "max_speed" in out
 
 
+def test_list_settings_needs_no_configuration(capsys: pytest.CaptureFixture[str]) -> None:
+    status, out, _ = run(capsys, "agent", "--list-settings")
+    assert status == 0
+    assert out.splitlines()[-1].endswith(" settings")
+
+
 @pytest.mark.parametrize("command", ["convert", "localize", "map build"])
 def test_log_that_is_no_log(
     command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]

@@ -65,7 +65,7 @@ class IdealFleet:
         self.faults = tuple(faults)
         _check_faults(self.faults, [robot.name for robot in self.robots])
         self._ahead = np.array([robot.body.outline.middle for robot in self.robots])
-        self._sight = IdealSight(config.perception, folder.map, len(self.robots))
+        self._sight = IdealSight(config.perception.detection_range, folder.map, len(self.robots))
         self._closest = [math.inf] * len(self.robots)  # m to the nearest other, as last seen
         self._obstacles = IdealObstacles(gate_limits(config.gate), folder.map, folder.border)
 

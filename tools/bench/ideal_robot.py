@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.p2os.emulator.motion_controller import ramp
-from drivers.p2os.settings import BaseSettings
+from drivers.p2os.set_up import ACCELERATION, DECELERATION, TURN_ACCELERATION, TURN_DECELERATION
 from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
@@ -34,7 +34,6 @@ class IdealRobot:
 
     name: str
     body: RobotBody
-    base: BaseSettings
     patrol: Patrol
     heading_loop: HeadingLoop
     gate: SafetyGate
@@ -54,10 +53,9 @@ class IdealRobot:
 
     def roll(self, dt: float) -> tuple[float, float]:
         """Let the wheels turn for dt, s; return the distance, m, and rotation, rad."""
-        base = self.base
         v, w = (0.0, 0.0) if self.dead else self._order
-        self.v, distance = ramp(self.v, v, base.acceleration, base.deceleration, dt)
-        self.w, rotation = ramp(self.w, w, base.turn_acceleration, base.turn_deceleration, dt)
+        self.v, distance = ramp(self.v, v, ACCELERATION, DECELERATION, dt)
+        self.w, rotation = ramp(self.w, w, TURN_ACCELERATION, TURN_DECELERATION, dt)
         if self.stuck:
             self.v = self.w = distance = rotation = 0.0
         return distance, rotation
@@ -104,7 +102,6 @@ def make_ideal_robot(body: RobotBody, config: AgentConfig, folder: MapFolder) ->
     return IdealRobot(
         name=config.robot.name,
         body=body,
-        base=config.base,
         patrol=Patrol(config.patrol, folder.border, rng, folder.approach_field),
         heading_loop=HeadingLoop(),
         gate=SafetyGate(gate_limits(config.gate)),

@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maps.occupancy_map import OCCUPIED, OccupancyMap
-from robot_agent.perception.settings import PerceptionSettings
+from robot_agent.perception.track import TRACK_MEMORY
+from robot_agent.perception.track_filter import VELOCITY_DECAY
+from robot_agent.perception.visibility import VISIBILITY, VISIBILITY_MARGIN
 
 _SAMPLES = 32  # along a line of sight; at most 0.13 m apart over the detection range
 _HIDING_RADIUS = 0.20  # m; half a Pioneer's width: a line nearer to a body's middle is cut
@@ -21,12 +23,13 @@ Array = NDArray[np.float64]
 class IdealSight:
     """Who sees whom, and where each robot holds its teammates to be."""
 
-    def __init__(self, settings: PerceptionSettings, occupancy: OccupancyMap, count: int) -> None:
-        self._settings = settings
+    def __init__(self, detection_range: float, occupancy: OccupancyMap, count: int) -> None:
+        """Prepare a map for ``count`` robots that see each other up to detection_range, m."""
+        self._detection_range = detection_range
         self._origin = np.array((occupancy.origin.x, occupancy.origin.y))[:, None]
         self._resolution = occupancy.resolution
         walls = np.pad(occupancy.cells == OCCUPIED, 1, constant_values=True)
-        spacing = settings.detection_range / (_SAMPLES - 1)
+        spacing = detection_range / (_SAMPLES - 1)
         # Lines are sampled; what is nearer to a wall than half the spacing has one between samples.
         room = np.pad(occupancy.distance_field(), 1) - occupancy.resolution / 2.0
         opaque = walls | (room < spacing / 2.0)
@@ -49,11 +52,10 @@ class IdealSight:
         base, heading, middle: (2, n) base_link in the map, unit vector ahead, centre of the body,
         m. speed: (n,) m/s ahead.
         """
-        settings = self._settings
         # 1. Who is in view.
         between = base[:, None, :] - base[:, :, None]
         self.apart = apart = np.sqrt(between[0] ** 2 + between[1] ** 2) + self._to_itself
-        one, other = (apart <= settings.detection_range).nonzero()
+        one, other = (apart <= self._detection_range).nonzero()
         if len(one):
             along = (middle[:, other] - base[:, one]) * heading[:, one]
             ahead = along[0] + along[1] > 0.0
@@ -68,15 +70,14 @@ class IdealSight:
 
     def _closest(self, t: float, base: Array) -> list[tuple[float, float] | None]:
         """Return each robot's closest teammate, in view or remembered, within visibility."""
-        settings = self._settings
         closest: list[tuple[float, float] | None] = [None] * base.shape[1]
-        one, other = (self._last_seen >= t - settings.memory).nonzero()
-        decay = settings.velocity_decay
-        reach = decay * (1.0 - np.exp((self._last_seen[one, other] - t) / decay))
+        one, other = (self._last_seen >= t - TRACK_MEMORY).nonzero()
+        unseen = self._last_seen[one, other] - t
+        reach = VELOCITY_DECAY * (1.0 - np.exp(unseen / VELOCITY_DECAY))
         place = self._place[:, one, other] + reach * self._velocity[:, one, other]
         away = place - base[:, one]
         distance = np.sqrt(away[0] ** 2 + away[1] ** 2)
-        limit = settings.visibility + settings.visibility_margin * self._in_range[one, other]
+        limit = VISIBILITY + VISIBILITY_MARGIN * self._in_range[one, other]
         within = distance <= limit
         self._in_range[:] = False
         self._in_range[one[within], other[within]] = True

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 
 from localization.cluster import best_cluster
 from localization.filter import ParticleFilter
+from localization.kld import SampleLimits
 from localization.likelihood_field import LikelihoodField
-from localization.localizer import Localizer
-from localization.settings import LocalizationSettings, SampleSettings, SensorSettings
+from localization.localizer import INDEPENDENT_BEAMS, Localizer
+from localization.settings import LocalizationSettings
 from maps.map_folder import load_map_folder
 from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap
 from maps.pose import Pose
@@ -61,8 +62,7 @@ def update_costs(folder_path: Path) -> Iterator[UpdateCost]:
     for beams in BEAMS:
         for particles in PARTICLES:
             settings = LocalizationSettings(
-                samples=SampleSettings(minimum=particles, maximum=particles),
-                sensor=SensorSettings(beams=beams),
+                beams=beams, min_particles=particles, max_particles=particles
             )
             yield UpdateCost(
                 particles,
@@ -91,17 +91,18 @@ def _filter_update(
     settings: LocalizationSettings, occupancy: OccupancyMap, scans: Scans
 ) -> Callable[[int], object]:
     rng = np.random.default_rng(SEED)
-    field = LikelihoodField(settings.sensor, occupancy)
+    field = LikelihoodField(occupancy, settings.beams)
     particles = ParticleFilter(settings.motion, field, rng)
-    cloud = rng.standard_normal((settings.samples.minimum, 3)) * (0.1, 0.1, 0.05)
+    cloud = rng.standard_normal((settings.min_particles, 3)) * (0.1, 0.1, 0.05)
+    limits = SampleLimits(settings.min_particles, settings.max_particles)
     particles.restart(np.array(scans[0][0]) + cloud)
 
     def update(number: int) -> None:
         pose, points = scans[number]
         particles.predict(scans[max(number - 1, 0)][0].between(pose))
-        particles.weigh(points, settings.sensor.independent_beams)
+        particles.weigh(points, INDEPENDENT_BEAMS)
         best_cluster(particles.particles, particles.weights)
-        particles.resample(settings.samples)
+        particles.resample(limits)
 
     return update
 

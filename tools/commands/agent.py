@@ -8,6 +8,7 @@ import datetime
 import sys
 from contextlib import ExitStack
 from pathlib import Path
+from typing import NoReturn
 
 import cv2
 import msgspec
@@ -18,6 +19,7 @@ from robot_agent.config import AgentConfig, ConfigError, format_config, load_con
 from robot_agent.process.journal import Journal
 from robot_agent.process.pose_file import PoseFile
 from robot_agent.process.runtime import Clock, Runtime, end_on_signals
+from robot_agent.process.settings_list import format_settings, list_settings
 from robot_agent.process.telemetry import Telemetry
 from robot_agent.recording.recorder import Recorder
 from robot_agent.recording.recording_retention import RecordingRetention
@@ -35,6 +37,20 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--print-config", action="store_true", help="print the effective configuration and end"
     )
+    parser.add_argument(
+        "--list-settings",
+        action=_ListSettings,
+        nargs=0,
+        help="print every key with its default, unit and meaning, and end",
+    )
+
+
+class _ListSettings(argparse.Action):
+    """Prints the settings and ends the program, as ``--help`` does: it needs no configuration."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        print(format_settings(list_settings()))
+        parser.exit()
 
 
 def run(options: argparse.Namespace) -> int:

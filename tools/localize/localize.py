@@ -127,8 +127,8 @@ def _started_localizer(
 
 def _effective_settings(options: LocalizeOptions) -> LocalizationSettings:
     settings = options.settings
-    samples = msgspec.structs.replace(
-        settings.samples, fixed=options.particles or settings.samples.fixed
+    return msgspec.structs.replace(
+        settings,
+        particles=options.particles or settings.particles,
+        beams=options.beams or settings.beams,
     )
-    sensor = msgspec.structs.replace(settings.sensor, beams=options.beams or settings.sensor.beams)
-    return msgspec.structs.replace(settings, samples=samples, sensor=sensor)

@@ -50,7 +50,12 @@ def _modernized(content: bytes, source: str) -> tuple[dict[str, Any], list[str]]
     for key in [key for key in RENAMED_KEYS if _lookup(table, key) is not None]:
         _put(table, RENAMED_KEYS[key], _lookup(table, key))
         _drop(table, key)
-    for key in [key for key, value in FIXED_KEYS.items() if _lookup(table, key) == value]:
+    for key, constant in FIXED_KEYS.items():
+        value = _lookup(table, key)
+        if value is None:
+            continue
+        if value != constant:
+            left_out.append(key)
         _drop(table, key)
     return _known(table, AgentConfig, "", left_out), left_out
 
@@ -78,7 +83,9 @@ def _apply(table: dict[str, Any], change: str) -> None:
     for section in sections:
         table = table.setdefault(section, {})
         if not isinstance(table, dict):
-            raise ConfigError(f"--set {change}: {section} is no section; see --print-config")
+            raise ConfigError(
+                f"--set {change}: {section} is no section; see `patrol agent --list-settings`"
+            )
     table[name] = value
 
 
@@ -98,9 +105,12 @@ def _put(table: dict[str, Any], key: str, value: Any) -> None:
 
 
 def _drop(table: dict[str, Any], key: str) -> None:
-    """Remove a dotted key that is there."""
+    """Remove a dotted key that is there, and its section if nothing else is in it."""
     section, _, name = key.rpartition(".")
-    del _lookup(table, section)[name]
+    rest = _lookup(table, section) if section else table
+    del rest[name]
+    if not rest and section:
+        _drop(table, section)
 
 
 def _known(table: dict[str, Any], shape: type, place: str, left_out: list[str]) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from drivers.p2os.model import load_model
 from maps.map_folder import MapFolder
 from robot_agent.config import AgentConfig
 from robot_agent.messages.streams import ACTIONS
+from robot_agent.perception.visibility import VISIBILITY
 
 _BORDER_STEP = 0.1  # m between the points of the line drawn
 
@@ -37,7 +38,7 @@ class Site:
         result: dict[str, object] = {
             "name": "no map",
             "actions": ACTIONS,
-            "visibility": config.perception.visibility,
+            "visibility": VISIBILITY,
             "robot": shape,
             "laser": list(mount),
         }

@@ -93,7 +93,7 @@ def keep_reporting(
 
 
 def test_connects_and_sets_up_before_ready(bench: MakeBench) -> None:
-    wire = bench(max_speed=0.4, deceleration=0.5, bump_stall="both")
+    wire = bench(max_speed=0.4, bump_stall="both")
     wire.connect()
     assert wire.t < 1.5
     assert wire.session.identity == RobotIdentity("Emulated", "Pioneer", "p2dx")
@@ -110,7 +110,7 @@ def test_connects_and_sets_up_before_ready(bench: MakeBench) -> None:
         (N.SETV, 400),
         (N.SETRV, 100),
         (N.SETA, 300),
-        (N.SETA, -500),
+        (N.SETA, -600),
         (N.SETRA, 100),
         (N.SETRA, -100),
         (N.BUMP_STALL, 3),

@@ -8,7 +8,7 @@ from drivers.p2os.settings import BaseSettings
 
 @pytest.mark.parametrize(
     "line",
-    ["baud = 4800", "max_speed = 0.0", "max_speed = 3.0", "acceleration = -0.1", "speed = 0.3"],
+    ["baud = 4800", "max_speed = 0.0", "max_speed = 3.0", "max_turn_rate = -0.1", "speed = 0.3"],
 )
 def test_bad_settings_are_refused(line: str) -> None:
     with pytest.raises(msgspec.ValidationError):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from robot_agent.motion.freshness_limits import scan_age_limit
+from robot_agent.motion.freshness_limits import LASER, scan_age_limit
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.gate_settings import GateSettings, gate_limits
 
@@ -16,10 +16,9 @@ def test_what_is_set_is_the_limit():
     assert (limits.front, limits.max_speed, limits.battery_cutoff) == (0.3, 0.2, 11.5)
 
 
-def test_the_lasers_rate_sets_the_age_of_scans_unless_it_is_set():
+def test_the_lasers_rate_sets_the_age_of_scans():
     assert gate_limits(GateSettings(), 0.05).scan_age == scan_age_limit(0.05)
-    assert gate_limits(GateSettings(max_scan_age=0.4), 0.05).scan_age == 0.4
-    assert gate_limits(GateSettings(max_scan_age=0.4)).scan_age == 0.4
+    assert gate_limits(GateSettings()).scan_age == LASER.max_age
 
 
 def test_a_battery_low_and_well_at_once_is_refused():

@@ -157,7 +157,7 @@ def test_a_drive_replays_identically(tmp_path: Path) -> None:
 def test_a_key_is_good_for_its_moment_and_within_limits(
     age: float, ahead: int, left: int, expected: tuple[float, float]
 ) -> None:
-    teleop = Teleop(TeleopSettings())
+    teleop = Teleop()
     teleop.press(OperatorKey(10.0, ahead, left))
     assert teleop.requested(10.0 + age) == expected
 

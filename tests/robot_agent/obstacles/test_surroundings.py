@@ -25,7 +25,7 @@ def surroundings() -> Surroundings:
     cells[46, 40] = OCCUPIED  # its near side is at y = 0.3 m
     occupancy = OccupancyMap(cells, 0.05, Pose(-2.025, -2.0, 0.0))
     config = AgentConfig()
-    unexplained = UnexplainedPoints(config.perception, occupancy)
+    unexplained = UnexplainedPoints(occupancy, config.perception.detection_range)
     model = load_model(config.base.model)
     return Surroundings(Pose(*model.laser_mount), GateLimits(), model, occupancy, unexplained)
 

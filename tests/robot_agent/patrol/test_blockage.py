@@ -25,7 +25,7 @@ HERE = (0.0, 0.0)
 
 def when(held, places=None, neighbors=None, duration=40.0):
     """Times at which the waiting ends; each argument is a function of t."""
-    watch = Blockage(10.0)
+    watch = Blockage()
     found = []
     for k in range(round(duration / 0.1)):
         t = round(0.1 * k, 1)

@@ -138,9 +138,9 @@ def test_every_turn_tells_its_cause():
 @pytest.mark.parametrize("seed", range(40))
 def test_one_step_turns_once_however_many_want_it(seed):
     """An object and chance at the same moment once cancelled each other."""
-    robot = patrol(reversal_probability=1.0, reversal_period=0.1, blockage_time=0.2, seed=seed)
+    robot = patrol(reversal_probability=1.0, reversal_period=0.7, seed=seed)
     directions, turns = [], []
-    for k in range(60):
+    for k in range(230):
         decision = robot.step(0.1 * k, on_circle(0.0), None, held=True)
         directions.append(decision.direction)
         turns.append(decision.turn)
@@ -195,7 +195,7 @@ def test_beyond_an_end_comes_back_along_the_border_too():
 
 def test_tangential_velocity_is_cut_off_at_an_end():
     """A teammate drives it off the border's end: it stays."""
-    robot = patrol(LINE, minimum_dwell=0.0)
+    robot = patrol(LINE, modifiers=("hold_at_end",))
     robot.step(0.0, Pose(1.0, 0.0, math.pi), None)
     decision = robot.step(0.1, Pose(0.0, 0.0, math.pi), (1.8, 0.0))
     assert decision.velocity == pytest.approx((0.0, 0.0))

@@ -9,7 +9,7 @@ from maps.border import Border
 from maps.border_primitives import Segment
 from maps.map_folder import load_map_folder
 from maps.pose import Pose
-from robot_agent.config import find_map, parse_config
+from robot_agent.config import find_map
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.modifier import OverrideReason
 from robot_agent.patrol.standoff import Standoff
@@ -25,7 +25,7 @@ class Robot:
     """A robot that only insists."""
 
     def __init__(self):
-        self.standoff = Standoff(12.0)
+        self.standoff = Standoff()
 
     def insists_on(self, t, place, way, action, out=None):
         """What it insists on at a place so many metres from the border; out: caught at an end."""
@@ -125,12 +125,11 @@ def test_other_actions_between_begin_the_count_of_avoiding_anew():
 def test_a_robot_that_a_box_keeps_beside_the_border_goes_straight_there_and_says_so():
     """It keeps going along the border, 0.65 m beside it, and stands before the box on its way."""
     log, lab = EventLog(), load_map_folder(find_map("paper_lab", Path.cwd()))
-    config = parse_config(b"[patrol]\nstandoff_time = 3.0\n", "test")
-    fleet = Fleet(lab, 1, 1, config, [Pose(5.5, 13.0, 0.0)], lambda *_: log)
+    fleet = Fleet(lab, 1, 1, None, [Pose(5.5, 13.0, 0.0)], lambda *_: log)
     fleet.world.add_body(Pose(6.3, 13.2, 0.0), Outline(0.1, 0.1, 0.15))
     agent = fleet.robots[0].agent
     decisions = []
-    while fleet.t < 15.0:
+    while fleet.t < 24.0:
         fleet.step()
         decisions.append(agent.decision)
     decided = [decision for decision in decisions if decision is not None]

@@ -11,14 +11,13 @@ from drivers.camera_source import CameraSettings
 from maps.pose import Pose
 from robot_agent.messages.blob import Blob
 from robot_agent.perception.band_matching import BandMatcher
-from robot_agent.perception.color_settings import ColorSettings
 from robot_agent.perception.identity import Kind, Probabilities
 from robot_agent.perception.track import Track
 
 CAMERA = CameraSettings()
 HERE = Pose(4.0, 3.0, 0.7)
 LENS = HERE.compose(Pose(*CAMERA.mount))
-MATCHER = BandMatcher(CAMERA, ColorSettings())
+MATCHER = BandMatcher(CAMERA)
 NOTHING = np.empty((0, 2))
 
 

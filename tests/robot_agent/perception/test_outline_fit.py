@@ -27,8 +27,8 @@ def seen(room: Room, box: Box, rng: np.random.Generator) -> Segment:
     """Return the nearest segment of a scan of a room with one body."""
     points = room.scan(HERE, [box], rng)
     ranges = np.hypot(points[:, 0], points[:, 1])
-    mask = UnexplainedPoints(SETTINGS, room.map).mask(HERE, points, ranges)
-    return find_segments(points, ranges, mask, SETTINGS)[0]
+    mask = UnexplainedPoints(room.map, SETTINGS.detection_range).mask(HERE, points, ranges)
+    return find_segments(points, ranges, mask)[0]
 
 
 def body(rng: np.random.Generator, *size: float) -> Box:

@@ -77,7 +77,7 @@ def test_beams_on_a_track_are_covered_and_no_others(room: Room) -> None:
 
 def test_a_scan_mostly_on_tracks_is_not_believed(room: Room) -> None:
     rng = np.random.default_rng(3)
-    tracker = TeammateTracker(PerceptionSettings(max_covered=0.05), room.map)
+    tracker = TeammateTracker(PerceptionSettings(), room.map, max_covered=0.05)
     pose = Pose(3.0, 4.0, 0.0)
     for step in range(10):
         points = room.scan(pose, [Box(4.5, 4.0, 0.0)], rng)

@@ -27,8 +27,8 @@ def segments_of(
 ) -> list[Segment]:
     points = room.scan(pose, boxes, rng, increment)
     ranges = np.hypot(points[:, 0], points[:, 1])
-    mask = UnexplainedPoints(SETTINGS, room.map).mask(pose, points, ranges)
-    return find_segments(points, ranges, mask, SETTINGS)
+    mask = UnexplainedPoints(room.map, SETTINGS.detection_range).mask(pose, points, ranges)
+    return find_segments(points, ranges, mask)
 
 
 def at(distance: float, bearing: float, theta: float, *size: float) -> Box:
@@ -116,4 +116,4 @@ def test_the_nearest_comes_first(room: Room) -> None:
 
 def test_no_points_give_no_segments() -> None:
     nothing = np.empty((0, 2))
-    assert find_segments(nothing, np.empty(0), np.empty(0, dtype=bool), SETTINGS) == []
+    assert find_segments(nothing, np.empty(0), np.empty(0, dtype=bool)) == []

@@ -12,8 +12,6 @@ from robot_agent.perception.settings import PerceptionSettings
     ("toml", "message"),
     [
         ("detection_range = 2.0", "detection_range"),
-        ("max_extent = 0.2", "max_extent"),
-        ("memory = -1.0", "memory"),
         ("memmory = 3.0", "memmory"),
     ],
 )

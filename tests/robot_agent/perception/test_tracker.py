@@ -304,8 +304,7 @@ def test_whoever_sets_off_at_once_keeps_the_number(room: Room) -> None:
 def test_a_leap_within_one_body_goes_on_under_the_older_number(room: Room) -> None:
     """Found again a little aside, farther than any gate allows: two bodies cannot stand so."""
     rng = np.random.default_rng(22)
-    settings = PerceptionSettings(gate_distance=0.2)
-    tracker = TeammateTracker(settings, room.map)
+    tracker = TeammateTracker(SETTINGS, room.map, gate_distance=0.2)
     here = Pose(4.0, 4.0, 0.0)
     for step in range(10):
         tracker.update(0.2 * step, here, room.scan(here, [Box(6.0, 4.0, 0.0)], rng))

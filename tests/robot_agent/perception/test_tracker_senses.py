@@ -11,6 +11,7 @@ from drivers.camera_source import CameraSettings
 from maps.pose import Pose
 from robot_agent.messages.blob import Blob
 from robot_agent.perception.identity import Kind
+from robot_agent.perception.segments import MEAN_HALF_WIDTH
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.tracker import TeammateTracker
 from tests.robot_agent.perception.simulated_room import Box, Room
@@ -100,7 +101,7 @@ def test_a_teammate_that_only_sonars_hear_is_not_taken_to_be_nearer(room: Room) 
     turned = Pose(HERE.x, HERE.y, math.pi)
     seen = turned.between(Pose(mate.x, mate.y, 0.0))
     distance = math.hypot(seen.x, seen.y)
-    near_side = np.array([[seen.x, seen.y]]) * (1.0 - PerceptionSettings().half_width / distance)
+    near_side = np.array([[seen.x, seen.y]]) * (1.0 - MEAN_HALF_WIDTH / distance)
     for step in range(30):
         t = mate.last_seen + PERIOD * (step + 1)
         tracker.update(t, turned, room.scan(turned, [], np.random.default_rng(step)))

@@ -15,7 +15,7 @@ from tests.robot_agent.perception.simulated_room import Box, Room, shaken
 
 @pytest.fixture
 def unexplained(room: Room) -> UnexplainedPoints:
-    return UnexplainedPoints(PerceptionSettings(), room.map)
+    return UnexplainedPoints(room.map, PerceptionSettings().detection_range)
 
 
 def unexplained_in_map(

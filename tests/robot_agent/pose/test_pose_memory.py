@@ -29,7 +29,6 @@ NOTED = RememberedPose(
     x=3.0, y=4.0, theta=1.0, odometer_x=5000, odometer_y=-2000, odometer_heading=1024
 )
 MM = 0.001  # metres per count
-REACH = MemorySettings().reach
 KEEPING = MemorySettings(file="pose.json")
 
 
@@ -37,19 +36,19 @@ KEEPING = MemorySettings(file="pose.json")
 
 
 def test_the_same_reading_is_the_same_pose() -> None:
-    start = NOTED.carried_to((5000, -2000, 1024), MM, REACH)
+    start = NOTED.carried_to((5000, -2000, 1024), MM)
     assert start is not None
     assert start.pose == pytest.approx((3.0, 4.0, 1.0))
 
 
 def test_a_robot_pushed_since_is_where_it_was_pushed_to() -> None:
     """The odometer's heading is a quarter turn: its y is ahead."""
-    start = NOTED.carried_to((5000, -1500, 1024 + 512), MM, REACH)
+    start = NOTED.carried_to((5000, -1500, 1024 + 512), MM)
     assert start is not None
     assert start.pose == pytest.approx(
         (3.0 + 0.5 * math.cos(1.0), 4.0 + 0.5 * math.sin(1.0), 1.0 + math.pi / 4)
     )
-    unmoved = NOTED.carried_to((5000, -2000, 1024), MM, REACH)
+    unmoved = NOTED.carried_to((5000, -2000, 1024), MM)
     assert unmoved is not None
     assert start.sigma_xy > unmoved.sigma_xy
     assert start.sigma_theta > unmoved.sigma_theta
@@ -57,7 +56,7 @@ def test_a_robot_pushed_since_is_where_it_was_pushed_to() -> None:
 
 def test_counters_that_wrapped_since_agree() -> None:
     noted = msgspec.structs.replace(NOTED, odometer_x=0x7FF0, odometer_heading=4090)
-    start = noted.carried_to((0x10, -2000, 2), MM, REACH)
+    start = noted.carried_to((0x10, -2000, 2), MM)
     assert start is not None
     assert math.hypot(start.pose.x - 3.0, start.pose.y - 4.0) == pytest.approx(0.032)
     assert start.pose.theta == pytest.approx(1.0 + 8 * math.tau / 4096)
@@ -67,13 +66,13 @@ def test_counters_that_wrapped_since_agree() -> None:
     "now", [(5000, -499, 1024), (0, 0, 0), (2, 0x7FFF, 1), (5000 + 4096, -2000, 1024)]
 )
 def test_an_odometer_too_far_on_or_zeroed_is_not_believed(now: tuple[int, int, int]) -> None:
-    assert NOTED.carried_to(now, MM, REACH) is None
+    assert NOTED.carried_to(now, MM) is None
 
 
 def test_a_note_taken_at_zero_is_not_believed() -> None:
     """Every odometer reads that after it was switched on."""
     noted = msgspec.structs.replace(NOTED, odometer_x=0, odometer_y=0, odometer_heading=0)
-    assert noted.carried_to((300, 0, 0), MM, REACH) is None
+    assert noted.carried_to((300, 0, 0), MM) is None
 
 
 # --- what is noted ---------------------------------------------------------------------------

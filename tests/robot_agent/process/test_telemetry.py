@@ -73,9 +73,9 @@ Tell = Callable[..., Telemetry]
 def tell() -> Iterator[Tell]:
     opened = []
 
-    def start(endpoint: str, **settings: int) -> Telemetry:
-        chosen = TelemetrySettings(operator=endpoint, **settings)
-        opened.append(Telemetry(chosen, robot="anna", team="north"))
+    def start(endpoint: str, **options: int) -> Telemetry:
+        chosen = TelemetrySettings(operator=endpoint)
+        opened.append(Telemetry(chosen, robot="anna", team="north", **options))
         return opened[-1]
 
     yield start

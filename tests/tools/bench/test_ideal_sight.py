@@ -30,7 +30,7 @@ def look(sight: IdealSight, t: float, *poses: tuple[float, float, float], speed:
 
 
 def sight_of(occupancy: OccupancyMap, count: int = 2) -> IdealSight:
-    return IdealSight(PerceptionSettings(), occupancy, count)
+    return IdealSight(PerceptionSettings().detection_range, occupancy, count)
 
 
 def test_the_middle_of_a_body_ahead_is_seen_within_visibility():

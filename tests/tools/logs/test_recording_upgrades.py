@@ -52,6 +52,16 @@ def test_settings_that_exist_no_more_are_left_out_and_named() -> None:
     assert left_out == ["gate.magic", "oracle", "start.q"]
 
 
+def test_former_keys_are_followed_and_constants_left_out_unless_they_differ() -> None:
+    old = b"[localization.samples]\nmaximum = 900\nbin_xy = 0.1\n"
+    old += b"[localization.health]\nlost_below = 0.3\nfound_above = 0.5\n"
+    old += b"[telemetry]\nqueue = 256\n[perception]\nleast_extent = 0.3\nmost_extent = 0.8\n"
+    config, left_out = parse_old_config(old, "old")
+    assert config.localization.max_particles == 900
+    assert left_out == ["localization.health.lost_below", "perception.most_extent"]
+    assert changed_config(old, "old", ["localization.particles=700"]).localization.particles == 700
+
+
 def test_the_kept_recording_says_what_it_was_made_with() -> None:
     config, _left_out = recorded_config(read_recording(LAYOUT_1))
     assert config.robot.name == "robot1"
