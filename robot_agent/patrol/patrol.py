@@ -246,11 +246,11 @@ class Patrol:
             situation.t,
             permitted=keeps_going
             and min(situation.ends) >= _REVERSAL_END_DISTANCE
-            and (override is None or (override.may_turn and asked is None)),
+            and (override is None or override.may_turn),
         )
         if not keeps_going:
             return None
-        return TurnCause.CHANCE if by_chance else asked
+        return asked or (TurnCause.CHANCE if by_chance else None)
 
     def _first_direction(self, situation: Situation, action: Action) -> int:
         """Return the direction the robot faces, and keep it once it keeps going."""
