@@ -14,7 +14,7 @@ import numpy as np
 from robot_agent.messages.foxglove import LaserScan, PosesInFrame, SceneEntity, planar_pose
 from robot_agent.messages.streams import ACTIONS, DecisionPayload, DeviceStatus, StatusPayload
 from tools.monitor.alarm_board import Alarm
-from tools.monitor.reason import why
+from tools.monitor.reason import turn_words, why
 from tools.monitor.robot_state import RobotState
 from tools.monitor.watch import Watch
 
@@ -37,6 +37,7 @@ def robot_message(robot: RobotState, since: int, now: float) -> dict[str, Any]:
         "heard": robot.last_heard,
         "malformed": robot.malformed,
         "why": _text(why(robot, now)),
+        "turned": _text(turn_words(robot, now)),
     }
     for stream, make in _PARTS.items():
         if robot.versions.get(stream, 0) > since and stream in robot.payloads:
@@ -74,6 +75,10 @@ def _decision(robot: RobotState) -> dict[str, Any]:
         "gate": None if decision.gate_reason is None else _text(decision.gate_reason),
         "blocked": decision.blocked,
         "holding": decision.holding,
+        "override": None if decision.override is None else _text(decision.override),
+        "heldBy": None
+        if decision.held_by is None
+        else [_text(decision.held_by.source), decision.held_by.x, decision.held_by.y],
     }
 
 

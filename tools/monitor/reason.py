@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import math
+
 from robot_agent.messages.streams import DecisionPayload
 from robot_agent.motion.gate_reason import DENIALS, GateReason
+from robot_agent.motion.obstacle_points import ObstacleSource
+from robot_agent.patrol.modifier import OverrideReason
+from robot_agent.patrol.turn_log import TurnCause
 from tools.monitor.robot_state import RobotState
 
 STALE_S = 1.5
@@ -31,15 +36,38 @@ GATE_WORDS: dict[str, str] = {
     GateReason.SPEED_LIMIT: "speed limit",
     GateReason.ACCELERATION: "acceleration limit",
 }
+SOURCE_WORDS: dict[str, str] = {
+    ObstacleSource.LASER: "seen by the laser",
+    ObstacleSource.REMEMBERED: "seen by the laser before",
+    ObstacleSource.SONAR: "heard by a sonar",
+    ObstacleSource.MAP_WALL: "a wall of the map",
+    ObstacleSource.TEAMMATE_ROOM: "room for a teammate to turn",
+}
+OVERRIDE_WORDS: dict[str, str] = {
+    OverrideReason.STANDOFF: "insists on its way, it was kept from it for long",
+    OverrideReason.HOLD_AT_END: "waits, caught between a teammate and an end of the border",
+    OverrideReason.BLOCKAGE: "gave up waiting for an object on its way",
+    OverrideReason.WAIT: "waits for a moment, not to turn in step with others",
+    OverrideReason.CLOSING_IN: "comes slowly closer than usual",
+    OverrideReason.EVEN_GAPS: "for even gaps",
+}
+STANDING_OVERRIDES = frozenset({OverrideReason.HOLD_AT_END, OverrideReason.WAIT})
+TURN_WORDS: dict[str, str] = {
+    TurnCause.TEAMMATE: "from a teammate",
+    TurnCause.RULES: "at an end, or from a teammate behind",
+    TurnCause.CHANCE: "by chance",
+    TurnCause.BLOCKAGE: "from an object on its way",
+    TurnCause.EVEN_GAPS: "for even gaps",
+}
 HOLDING_REASONS = frozenset({*DENIALS, GateReason.OBSTACLE})
 """Reasons of the gate that can hold a robot, not merely slow it."""
 
 
 def held_by_gate(decision: DecisionPayload) -> bool:
     """Tell whether the gate keeps a robot that wishes to move from moving at all."""
-    wished = abs(decision.requested.v) > _STANDING or abs(decision.requested.w) > _STANDING
+    asked = abs(decision.requested.v) > _STANDING or abs(decision.requested.w) > _STANDING
     moves = abs(decision.command.v) > _STANDING or abs(decision.command.w) > _STANDING
-    return decision.gate_reason in HOLDING_REASONS and wished and not moves
+    return decision.gate_reason in HOLDING_REASONS and asked and not moves
 
 
 def why(robot: RobotState, now: float) -> str:
@@ -62,15 +90,33 @@ def why(robot: RobotState, now: float) -> str:
 
 def _gate_words(decision: DecisionPayload) -> str:
     reason = decision.gate_reason or ""
-    return GATE_WORDS.get(reason, reason)
+    words = GATE_WORDS.get(reason, reason)
+    held = decision.held_by
+    if held is None:
+        return words
+    away = math.dist((held.x, held.y), (decision.pose.x, decision.pose.y))
+    return f"{words}, {SOURCE_WORDS.get(held.source, held.source)}, {away:.1f} m from its middle"
 
 
 def _action_words(decision: DecisionPayload) -> str:
     """Return the action with the input that speaks for it."""
-    if decision.blocked:
-        return "gave up waiting for an object on its way, turns back"
-    if decision.holding:
-        return "waits, caught between teammates, or one and an end of the border"
+    if decision.override in STANDING_OVERRIDES or (decision.override is None and decision.holding):
+        return OVERRIDE_WORDS.get(decision.override or "", "waits, caught between teammates")
+    words = _chosen_words(decision)
+    special = OVERRIDE_WORDS.get(decision.override or "")
+    return words if special is None else f"{words}: {special}"
+
+
+def turn_words(robot: RobotState, now: float) -> str:
+    """Return why and how long ago the robot last turned back; empty if it is not known to have."""
+    if robot.last_turn is None:
+        return ""
+    t, cause = robot.last_turn
+    return f"{TURN_WORDS.get(cause, cause)}, {max(now - t, 0.0):.0f} s ago"
+
+
+def _chosen_words(decision: DecisionPayload) -> str:
+    """Return the action in force with the input that speaks for it."""
     sense = "clockwise" if decision.direction > 0 else "counter-clockwise"
     near = decision.distance_from_neighbor
     teammate = "nobody near" if near is None else f"teammate {near:.1f} m away"

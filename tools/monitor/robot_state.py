@@ -50,6 +50,8 @@ class RobotState:
     rates: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     """Measurements per second of ``base`` and ``laser``, between the last two statuses."""
     poses: tuple[tuple[float, Pose], ...] = ()  # newest last, at the robot's own times
+    last_turn: tuple[float, str] | None = None
+    """When it last turned back, s, and why (``turn`` of the decision)."""
     events: tuple[HeardEvent, ...] = ()  # newest last
 
     @property
@@ -129,6 +131,8 @@ class RobotState:
         if isinstance(payload, PoseInFrame):
             at = (seconds(payload.timestamp), planar_pose(payload.pose))
             return replace(heard, poses=(*self.poses[-POSES_KEPT + 1 :], at))
+        if isinstance(payload, DecisionPayload) and payload.turn is not None:
+            return replace(heard, last_turn=(t, payload.turn))
         if isinstance(payload, Log):
             event = HeardEvent(t, wall, payload)
             return replace(heard, events=(*self.events[-EVENTS_KEPT + 1 :], event))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from robot_agent.messages.streams import ACTIONS, DecisionPayload, DeviceStatus
+from tools.monitor.reason import turn_words
 from tools.monitor.robot_state import RobotState
 from tools.monitor.watch import Watch
 
@@ -13,6 +14,9 @@ def detail_lines(watch: Watch) -> Iterator[str]:
     """Yield one line per robot that has reported, and one of the border."""
     for robot in watch.robots:
         parts = [*_decision_parts(robot.decision), *_status_parts(robot), *_process_parts(robot)]
+        turned = turn_words(robot, watch.now)
+        if turned:
+            parts.append(f"turned {turned}")
         if parts:
             yield f"{robot.id}: " + "; ".join(parts)
     if watch.coverage is not None:
@@ -29,6 +33,8 @@ def _decision_parts(decision: DecisionPayload | None) -> Iterator[str]:
         for action in ACTIONS
     )
     yield f"asked for {decision.requested.v:.2f} m/s {decision.requested.w:.2f} rad/s"
+    if decision.override is not None:
+        yield f"beyond the rules: {decision.override.replace('_', ' ')}"
     yield f"neighbor state {decision.gamma:.2f}, at {decision.abscissa:.1f} m of the border"
 
 

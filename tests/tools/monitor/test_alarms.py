@@ -11,12 +11,30 @@ import pytest
 
 from robot_agent.messages.foxglove import Log, SceneUpdate, timestamp_at, track_entity
 from robot_agent.messages.log_level import LogLevel
-from robot_agent.messages.streams import LocalizationStatus, Payload, ProcessPayload, Twist, encode
+from robot_agent.messages.streams import (
+    HeldBy,
+    LocalizationStatus,
+    Payload,
+    ProcessPayload,
+    Twist,
+    encode,
+)
 from robot_agent.motion.gate_reason import GateReason
+from robot_agent.motion.obstacle_points import ObstacleSource
+from robot_agent.patrol.modifier import OverrideReason
+from robot_agent.patrol.turn_log import TurnCause
 from tests.tools.monitor.reports import decision, device, status
 from tools.monitor.alarm import Condition, Severity
 from tools.monitor.alarm_board import MAX_ALARMS, Alarm, AlarmBoard
-from tools.monitor.reason import GATE_WORDS
+from tools.monitor.reason import (
+    GATE_WORDS,
+    OVERRIDE_WORDS,
+    SOURCE_WORDS,
+    TURN_WORDS,
+    turn_words,
+    why,
+)
+from tools.monitor.robot_state import RobotState
 from tools.monitor.site import Site
 from tools.monitor.team_state import TeamState
 from tools.monitor.watch import Watch
@@ -209,3 +227,24 @@ def test_list_is_bounded_whatever_happens() -> None:
         kinds = rng.integers(0, 1000, 2)
         board.update([condition(f"kind {kind}") for kind in kinds], 2.0 * step, 0.0)
     assert len(board.alarms()) <= MAX_ALARMS + 4
+
+
+def test_every_override_turn_and_source_has_its_words() -> None:
+    assert set(OVERRIDE_WORDS) == set(OverrideReason)
+    assert set(TURN_WORDS) == set(TurnCause)
+    assert set(SOURCE_WORDS) == set(ObstacleSource)
+
+
+def test_what_a_robot_does_tells_override_turn_and_obstacle() -> None:
+    heard = RobotState("demo", "robot1").with_payload(
+        "decision", decision(1.0, override="closing_in", turn="chance"), 1.0, 1.0
+    )
+    assert why(heard, 1.0) == "keeps going clockwise, nobody near: comes slowly closer than usual"
+    assert turn_words(heard, 4.2) == "by chance, 3 s ago"
+    later = heard.with_payload("decision", decision(5.0), 5.0, 5.0)
+    assert turn_words(later, 6.0) == "by chance, 5 s ago"
+    at = later.decision.pose
+    obstacle = HeldBy("map_wall", at.x + 0.3, at.y)
+    held = decision(6.0, command=Twist(0.0, 0.0), gate_reason="obstacle", held_by=obstacle)
+    words = why(later.with_payload("decision", held, 6.0, 6.0), 6.0)
+    assert words == "held by the gate: obstacle ahead, a wall of the map, 0.3 m from its middle"

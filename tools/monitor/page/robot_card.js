@@ -11,6 +11,7 @@ const FACTS = [
   ["border", "from border"], ["neighbor", "nearest"],
   ["abscissa", "along border"], ["gamma", "neighbor state"],
   ["requested", "asked for", "wide"], ["command", "after gate", "wide"], ["gate", "gate", "wide"],
+  ["override", "beyond the rules", "wide"], ["turned", "turned last", "wide"],
   ["localization", "localization", "wide"],
   ["battery", "battery"], ["motors", "motors"],
   ["base", "base link", "wide"], ["laser", "laser link", "wide"],
@@ -139,6 +140,8 @@ export class RobotCard {
     setText(facts.command, twist(decision?.command));
     setText(facts.gate, decision ? (decision.gate ?? "lets all through") : ABSENT);
     setClass(facts.gate, "worry", Boolean(decision?.gate) && decision.gate !== "acceleration");
+    setText(facts.override, decision ? (decision.override?.replaceAll("_", " ") ?? "none") : ABSENT);
+    setText(facts.turned, this.robot.turned || ABSENT);
   }
 
   updateStatus() {

@@ -19,6 +19,7 @@ class Robot {
     this.heard = message.heard;
     this.malformed = message.malformed;
     this.why = message.why;
+    this.turned = message.turned;
     for (const part of PARTS) {
       if (part in message) {
         this[part] = message[part];
