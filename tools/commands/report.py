@@ -10,8 +10,9 @@ from pathlib import Path
 from tools.progress import Progress
 from tools.report.alignment import AlignmentError, align
 from tools.report.numbers import numbers
-from tools.report.page import SECTIONS, page
+from tools.report.page import page
 from tools.report.run_log import read_run
+from tools.report.sections import SECTIONS
 from tools.report.team import Team
 
 
@@ -52,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
             print(f"patrol report: {log.truncated}; what is whole is reported", file=sys.stderr)
     team = Team(runs, align(runs, stated, trust_host=options.clocks == "host"))
     figures = numbers(team)
-    with Progress("draw", SECTIONS, "sections") as progress:
+    with Progress("draw", len(SECTIONS), "sections") as progress:
         text = page(team, figures, progress)
     options.output.mkdir(parents=True, exist_ok=True)
     (options.output / "report.html").write_text(text)
