@@ -8,7 +8,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -164,7 +164,7 @@ def _timing(trouble: str, folder: Path, measured: float) -> LoopTiming:
         prepare = TROUBLES[trouble]
         disturb = _nothing if prepare is None else prepare(network)
         operator = "" if prepare is None else network.endpoint
-        stage = stack.enter_context(AgentStage(folder, SEED, operator))
+        stage = stack.enter_context(closing(AgentStage(folder, SEED, operator)))
         stage.start_agent()
         started = time.monotonic()
         while (t := time.monotonic() - started) < SETTLED_S + measured:
@@ -197,7 +197,7 @@ def reconnection_time(absence: float) -> float:
     robot = Telemetry(TelemetrySettings(operator=endpoint), robot="robot1", team="faults")
     try:
         time.sleep(absence)
-        with Operator(endpoint) as operator:
+        with closing(Operator(endpoint)) as operator:
             back = time.monotonic()
             while not any(state.online for state in operator.team.snapshot()):
                 time.sleep(0.01)

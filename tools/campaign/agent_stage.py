@@ -11,11 +11,9 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 import msgspec
 import numpy as np
@@ -91,7 +89,10 @@ class Moment:
 
 
 class AgentStage:
-    """The world steps in ``step``; the agent is a process, started by ``start_agent``."""
+    """The world steps in ``step``; the agent is a process, started by ``start_agent``.
+
+    Everything is there until ``close``.
+    """
 
     def __init__(
         self,
@@ -136,15 +137,8 @@ class AgentStage:
         self._camera: CameraServer | None = None
         self._real_time = RealTimeRig(self.rig, (self.base_cable, self.laser_cable))
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
+        """End the agent in good order, then all around it."""
         self.end_agent()
         self.dismiss_operator()
         self._flooders.close()
@@ -235,7 +229,7 @@ class AgentStage:
 
     def flood(self) -> None:
         """Let the operator's place be taken by one who sends garbage as fast as the line takes."""
-        self._flooders.enter_context(Flood(self._endpoint))
+        self._flooders.enter_context(closing(Flood(self._endpoint)))
 
     def end_flood(self) -> None:
         """Send the flooder away."""

@@ -7,9 +7,11 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Self
 
 import msgspec
 
@@ -19,7 +21,7 @@ from robot_agent.pose.start_pose import StartPose
 from tools.monitor.monitor import Monitor, MonitorOptions, until
 from tools.monitor.site import Site
 from tools.monitor.text_view import show_team
-from tools.progress import Progress
+from tools.progress import progress_line
 
 POLL_S = 0.2
 STOP_S = 5.0
@@ -65,7 +67,7 @@ class Demo:
     """The processes of a demo; stops them in order, robots first, whatever happens."""
 
     def __init__(self, options: DemoOptions) -> None:
-        """Nothing is started before the context is entered."""
+        """Nothing is started yet."""
         self.options = options
         self.robots: list[EmulatedRobot] = []
         self.exit_statuses: dict[str, int] = {}
@@ -81,21 +83,17 @@ class Demo:
         """Where a robot's agent writes its recording."""
         return self.options.record / f"{robot}.mcap"
 
-    def __enter__(self) -> Demo:
-        """Start the world, then one agent per robot."""
+    @contextmanager
+    def running(self) -> Iterator[Self]:
+        """Start the world, then one agent per robot; stop everything on every way out."""
         self.options.record.mkdir(parents=True, exist_ok=True)
         try:
             self._start_world()
             for number, robot in enumerate(self.robots):
                 self._start_agent(robot, self.options.seed + number)
-        except BaseException:
+            yield self
+        finally:
             self.stop()
-            raise
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Stop everything."""
-        self.stop()
 
     def watch(
         self, duration: float | None, site: Site, *, http: str | None, headless: bool
@@ -105,7 +103,10 @@ class Demo:
         Returns whether every process was still running at the end; raises DemoError when the demo
         cannot be started, WebError when the page cannot be served at ``http``.
         """
-        with Monitor(MonitorOptions(self.options.operator, http, site)) as monitor, self:
+        with (
+            closing(Monitor(MonitorOptions(self.options.operator, http, site))) as monitor,
+            self.running(),
+        ):
             going_on = until(duration)
             if monitor.url:
                 print(f"patrol demo: the team is shown at {monitor.url}", file=sys.stderr)
@@ -119,7 +120,7 @@ class Demo:
             return self.alive()
 
     def _wait_while(self, going_on: Callable[[], bool]) -> None:
-        with Progress("demo", None, "s") as progress:
+        with progress_line("demo", None, "s") as progress:
             started = time.monotonic()
             while self.alive() and going_on():
                 time.sleep(POLL_S)

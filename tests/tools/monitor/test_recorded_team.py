@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -59,7 +60,7 @@ def test_disk_full_is_an_alarm_and_the_monitor_goes_on() -> None:
     if not full.exists():
         pytest.skip("no /dev/full here to play the full disk")
     options = MonitorOptions(free_endpoint(), None, Site(FOLDER), record=full)
-    with Monitor(options) as monitor:
+    with closing(Monitor(options)) as monitor:
         deadline = time.monotonic() + 15.0
         while not monitor.watch.alarms.alarms():
             assert time.monotonic() < deadline, "no alarm"

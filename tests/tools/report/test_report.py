@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
@@ -29,7 +30,7 @@ DURATION_S = 34.0
 def recordings(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     """Two robots on the lower side of the paper's border; they meet. robot1 is blind for 3 s."""
     folder = load_map_folder(find_map("paper_lab", Path()))
-    with FleetRecorder(folder, tmp_path_factory.mktemp("run")) as recorder:
+    with closing(FleetRecorder(folder, tmp_path_factory.mktemp("run"))) as recorder:
         fleet = Fleet(
             *(folder, 2, 3),
             starts=[Pose(8.0, 3.76, 0.0), Pose(14.0, 3.76, 3.14)],
