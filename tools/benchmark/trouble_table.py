@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -19,6 +18,7 @@ from robot_agent.config import TelemetrySettings
 from robot_agent.messages.streams import ProcessPayload
 from robot_agent.process.telemetry import Telemetry
 from tools.campaign.agent_stage import AgentStage
+from tools.child_program import environment, program
 from tools.logs.recording import read_recording
 from tools.monitor.endpoint import free_endpoint
 from tools.monitor.operator import Operator
@@ -42,9 +42,9 @@ class LoopTiming:
 
 
 @contextmanager
-def _process(*words: str) -> Iterator[subprocess.Popen[bytes]]:
-    command = [sys.executable, "-m", *words]
-    with subprocess.Popen(command, stdout=subprocess.DEVNULL) as process:
+def _process(module: str, *words: str) -> Iterator[subprocess.Popen[bytes]]:
+    command = program(module, *words)
+    with subprocess.Popen(command, env=environment(), stdout=subprocess.DEVNULL) as process:
         try:
             yield process
         finally:

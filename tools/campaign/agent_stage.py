@@ -6,7 +6,6 @@ import math
 import resource
 import signal
 import subprocess
-import sys
 import threading
 import time
 from collections import deque
@@ -29,6 +28,7 @@ from robot_agent.pose.start_pose import StartPose
 from tools.campaign.cpu_limit import CpuLimit
 from tools.campaign.flood import Flood
 from tools.campaign.order_tap import OrderTap
+from tools.child_program import environment, program
 from tools.monitor.endpoint import free_endpoint
 from tools.monitor.operator import Operator
 from tools.simulation.cable import Cable
@@ -213,9 +213,10 @@ class AgentStage:
         with (self.folder / f"robot{number}.log").open("wb") as log:
             self._agent = subprocess.Popen(
                 [
-                    *(sys.executable, "-m", *self._program(), "agent", str(config)),
+                    *program(*self._program(), "agent", str(config)),
                     *("--record", str(self.recordings[-1])),
                 ],
+                env=environment(),
                 start_new_session=True,
                 stderr=log,
             )

@@ -18,6 +18,7 @@ import msgspec
 from maps.pose import Pose
 from robot_agent.config import AgentConfig, MapSettings, RobotSettings, format_config
 from robot_agent.pose.start_pose import StartPose
+from tools.child_program import environment, program
 from tools.monitor.monitor import Monitor, MonitorOptions, until
 from tools.monitor.site import Site
 from tools.monitor.text_view import show_team
@@ -154,12 +155,13 @@ class Demo:
         options = self.options
         self._world = subprocess.Popen(
             [
-                *(sys.executable, "-m", "tools.demo.world_server", str(options.map_folder)),
+                *program("tools.demo.world_server", str(options.map_folder)),
                 *("--border", options.border, "--robots", str(options.robots)),
                 *("--seed", str(options.seed), "--truth", str(self.truth_path)),
                 *("--strangers", str(options.strangers)),
                 *(("--cameras",) if options.cameras else ()),
             ],
+            env=environment(),
             stdout=subprocess.PIPE,
             text=True,
             start_new_session=True,  # Ctrl-C reaches us only; we stop robots before the world
@@ -184,9 +186,10 @@ class Demo:
         config_path.write_text(format_config(self._configure(robot, seed)))
         self._agents[robot.name] = subprocess.Popen(
             [
-                *(sys.executable, "-m", "tools.cli", "agent", str(config_path)),
+                *program("tools.cli", "agent", str(config_path)),
                 *("--record", str(self.recording_path(robot.name))),
             ],
+            env=environment(),
             start_new_session=True,
         )
 

@@ -8,7 +8,6 @@ import signal
 import socket
 import struct
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -28,6 +27,7 @@ from maps.map_folder import MapFolder, load_map_folder
 from maps.pose import Pose
 from robot_agent.config import find_map
 from robot_agent.perception.color_settings import ColorSettings
+from tools.child_program import environment, program
 from tools.cli import main
 from tools.simulation.camera_view import CameraView
 from tools.simulation.emulate import EmulateError, EmulateOptions, Emulation, parse_pose
@@ -471,7 +471,8 @@ def test_laser_client_on_the_pty(folder: MapFolder) -> None:
 
 def test_command_prints_urls_and_ends_on_a_signal() -> None:
     with subprocess.Popen(
-        [sys.executable, "-m", "tools.cli", "emulate", "--p2os", "tcp:0"],
+        program("tools.cli", "emulate", "--p2os", "tcp:0"),
+        env=environment(),
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         text=True,
