@@ -19,7 +19,8 @@ from pathlib import Path
 from typing import Protocol
 
 from drivers.adapter_name import BY_ID, lasting_name
-from drivers.port import Port, PortError, PortTrouble, open_port
+from drivers.port import Port, open_port
+from drivers.port_error import PortError, PortTrouble
 from drivers.requests import Request, SetBaud, Write
 
 FIRST_PAUSE = 0.125  # s before the port is opened again; doubles
@@ -82,10 +83,10 @@ class LinkStatus:
 class Link:
     """Keeps a port open as long as it can, and tells a listener.
 
-    ``url``: serial device, pty path or ``socket://host:port``. The port is opened, and opened again
-    after a loss, at ``baud``. ``write`` and ``set_baud`` only queue: they never block and never
-    raise; what fails shows as ``link_down``. ``clock`` returns s. ``adapters`` is the folder of
-    adapters' lasting names.
+    ``url``: serial device, pty path, ``socket://host:port`` or another URL of pyserial. The port is
+    opened, and opened again after a loss, at ``baud``. ``write`` and ``set_baud`` only queue: they
+    never block and never raise; what fails shows as ``link_down``. ``clock`` returns s.
+    ``adapters`` is the folder of adapters' lasting names.
     """
 
     def __init__(

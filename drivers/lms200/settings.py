@@ -20,7 +20,7 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
     A laser behind the base controller's auxiliary port is not supported: TTY2 and SERAUX carry at
     most 200 bytes a cycle of 100 ms, a scan of 181 values takes 372.
-    url: serial device, pty path, or socket://host:port
+    url: pyserial URL: serial device, pty path, socket://host:port, rfc2217://host:port
     baud: rate to run at; 500000 needs RS-422
     field_of_view_deg: 180 or 100, centred ahead
     resolution_deg: 1.0, 0.5 (two interlaced mirror turns) or, of 100 degrees, 0.25 (four turns)

@@ -15,7 +15,7 @@ TurnAcceleration = Annotated[float, msgspec.Meta(gt=0.0, le=30.0)]
 class BaseSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The robot base: its serial port, model and the motion limits given to its controller."""
 
-    url: str = "/dev/ttyS0"  # pyserial URL
+    url: str = "/dev/ttyS0"  # pyserial URL, e.g. also socket:// or rfc2217://host:port
     baud: Literal[9600, 19200, 38400, 57600, 115200] = 9600
     model: str = "p2dx"  # used when the robot reports a subclass without a model file
     max_speed: Speed = 0.5  # m/s

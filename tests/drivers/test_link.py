@@ -23,7 +23,7 @@ from drivers.lms200.framing import Telegram, TelegramFramer, encode_telegram
 from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session
 from drivers.lms200.settings import LaserSettings
-from drivers.port import PortTrouble
+from drivers.port_error import PortTrouble
 from drivers.requests import SetBaud
 
 LIMIT = 10.0  # s, generous: nothing waits that long when it works
