@@ -70,14 +70,12 @@ class LinkStatus:
 
     trouble, reason: what keeps it down, and that in words with a remedy; None and "" while up.
     port: what was last opened: the URL, or the adapter's new name.
-    next_try: when the port is opened next, by the link's clock (s); None while open or closed.
     """
 
     state: LinkState
     trouble: PortTrouble | None
     reason: str
     port: str
-    next_try: float | None
 
 
 class Link:
@@ -105,7 +103,6 @@ class Link:
         self._adapters = adapters
         self._adapter: Path | None = None  # lasting name of what was last open
         self._port_name = url
-        self._next_try: float | None = None
         self._baud = baud
         self._listener = listener
         self._clock = clock
@@ -131,9 +128,7 @@ class Link:
     def status(self) -> LinkStatus:
         """How the link stands now."""
         with self._lock:
-            return LinkStatus(
-                self.state, self.trouble, self.reason, self._port_name, self._next_try
-            )
+            return LinkStatus(self.state, self.trouble, self.reason, self._port_name)
 
     @property
     def alive(self) -> bool:
@@ -184,19 +179,17 @@ class Link:
             except PortError as failure:
                 if self.counters.bytes_in > heard_before:
                     pause = FIRST_PAUSE
-                self._go_down(failure, pause)
+                self._go_down(failure)
             self._closing.wait(pause)
             pause = min(2 * pause, LONGEST_PAUSE)
         with self._lock:
             self.state = LinkState.CLOSED
-            self._next_try = None
             os.close(self._wake_reader)
             os.close(self._wake_writer)
             self._wake_reader = self._wake_writer = -1
 
     def _open_and_serve(self) -> None:
         with self._lock:
-            self._next_try = None
             if self.state is LinkState.CLOSED:
                 self.state = LinkState.OPENING
         self.counters.attempts += 1
@@ -226,7 +219,7 @@ class Link:
         self.counters.times_up += 1
         self._listener.link_up(self._clock())
 
-    def _go_down(self, failure: PortError, pause: float) -> None:
+    def _go_down(self, failure: PortError) -> None:
         reason = str(failure)
         with self._lock:
             if self.state is LinkState.UP:
@@ -234,7 +227,6 @@ class Link:
             told = reason == self.reason
             self.state = LinkState.DOWN
             self.trouble, self.reason = failure.trouble, reason
-            self._next_try = self._clock() + pause
         if failure.trouble is PortTrouble.STALLED:
             self.counters.overflows += 1
         if not told:

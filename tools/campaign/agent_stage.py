@@ -256,11 +256,6 @@ class AgentStage:
         while worker.is_alive():
             self.step()
 
-    @property
-    def operator_hears(self) -> bool:
-        """Whether the operator has heard the robot since being seated."""
-        return self._operator is not None and bool(self._operator.team.snapshot())
-
     def agent_log(self) -> str:
         """Return what the agents have said so far."""
         return " | ".join(path.read_text().strip() for path in sorted(self.folder.glob("*.log")))
