@@ -39,7 +39,7 @@ class CameraState(StrEnum):
     CLOSED = "closed"
     OPENING = "opening"
     STREAMING = "streaming"  # pictures come
-    DOWN = "down"  # opened again at ``next_try``
+    DOWN = "down"  # opened again after a pause
     ENDED = "ended"  # a file has no more pictures
 
 
@@ -59,14 +59,13 @@ class CameraStatus:
     """A camera at one moment, for people.
 
     trouble, reason: what keeps it from giving pictures, and that in words with a remedy.
-    next_try: when it is opened next, by its clock (s). fixed: which automatic adjustments are off.
+    fixed: which automatic adjustments are off.
     pictures: how many came. times_lost: how often they ceased.
     """
 
     state: CameraState
     trouble: CameraTrouble | None
     reason: str
-    next_try: float | None
     fixed: tuple[str, ...]
     pictures: int
     times_lost: int
@@ -103,7 +102,7 @@ class Camera:
         self._told: str | None = None  # why it is down; empty while up
         self._lock = threading.Lock()
         self._newest: Picture | None = None
-        self._status = CameraStatus(CameraState.CLOSED, None, "", None, (), 0, 0)
+        self._status = CameraStatus(CameraState.CLOSED, None, "", (), 0, 0)
         self._closing = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -148,7 +147,7 @@ class Camera:
             except CameraError as failure:
                 if self._status.pictures > before:
                     pause = FIRST_PAUSE
-                self._go_down(failure, pause)
+                self._go_down(failure)
             else:
                 return
             self._closing.wait(pause)
@@ -198,9 +197,9 @@ class Camera:
     def _note(self, state: CameraState) -> None:
         """Enter a state that is nobody's fault; why the camera was down stays readable."""
         with self._lock:
-            self._status = replace(self._status, state=state, next_try=None)
+            self._status = replace(self._status, state=state)
 
-    def _go_down(self, failure: CameraError, pause: float) -> None:
+    def _go_down(self, failure: CameraError) -> None:
         with self._lock:
             lost = failure.trouble is CameraTrouble.LOST
             self._newest = None
@@ -209,7 +208,6 @@ class Camera:
                 state=CameraState.DOWN,
                 trouble=failure.trouble,
                 reason=str(failure),
-                next_try=self._clock() + pause,
                 fixed=(),
                 times_lost=self._status.times_lost + lost,
             )

@@ -12,7 +12,8 @@ from urllib.parse import urlsplit
 import cv2
 import msgspec
 
-from drivers.port import CONNECT_LIMIT, PortTrouble, explain
+from drivers.port import CONNECT_LIMIT
+from drivers.port_error import PortTrouble, explain
 
 SILENCE_MS = 2000  # without a picture, or for opening: the source is given up
 DEFAULT_PORTS = {"http": 80, "https": 443}

@@ -19,7 +19,8 @@ from pathlib import Path
 from typing import Protocol
 
 from drivers.adapter_name import BY_ID, lasting_name
-from drivers.port import Port, PortError, PortTrouble, open_port
+from drivers.port import Port, open_port
+from drivers.port_error import PortError, PortTrouble
 from drivers.requests import Request, SetBaud, Write
 
 FIRST_PAUSE = 0.125  # s before the port is opened again; doubles
@@ -69,23 +70,21 @@ class LinkStatus:
 
     trouble, reason: what keeps it down, and that in words with a remedy; None and "" while up.
     port: what was last opened: the URL, or the adapter's new name.
-    next_try: when the port is opened next, by the link's clock (s); None while open or closed.
     """
 
     state: LinkState
     trouble: PortTrouble | None
     reason: str
     port: str
-    next_try: float | None
 
 
 class Link:
     """Keeps a port open as long as it can, and tells a listener.
 
-    ``url``: serial device, pty path or ``socket://host:port``. The port is opened, and opened again
-    after a loss, at ``baud``. ``write`` and ``set_baud`` only queue: they never block and never
-    raise; what fails shows as ``link_down``. ``clock`` returns s. ``adapters`` is the folder of
-    adapters' lasting names.
+    ``url``: serial device, pty path, ``socket://host:port`` or another URL of pyserial. The port is
+    opened, and opened again after a loss, at ``baud``. ``write`` and ``set_baud`` only queue: they
+    never block and never raise; what fails shows as ``link_down``. ``clock`` returns s.
+    ``adapters`` is the folder of adapters' lasting names.
     """
 
     def __init__(
@@ -104,7 +103,6 @@ class Link:
         self._adapters = adapters
         self._adapter: Path | None = None  # lasting name of what was last open
         self._port_name = url
-        self._next_try: float | None = None
         self._baud = baud
         self._listener = listener
         self._clock = clock
@@ -130,9 +128,7 @@ class Link:
     def status(self) -> LinkStatus:
         """How the link stands now."""
         with self._lock:
-            return LinkStatus(
-                self.state, self.trouble, self.reason, self._port_name, self._next_try
-            )
+            return LinkStatus(self.state, self.trouble, self.reason, self._port_name)
 
     @property
     def alive(self) -> bool:
@@ -183,19 +179,17 @@ class Link:
             except PortError as failure:
                 if self.counters.bytes_in > heard_before:
                     pause = FIRST_PAUSE
-                self._go_down(failure, pause)
+                self._go_down(failure)
             self._closing.wait(pause)
             pause = min(2 * pause, LONGEST_PAUSE)
         with self._lock:
             self.state = LinkState.CLOSED
-            self._next_try = None
             os.close(self._wake_reader)
             os.close(self._wake_writer)
             self._wake_reader = self._wake_writer = -1
 
     def _open_and_serve(self) -> None:
         with self._lock:
-            self._next_try = None
             if self.state is LinkState.CLOSED:
                 self.state = LinkState.OPENING
         self.counters.attempts += 1
@@ -225,7 +219,7 @@ class Link:
         self.counters.times_up += 1
         self._listener.link_up(self._clock())
 
-    def _go_down(self, failure: PortError, pause: float) -> None:
+    def _go_down(self, failure: PortError) -> None:
         reason = str(failure)
         with self._lock:
             if self.state is LinkState.UP:
@@ -233,7 +227,6 @@ class Link:
             told = reason == self.reason
             self.state = LinkState.DOWN
             self.trouble, self.reason = failure.trouble, reason
-            self._next_try = self._clock() + pause
         if failure.trouble is PortTrouble.STALLED:
             self.counters.overflows += 1
         if not told:

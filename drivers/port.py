@@ -1,48 +1,28 @@
-"""An open line to a device: a serial port or a TCP connection, as non-blocking reads and writes."""
+"""An open line to a device: a serial port, a TCP connection or any other URL that pyserial knows.
+
+All are non-blocking reads and writes.
+"""
 
 from __future__ import annotations
 
-import errno
 import os
+import re
 import socket
 import termios
 import time
-from enum import StrEnum
 from typing import Protocol
 from urllib.parse import urlsplit
 
 import serial
 
+from drivers.port_error import PortError, PortTrouble, explain
+from drivers.pumped_port import READ_TIMEOUT, PumpedPort
+
 CONNECT_LIMIT = 1.0  # s
 READ_SIZE = 4096
+_NETWORK = ("socket", "rfc2217")
 _SLOW_ENOUGH = 115200  # baud; above this a byte is over before its receiver is ready for the next
 _BYTE_GAP = 60e-6  # s between bytes sent faster than that: a laser at 500000 baud asks for 55 us
-
-
-class PortTrouble(StrEnum):
-    """What keeps a port from being open."""
-
-    MISSING = "missing"  # no such device: not plugged in, or under another name
-    NO_PERMISSION = "no permission"
-    IN_USE = "in use"  # by another process
-    NO_DEVICE = "no device"  # a name with nothing behind it
-    NOT_A_PORT = "not a port"
-    BAD_ADDRESS = "bad address"
-    REFUSED = "refused"  # the host is there, nothing listens
-    UNREACHABLE = "unreachable"
-    UNPLUGGED = "unplugged"  # was open, is gone
-    HUNG_UP = "hung up"  # the other side closed the connection
-    STALLED = "stalled"  # takes no more bytes
-    BAD_RATE = "bad rate"
-    OTHER = "other"
-
-
-class PortError(OSError):
-    """A port could not be opened, or was lost; the message says why and what to do, in one line."""
-
-    def __init__(self, message: str, trouble: PortTrouble = PortTrouble.OTHER) -> None:
-        super().__init__(message)
-        self.trouble = trouble
 
 
 class Port(Protocol):
@@ -68,99 +48,47 @@ class Port(Protocol):
 
 
 def open_port(url: str, baud: int) -> Port:
-    """Open a serial device, a pty's path, or ``socket://host:port``, for this process alone.
+    """Open a serial device, a pty's path, or a URL of pyserial, for this process alone.
 
-    Raises PortError naming the port, the reason and the remedy.
+    ``socket://host:port`` is a device server that passes bytes on; ``rfc2217://host:port`` is one
+    that sets the rate too. Raises PortError naming the port, the reason and the remedy.
     """
-    parts = urlsplit(url)
-    if parts.scheme == "socket":
-        return _open_socket(url)
-    if "://" in url:
-        raise PortError(
-            f"unknown kind of port {url}: use a device path or socket://host:port",
-            PortTrouble.BAD_ADDRESS,
-        )
+    scheme = url.partition("://")[0].lower() if "://" in url else ""
+    if scheme in _NETWORK:
+        host, port = _address(url, scheme)
+        if scheme == "socket":
+            return _connect(url, host, port)
     try:
-        device = serial.Serial(url, baud, timeout=0, exclusive=True)
-    except (OSError, ValueError) as failure:
+        device = serial.serial_for_url(url, baud, timeout=READ_TIMEOUT, exclusive=True)
+    except (OSError, ValueError, LookupError, re.error) as failure:  # of an option, a pattern
         raise explain(url, failure) from failure
-    return SerialPort(device)
+    if isinstance(device, serial.Serial) and scheme != "spy":
+        return SerialPort(device)
+    return PumpedPort(url, device)
 
 
-def _open_socket(url: str) -> Port:
+def _address(url: str, scheme: str) -> tuple[str, int]:
     try:
         parts = urlsplit(url)
         host, port = parts.hostname, parts.port
     except ValueError as failure:
         raise PortError(
-            f"bad port number in {url}: use socket://host:port", PortTrouble.BAD_ADDRESS
+            f"bad port number in {url}: use {scheme}://host:port", PortTrouble.BAD_ADDRESS
         ) from failure
     if not host or not port:
         raise PortError(
-            f"host or port number missing in {url}: use socket://host:port",
+            f"host or port number missing in {url}: use {scheme}://host:port",
             PortTrouble.BAD_ADDRESS,
         )
+    return host, port
+
+
+def _connect(url: str, host: str, port: int) -> Port:
     try:
         connection = socket.create_connection((host, port), CONNECT_LIMIT)
     except OSError as failure:
         raise explain(url, failure) from failure
     return SocketPort(connection)
-
-
-_EXPLANATIONS = {
-    PortTrouble.MISSING: (
-        "no such port: {url}; check cable and name, 'patrol ports' lists what is there"
-    ),
-    PortTrouble.NO_PERMISSION: (
-        "permission denied on {url}: add the user to group dialout and log in again"
-    ),
-    PortTrouble.IN_USE: "{url} is in use by another process: end that one first",
-    PortTrouble.NO_DEVICE: "no device behind {url}: check that it is plugged in",
-    PortTrouble.REFUSED: (
-        "nothing listens at {url}: start the device server or correct the address"
-    ),
-    PortTrouble.UNREACHABLE: "cannot reach {url}: check the network and the address",
-    PortTrouble.NOT_A_PORT: "{url} is not a serial port",
-}
-_TROUBLES = {
-    errno.ENOENT: PortTrouble.MISSING,
-    errno.EACCES: PortTrouble.NO_PERMISSION,
-    errno.EPERM: PortTrouble.NO_PERMISSION,
-    errno.EAGAIN: PortTrouble.IN_USE,
-    errno.EBUSY: PortTrouble.IN_USE,
-    errno.ENXIO: PortTrouble.NO_DEVICE,
-    errno.ENODEV: PortTrouble.NO_DEVICE,
-    errno.EIO: PortTrouble.NO_DEVICE,
-    errno.ECONNREFUSED: PortTrouble.REFUSED,
-    errno.EHOSTUNREACH: PortTrouble.UNREACHABLE,
-    errno.ENETUNREACH: PortTrouble.UNREACHABLE,
-    errno.ETIMEDOUT: PortTrouble.UNREACHABLE,
-    errno.EISDIR: PortTrouble.NOT_A_PORT,
-    errno.ENOTTY: PortTrouble.NOT_A_PORT,
-}
-
-
-def explain(url: str, failure: Exception) -> PortError:
-    """Return the error that says in one line why ``url`` could not be opened and what to do."""
-    trouble = _trouble_of(failure)
-    if trouble is PortTrouble.OTHER:
-        return PortError(f"cannot open {url}: {' '.join(str(failure).split())}")
-    return PortError(_EXPLANATIONS[trouble].format(url=url), trouble)
-
-
-def _trouble_of(failure: Exception) -> PortTrouble:
-    if isinstance(failure, TimeoutError | socket.gaierror):
-        return PortTrouble.UNREACHABLE
-    number = _error_number(failure)
-    return PortTrouble.OTHER if number is None else _TROUBLES.get(number, PortTrouble.OTHER)
-
-
-def _error_number(failure: Exception) -> int | None:
-    """Return the errno of a failure; pyserial passes on termios errors without theirs."""
-    if isinstance(failure.__context__, termios.error):
-        number: int = failure.__context__.args[0]
-        return number
-    return failure.errno if isinstance(failure, OSError) else None
 
 
 class SerialPort:

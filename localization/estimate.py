@@ -28,15 +28,8 @@ class Estimate:
     effective_sample_size: float
     likelihood: float
     """Mean fit of the scan's beams to the map at the pose, 0..1; 0 if it has too few to tell."""
-    cluster_share: float
-    """Share of the belief in the cluster the pose comes from, 0..1."""
     refined: bool
     """Whether the scan-to-map refinement was accepted."""
-
-    @property
-    def map_from_odom(self) -> Pose:
-        """The correction of the odometry's drift."""
-        return self.pose.compose(self.odometry.inverse())
 
     def pose_at(self, odometry: Pose) -> Pose:
         """Carry the pose forward by odometry: map_from_base where odometry is odom_from_base."""

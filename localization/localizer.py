@@ -327,7 +327,6 @@ class Localizer:
             particle_count=len(self.weights),
             effective_sample_size=self._filter.effective_sample_size,
             likelihood=seen,
-            cluster_share=cluster.share,
             refined=sight.refined is not None,
         )
 

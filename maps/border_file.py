@@ -23,7 +23,6 @@ false``) or from the first piece of the file::
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Annotated, Literal
 
 import msgspec
@@ -62,18 +61,6 @@ class BorderEntries(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     corner_radius: _Radius | None = None
     segment: list[SegmentEntry] = []
     arc: list[ArcEntry] = []
-
-
-def load_border(path: Path) -> Border:
-    """Read a border file.
-
-    Raises BorderError, one line, naming the file, the place and the remedy.
-    """
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise BorderError(f"{path}: cannot read the border ({error.strerror})") from None
-    return read_border(data, str(path))
 
 
 def read_border(data: bytes, place: str) -> Border:

@@ -24,8 +24,6 @@ class Severity(IntEnum):
     FATAL = 4
 
 
-POLLUTION_NUMBERS = range(17, 21)
-
 _SUBJECTS = {
     5: "dazzle test",
     6: "comparator",

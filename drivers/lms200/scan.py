@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.lms200.measurement import TURN, Measurement, Special
+from drivers.lms200.measurement import TURN, Measurement
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,16 +42,6 @@ class Scan:
         """Beam directions (n,) in rad, laser frame."""
         beams = np.arange(self.ranges.size, dtype=np.float64)
         return self.angle_min + self.angle_increment * beams
-
-    def beam_times(self) -> NDArray[np.float64]:
-        """Return when each beam was measured, (n,) s: its turn, and its place in the sweep."""
-        geometry = (self.ranges.size, self.angle_min, self.angle_increment, self.turns)
-        return self.t + beam_time_offsets(*geometry)
-
-    def special_counts(self) -> dict[Special, int]:
-        """Return how many beams have no range, by reason; reserved numbers are left out."""
-        counts = np.bincount(self.specials, minlength=Special.NO_RETURN + 1)
-        return {kind: int(counts[kind]) for kind in Special if kind and counts[kind]}
 
 
 @lru_cache(maxsize=8)

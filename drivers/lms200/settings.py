@@ -25,7 +25,7 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     url: Annotated[
         str,
         msgspec.Meta(
-            description="Serial port of the laser: device, pseudo-terminal or socket://host:port"
+            description="Serial port of the laser: a device, pseudo-terminal or pyserial URL"
         ),
     ] = "/dev/ttyS2"
     baud: Annotated[

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from enum import IntEnum
 
-MAX_STRING = 196
 MAX_MAGNITUDE = 0xFFFF
 
 
@@ -151,16 +150,7 @@ ARGUMENT_RANGES: dict[CommandNumber, tuple[int, int]] = {
     _N.TICKSMM: (1, MAX_MAGNITUDE),
     _N.BATTEST: (0, 255),  # decivolts to pretend, 0 = the real ones
 }
-"""Integer arguments a command may take; a number neither here nor in TEXT_LENGTHS takes none."""
-
-TEXT_LENGTHS: dict[CommandNumber, int] = {
-    _N.POLLING: 32,  # transducer numbers from 1
-    _N.SAY: 40,  # pairs of duration and tone
-    _N.TTY2: MAX_STRING,
-    _N.TTY3: MAX_STRING,
-    _N.TTY4: MAX_STRING,
-}
-"""Longest string of the commands that take one, bytes."""
+"""Integer arguments a command may take; a number not here takes none."""
 
 OPTIONAL_ARGUMENT = frozenset((_N.OPEN, _N.CLOSE, _N.CONFIG))
 
@@ -174,17 +164,6 @@ MOTION = frozenset(
 
 LIMITS = frozenset({_N.SETA, _N.SETV, _N.SETRV, _N.SETRA})
 """Commands that bound speeds and accelerations."""
-
-LATER_FIRMWARE = frozenset(
-    {
-        *(_N.JOYINFO, _N.GYROCALCW, _N.GYROCALCCW, _N.SONARCYCLE, _N.QSTOP, _N.GYRO, _N.CALCOMP),
-        *(_N.HOSTBAUD, _N.AUX1BAUD, _N.AUX2BAUD, _N.AUX3BAUD),
-        *(_N.TTY3, _N.TTY4, _N.GETAUX2, _N.GETAUX3),
-        *(_N.BATTERYINFO, _N.CHARGE, _N.DRIFTFACTOR, _N.SOUNDTOG, _N.TICKSMM),
-        *(_N.BATTEST, _N.RESET),
-    }
-)
-"""Commands that only AROS and ARCOS know: a 2-DX with a newer controller board."""
 
 RESERVED = (
     MOTION

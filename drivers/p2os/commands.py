@@ -6,13 +6,11 @@ magnitude: type ``3B`` or, for a negative one, ``1B``, then the magnitude in 16 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from drivers.p2os.command_numbers import (
     ARGUMENT_RANGES,
     OPTIONAL_ARGUMENT,
-    TEXT_LENGTHS,
     CommandNumber,
 )
 from drivers.p2os.framing import encode_packet
@@ -77,61 +75,6 @@ def command(number: CommandNumber, argument: int | None = None) -> Command:
     elif not allowed[0] <= argument <= allowed[1]:
         raise CommandRangeError(f"{number.name}: {argument} is outside {allowed}")
     return Command(number, argument)
-
-
-def text_command(number: CommandNumber, text: bytes) -> Command:
-    """Build a command with a string argument; raises CommandRangeError if it takes none so long."""
-    longest = TEXT_LENGTHS.get(number)
-    if longest is None:
-        raise CommandRangeError(f"{number.name}: takes no string")
-    if len(text) > longest:
-        raise CommandRangeError(f"{number.name}: {len(text)} bytes, at most {longest} fit")
-    return Command(number, text)
-
-
-def sonar_order(transducers: Sequence[int]) -> Command:
-    """Build POLLING from transducer numbers, 0 to 31, in firing order; none silences them all.
-
-    Raises CommandRangeError, also for more than 16 of one ring of 8.
-    """
-    if not all(0 <= number < 32 for number in transducers):
-        raise CommandRangeError(f"POLLING: {list(transducers)} are not all in (0, 31)")
-    rings = [number // 8 for number in transducers]
-    if any(rings.count(ring) > 16 for ring in set(rings)):
-        raise CommandRangeError("POLLING: at most 16 entries of one ring fit")
-    return text_command(CommandNumber.POLLING, bytes(number + 1 for number in transducers))
-
-
-def say(sounds: Sequence[tuple[int, int]]) -> Command:
-    """Build SAY from up to 20 pairs (duration in 20 ms, tone code), 0 to 255 each; raises
-    CommandRangeError."""
-    flat = [value for sound in sounds for value in sound]
-    if not all(0 <= value <= 255 for value in flat):
-        raise CommandRangeError(f"SAY: {flat} are not all in (0, 255)")
-    return text_command(CommandNumber.SAY, bytes(flat))
-
-
-def wheel_speeds(left: int, right: int) -> Command:
-    """Build VEL2 from wheel speeds in counts of 20 mm/s, -126 to 126; raises CommandRangeError."""
-    if not (-126 <= left <= 126 and -126 <= right <= 126):
-        raise CommandRangeError(f"VEL2: wheel counts ({left}, {right}) are outside (-126, 126)")
-    return Command(CommandNumber.VEL2, (left & 0xFF) << 8 | right & 0xFF)
-
-
-def digital_outputs(mask: int, states: int) -> Command:
-    """Build DIGOUT: set the outputs in ``mask`` to the bits of ``states``; raises
-    CommandRangeError."""
-    if not (0 <= mask <= 255 and 0 <= states <= 255):
-        raise CommandRangeError(f"DIGOUT: mask {mask}, states {states} are not in (0, 255)")
-    return Command(CommandNumber.DIGOUT, mask << 8 | states)
-
-
-def servo_pulse(port: int, pulse_10us: int) -> Command:
-    """Build PTUPOS: pulse length, in 10 us, of the servo at a port, 1 to 4; raises
-    CommandRangeError."""
-    if not (1 <= port <= 4 and 0 <= pulse_10us <= 255):
-        raise CommandRangeError(f"PTUPOS: no pulse of {pulse_10us} x 10 us at port {port}")
-    return Command(CommandNumber.PTUPOS, port << 8 | pulse_10us)
 
 
 def host_baud(baud: int) -> Command:

@@ -40,7 +40,6 @@ class Odometer:
         self._start = (0.0, 0.0, 0.0)  # pose at the reference
         self._travel = (0, 0, 0)  # counts since the reference
         self._turn = (1.0, 0.0)  # cosine and sine from the counters' frame to odom
-        self._zero_expected_until = -math.inf
 
     @property
     def counters(self) -> tuple[int, int, int] | None:
@@ -51,18 +50,8 @@ class Odometer:
         """Let the next counters only set a new reference: the robot's may start elsewhere."""
         self._counters = None
 
-    def expect_zero(self, until: float) -> None:
-        """Take counters that fall to zero by the time ``until``, s, for a new reference, not for
-        motion; the robot must be at rest."""
-        self._zero_expected_until = until
-
-    def update(
-        self, x: int, y: int, heading: int, metres_per_count: float, t: float = math.inf
-    ) -> None:
-        """Follow the counters of one SIP received at ``t``, s."""
-        if t <= self._zero_expected_until and all(map(is_near_zero, (x, y, heading))):
-            self._counters = None
-            self._zero_expected_until = -math.inf
+    def update(self, x: int, y: int, heading: int, metres_per_count: float) -> None:
+        """Follow the counters of one SIP."""
         if self._counters is None:
             self._set_reference(heading)
         else:

@@ -33,7 +33,6 @@ SILENCE_TIMEOUT = 1.0  # s without a SIP
 KEEP_ALIVE_PERIOD = 0.4  # s
 WATCHDOG_SHARE = 0.25  # of the controller's watchdog, where that is the shorter keep-alive
 PACKET_GAP = 0.1  # s without a byte that ends an unfinished packet
-ZEROING_TIME = 1.0  # s within which SETO shows in the reports
 
 
 class SessionState(StrEnum):
@@ -229,16 +228,6 @@ class P2osSession:
         if self.state is SessionState.READY:
             self._outbox.add(what)
 
-    def reset_odometry(self, t: float) -> bool:
-        """Zero the controller's counters by SETO; ``x``, ``y``, ``theta`` of the states go on as
-        if nothing had happened. Return False, doing nothing, unless READY and at rest."""
-        at_rest = self._base is not None and self._base.standing and not self._requested.moving
-        if self.state is not SessionState.READY or not at_rest:
-            return False
-        self._odometer.expect_zero(t + ZEROING_TIME)
-        self._outbox.send(command(CommandNumber.SETO), t)
-        return True
-
     def shut_down(self, t: float) -> None:
         """Leave the robot standing, motors off, session closed; the state is DOWN after it."""
         if self.state is SessionState.DOWN:
@@ -280,7 +269,7 @@ class P2osSession:
         self.counters.sips += 1
         self._last_sip = t
         self._odometer.update(
-            sip.x_counts, sip.y_counts, sip.heading_counts, self.model.conversion.distance, t
+            sip.x_counts, sip.y_counts, sip.heading_counts, self.model.conversion.distance
         )
         base = base_state(t_measured, sip, self._odometer, self.model)
         self.counters.unknown_sonars += base.unknown_sonars

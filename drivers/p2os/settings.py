@@ -13,7 +13,7 @@ class BaseSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     url: Annotated[
         str,
         msgspec.Meta(
-            description="Serial port of the base: device, pseudo-terminal or socket://host:port"
+            description="Serial port of the base: a device, pseudo-terminal or pyserial URL"
         ),
     ] = "/dev/ttyS0"
     baud: Annotated[

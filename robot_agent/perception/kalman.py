@@ -2,6 +2,11 @@
 
 filterpy takes distributions and image filters from SciPy for plots, log-likelihoods and grids,
 which no robot asks for. They are put off until somebody does.
+
+What that saves a robot, which may use 150 MB in all: with what an agent has of SciPy anyway loaded,
+``from filterpy.kalman import KalmanFilter`` takes another 22.6 MB and 0.24 s, this module 0.8 MB
+and 0.005 s (filterpy 2.0.0, SciPy 1.17.1, x86-64; nearly all of it is scipy.stats). Once that is
+below 10 MB, the plain import is to take this module's place.
 """
 
 from __future__ import annotations

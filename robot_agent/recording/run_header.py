@@ -13,8 +13,12 @@ from maps.map_folder import MapFolder
 from robot_agent.config import AgentConfig, format_config
 
 SCHEMA_VERSION = 3
-DEPENDENCIES = ("numpy", "scipy", "opencv-python-headless", "shapely", "filterpy", "scikit-fuzzy")
-"""Libraries whose arithmetic goes into decisions."""
+DEPENDENCIES = ("numpy", "scipy", "opencv-python-headless", "filterpy")
+"""Libraries whose arithmetic goes into decisions.
+
+shapely and scikit-fuzzy only check what is loaded, a border that crosses itself and the fuzzy sets:
+another version may refuse a file, and changes no decision.
+"""
 _BOOT_ID = Path("/proc/sys/kernel/random/boot_id")
 
 
@@ -91,6 +95,16 @@ def versions() -> str:
         except PackageNotFoundError:
             found.append(f"{name} missing")
     return ", ".join(found)
+
+
+def same_versions(recorded: str) -> bool:
+    """Tell whether a recording was made with what this process decides by.
+
+    Earlier recordings name more libraries, which count for nothing; one that names none is as good
+    as any.
+    """
+    named = set(recorded.split(", ")) if recorded else None
+    return named is None or named.issuperset(versions().split(", "))
 
 
 def boot_id() -> str:

@@ -25,7 +25,7 @@ from drivers.lms200.framing import (
 from drivers.lms200.measurement import MEASURING_MODES, decode_measurement
 from drivers.lms200.session import Lms200Session
 from drivers.lms200.settings import LaserSettings
-from drivers.p2os.commands import Command, decode_command, sonar_order
+from drivers.p2os.commands import Command, decode_command
 from drivers.p2os.config_packet import ConfigPacket
 from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.framing import CONTROLLER_MAX_COUNT, MAX_COUNT, PacketFramer, encode_packet
@@ -164,7 +164,11 @@ def client_frames() -> list[bytes]:
     commands = [Command(0), Command(1), Command(2), Command(1, 1), Command(18, 1)]
     commands += [Command(number, size) for number in (5, 8, 11, 21, 23) for size in (-300, 7, 300)]
     commands += [Command(4, 1), Command(29), Command(55), Command(32, -765), Command(28, 1)]
-    commands += [sonar_order(range(16)), Command(15, b"\x01\x20", b"\0"), Command(7, None, b"\x3b")]
+    commands += [
+        Command(3, bytes(range(1, 17))),
+        Command(15, b"\x01\x20", b"\0"),
+        Command(7, None, b"\x3b"),
+    ]
     return [command.encode() for command in commands]
 
 

@@ -23,7 +23,7 @@ from drivers.lms200.framing import Telegram, TelegramFramer, encode_telegram
 from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session
 from drivers.lms200.settings import LaserSettings
-from drivers.port import PortTrouble
+from drivers.port_error import PortTrouble
 from drivers.requests import SetBaud
 
 LIMIT = 10.0  # s, generous: nothing waits that long when it works
@@ -221,7 +221,7 @@ def test_tcp_server_gone_and_back() -> None:
             assert heard.wait_for_telegram().code == 0xBA
 
 
-def test_status_names_trouble_remedy_and_next_try(tmp_path: Path) -> None:
+def test_status_names_trouble_and_remedy(tmp_path: Path) -> None:
     device = tmp_path / "laser"
     with linked(str(device)) as (link, heard):
         heard.wait_for("down")
@@ -229,17 +229,13 @@ def test_status_names_trouble_remedy_and_next_try(tmp_path: Path) -> None:
         assert (status.state, status.trouble) == (LinkState.DOWN, PortTrouble.MISSING)
         assert "check cable and name" in status.reason
         assert status.port == str(device)
-        if status.next_try is not None:  # None for the moment of a try
-            assert status.next_try - time.monotonic() <= LONGEST_PAUSE
         with pumped(PtyPort(laser(), device)):
             heard.wait_for("up")
             status = link.status
             assert (status.state, status.trouble, status.reason) == (LinkState.UP, None, "")
-            assert status.next_try is None
         heard.wait_for("down")
         assert link.status.trouble in (PortTrouble.UNPLUGGED, PortTrouble.MISSING)
     assert link.status.state is LinkState.CLOSED
-    assert link.status.next_try is None
 
 
 def test_pauses_between_tries_leave_a_returned_cable_unseen_for_half_a_second_at_most() -> None:

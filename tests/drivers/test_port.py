@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from drivers.port import PortError, explain, open_port
+from drivers.port import open_port
+from drivers.port_error import PortError, explain
 
 
 @pytest.mark.parametrize(
@@ -40,7 +41,9 @@ def test_reasons(number: int, says: str) -> None:
         ("/dev/no-such-port", "no such port: /dev/no-such-port"),
         ("/dev/null", "not a serial port"),
         ("/", "not a serial port"),
-        ("rfc2217://host:1", "unknown kind of port"),
+        ("gopher://host:1", "unknown kind of port"),
+        ("rfc2217://127.0.0.1", "port number missing"),
+        ("socket://[::1", "bad port number"),
         ("socket://127.0.0.1", "port number missing"),
         ("socket://127.0.0.1:99999", "bad port number"),
         ("socket://:4000", "host or port number missing"),

@@ -21,7 +21,6 @@ def estimate() -> Estimate:
         particle_count=1,
         effective_sample_size=1.0,
         likelihood=1.0,
-        cluster_share=1.0,
         refined=True,
     )
 
@@ -32,9 +31,3 @@ def test_at_the_scan_it_is_the_estimate(estimate: Estimate) -> None:
 
 def test_a_step_ahead_in_odometry_is_a_step_ahead_in_the_map(estimate: Estimate) -> None:
     assert estimate.pose_at(Pose(-4.0, 0.5, 0.1)) == pytest.approx((1.5, 2.0, np.pi / 2 + 0.1))
-
-
-def test_map_from_odom_says_the_same(estimate: Estimate) -> None:
-    odometry = Pose(-3.2, 0.7, 0.4)
-    carried = estimate.map_from_odom.compose(odometry)
-    assert carried == pytest.approx(estimate.pose_at(odometry))

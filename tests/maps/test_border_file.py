@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import pytest
 
 from maps.border import BorderError
-from maps.border_file import load_border, read_border
+from maps.border_file import read_border
 
 VERTICES = """
 closed = true
@@ -59,10 +58,8 @@ to = [5.0, 3.0]
 """
 
 
-def test_vertices_with_a_common_and_an_own_radius(tmp_path: Path) -> None:
-    path = tmp_path / "border.toml"
-    path.write_text(VERTICES)
-    border = load_border(path)
+def test_vertices_with_a_common_and_an_own_radius() -> None:
+    border = read_border(VERTICES.encode(), "border.toml")
     assert border.closed
     assert border.length == pytest.approx(32.0 - (2.0 - math.pi / 2) * (3 * 1.0 + 2.0))
 
@@ -115,11 +112,6 @@ def test_what_is_no_border_is_one_line_naming_file_and_place(text: str, words: l
     assert "\n" not in message
     for word in words:
         assert word in message
-
-
-def test_missing_file_is_a_border_error(tmp_path: Path) -> None:
-    with pytest.raises(BorderError, match=r"none\.toml: cannot read the border"):
-        load_border(tmp_path / "none.toml")
 
 
 def test_bytes_that_are_no_text_are_a_border_error() -> None:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 from maps.map_folder import MapFolder
 from robot_agent.config import AgentConfig
@@ -15,7 +13,7 @@ from tools.replay.carmen_recording import RecordingObserver
 
 
 class FleetRecorder:
-    """Makes the observer of each robot; the files are whole when the context is left."""
+    """Makes the observer of each robot; the files are whole when this is closed."""
 
     def __init__(self, folder: MapFolder, target: Path) -> None:
         """Record to ``target``/<robot>.mcap."""
@@ -23,17 +21,10 @@ class FleetRecorder:
         self._target = target
         self._files = ExitStack()
         self.paths: list[Path] = []
+        target.mkdir(parents=True, exist_ok=True)
 
-    def __enter__(self) -> Self:
-        self._target.mkdir(parents=True, exist_ok=True)
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
+        """Finish the files."""
         self._files.close()
 
     def observe(self, name: str, config: AgentConfig) -> RecordingObserver:

@@ -6,6 +6,7 @@ import math
 import tempfile
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +31,7 @@ def agent_process(folder_path: Path) -> Iterator[Figure]:
     with tempfile.TemporaryDirectory() as record:
         endpoint = free_endpoint()
         options = DemoOptions(folder_path, "border", 1, SEED, endpoint, Path(record))
-        with Operator(endpoint), Demo(options) as demo:
+        with closing(Operator(endpoint)), Demo(options).running() as demo:
             process = psutil.Process(demo.agent_pids()[0])
             time.sleep(SETTLED_S)
             before = process.cpu_times()
@@ -48,7 +49,7 @@ def response_on_the_line(_folder_path: Path) -> Iterator[Figure]:
     """Time, at the base's end of a pty, from the last byte of a report to the order it caused."""
     with (
         tempfile.TemporaryDirectory() as folder,
-        AgentStage(Path(folder), SEED) as stage,
+        closing(AgentStage(Path(folder), SEED)) as stage,
     ):
         stage.start_agent()
         settled = time.monotonic() + SETTLED_S

@@ -40,7 +40,7 @@ def field(_folder_path: Path) -> Iterator[Figure]:
 def _run(where: str, limit: CpuLimit | None) -> Iterator[Figure]:
     with ExitStack() as stack:
         folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
-        stage = stack.enter_context(AgentStage(folder, SEED))
+        stage = stack.enter_context(closing(AgentStage(folder, SEED)))
         started = time.monotonic()
         stage.start_agent(limit)
         while stage.step().t < started + SETTLED_S + MEASURED_S:

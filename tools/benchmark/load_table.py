@@ -17,6 +17,7 @@ import psutil
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 
+from tools.deploy.child_program import environment, program
 from tools.monitor.endpoint import free_endpoint
 
 SETTLED_S = 8.0
@@ -61,9 +62,9 @@ class PageFigures:
 
 
 @contextmanager
-def _process(*words: str) -> Iterator[subprocess.Popen[str]]:
-    command = [sys.executable, "-m", *words]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+def _process(module: str, *words: str) -> Iterator[subprocess.Popen[str]]:
+    command = program(module, *words)
+    with subprocess.Popen(command, env=environment(), stdout=subprocess.PIPE, text=True) as process:
         try:
             yield process
         finally:

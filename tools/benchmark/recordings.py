@@ -5,6 +5,7 @@ from __future__ import annotations
 import tempfile
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 from maps.map_folder import MapFolder, load_map_folder
@@ -39,7 +40,7 @@ def report_speed(folder_path: Path) -> Iterator[Figure]:
     """Record three robots in lockstep for two minutes; time reading and reporting."""
     folder = load_map_folder(folder_path)
     with tempfile.TemporaryDirectory() as parent:
-        with FleetRecorder(folder, Path(parent)) as recorder:
+        with closing(FleetRecorder(folder, Path(parent))) as recorder:
             fleet = Fleet(folder, 3, SEED, observer=recorder.observe)
             while fleet.t < REPORTED_S:
                 fleet.step()
@@ -58,7 +59,7 @@ def report_speed(folder_path: Path) -> Iterator[Figure]:
 
 def record_lockstep(folder: MapFolder, duration: float, target: Path) -> Path:
     """Record one robot of a lockstep run of a duration, s (virtual), in a folder."""
-    with FleetRecorder(folder, target) as recorder:
+    with closing(FleetRecorder(folder, target)) as recorder:
         fleet = Fleet(folder, 1, SEED, observer=recorder.observe)
         while fleet.t < duration:
             fleet.step()

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +18,7 @@ from robot_agent.config import TelemetrySettings
 from robot_agent.messages.streams import ProcessPayload
 from robot_agent.process.telemetry import Telemetry
 from tools.campaign.agent_stage import AgentStage
+from tools.deploy.child_program import environment, program
 from tools.logs.recording import read_recording
 from tools.monitor.endpoint import free_endpoint
 from tools.monitor.operator import Operator
@@ -42,9 +42,9 @@ class LoopTiming:
 
 
 @contextmanager
-def _process(*words: str) -> Iterator[subprocess.Popen[bytes]]:
-    command = [sys.executable, "-m", *words]
-    with subprocess.Popen(command, stdout=subprocess.DEVNULL) as process:
+def _process(module: str, *words: str) -> Iterator[subprocess.Popen[bytes]]:
+    command = program(module, *words)
+    with subprocess.Popen(command, env=environment(), stdout=subprocess.DEVNULL) as process:
         try:
             yield process
         finally:
@@ -164,7 +164,7 @@ def _timing(trouble: str, folder: Path, measured: float) -> LoopTiming:
         prepare = TROUBLES[trouble]
         disturb = _nothing if prepare is None else prepare(network)
         operator = "" if prepare is None else network.endpoint
-        stage = stack.enter_context(AgentStage(folder, SEED, operator))
+        stage = stack.enter_context(closing(AgentStage(folder, SEED, operator)))
         stage.start_agent()
         started = time.monotonic()
         while (t := time.monotonic() - started) < SETTLED_S + measured:
@@ -197,7 +197,7 @@ def reconnection_time(absence: float) -> float:
     robot = Telemetry(TelemetrySettings(operator=endpoint), robot="robot1", team="faults")
     try:
         time.sleep(absence)
-        with Operator(endpoint) as operator:
+        with closing(Operator(endpoint)) as operator:
             back = time.monotonic()
             while not any(state.online for state in operator.team.snapshot()):
                 time.sleep(0.01)

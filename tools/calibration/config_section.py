@@ -2,45 +2,116 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+import os
+import shutil
+import tomllib
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-import tomli_w
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+from tomlkit.items import Item, Table
 
-from robot_agent.config import parse_config
+from robot_agent.config import ConfigError, parse_config
 
 
 def set_keys(path: Path, section: str, values: Mapping[str, Any]) -> None:
     """Set keys of a section, e.g. ``perception.color.band``; both may be new, the file too.
 
-    Raises ConfigError if the file would not be a configuration afterwards; it is untouched then.
+    The file is replaced as a whole, at once. Raises ConfigError if it cannot be read or written,
+    is no configuration or would not be one afterwards; it is untouched then.
     """
-    text = path.read_text() if path.exists() else ""
-    changed = with_keys(text, section, values)
-    parse_config(changed.encode(), str(path))
-    path.write_text(changed)
+    try:
+        content = path.read_bytes() if path.exists() else b""
+        parse_config(content, str(path))
+        changed = with_keys(content.decode(), section, values).encode()
+        parse_config(changed, str(path))
+        _replace(path.resolve(), changed)
+    except OSError as error:
+        raise ConfigError(
+            f"{path}: cannot be changed ({error.strerror}); make file and folder writable"
+        ) from error
+    except UnplacedError as error:
+        raise ConfigError(f"{path}: [{section}]: {error}") from error
+
+
+class UnplacedError(ValueError):
+    """No way was found to write keys into a TOML text; the message tells what to write by hand."""
 
 
 def with_keys(text: str, section: str, values: Mapping[str, Any]) -> str:
-    """Return TOML text with keys of a section set."""
-    header = f"[{section}]"
-    before, found, rest = _split_at(text, header)
-    if not found:
-        lead = text if not text or text.endswith("\n") else text + "\n"
-        gap = "\n" if lead else ""
-        return f"{lead}{gap}{header}\n{tomli_w.dumps(dict(values))}"
-    following = re.search(r"^\s*\[", rest, flags=re.MULTILINE)
-    end = following.start() if following else len(rest)
-    body, after = rest[:end], rest[end:]
-    for key in values:
-        body = re.sub(rf"^{key}\s*=\s*(\[[^\]]*\]|[^\n]*)\n?", "", body, flags=re.MULTILINE)
-    return f"{before}{header}\n{tomli_w.dumps(dict(values))}{body.lstrip(chr(10))}{after}"
+    """Return valid TOML text with keys of a section set, however the section is written there.
+
+    A section that is missing is added with a header of its own, and as an inline table where its
+    parent is written on one line or by dotted keys. Raises UnplacedError.
+    """
+    wanted = _merged(tomllib.loads(text), section, values)
+    if text and not text.endswith("\n"):
+        text += "\n"
+    for new_table in (tomlkit.table, tomlkit.inline_table):
+        try:
+            changed = _edited(text, section, values, new_table)
+            if tomllib.loads(changed) == wanted:
+                # Lines that tomlkit adds end as on Unix.
+                return changed.replace("\r\n", "\n").replace("\n", _line_end(text))
+        except (TOMLKitError, ValueError):
+            continue
+    lines = "; ".join(f"{key} = {value}" for key, value in values.items())
+    raise UnplacedError(f"cannot be written there, write it by hand: {lines}")
 
 
-def _split_at(text: str, header: str) -> tuple[str, bool, str]:
-    match = re.search(rf"^{re.escape(header)}[^\n]*\n?", text, flags=re.MULTILINE)
-    if match is None:
-        return text, False, ""
-    return text[: match.start()], True, text[match.end() :]
+def _merged(content: dict[str, Any], section: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    table = content
+    for name in section.split("."):
+        table = table.setdefault(name, {})
+    table.update(values)
+    return content
+
+
+def _edited(
+    text: str, section: str, values: Mapping[str, Any], new_table: Callable[[], Item]
+) -> str:
+    document = tomlkit.parse(text)
+    table: Any = document
+    for name in section.split("."):
+        if name not in table:
+            table[name] = new_table()
+        table = table[name]
+    # Comments at the end of a section stand above the next one: new keys go before them.
+    notes = _take_notes(table) if isinstance(table, Table) else []
+    for key, value in values.items():
+        table[key] = value
+    for note in notes:
+        table.add(note)
+    return tomlkit.dumps(document)
+
+
+def _take_notes(table: Table) -> list[Any]:
+    """Remove the blank lines and comments after a table's last key; return them."""
+    body = table.value.body
+    end = len(body)
+    while end and body[end - 1][0] is None:
+        end -= 1
+    notes = [item for _, item in body[end:]]
+    del body[end:]
+    return notes
+
+
+def _line_end(text: str) -> str:
+    return "\r\n" if "\r\n" in text else "\n"
+
+
+def _replace(path: Path, content: bytes) -> None:
+    """Write a file so that it is there as it was or as it will be, whatever happens."""
+    part = path.with_name(f".{path.name}.part")
+    try:
+        with part.open("wb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        if path.exists():
+            shutil.copymode(path, part)
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)

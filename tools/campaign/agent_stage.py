@@ -6,16 +6,13 @@ import math
 import resource
 import signal
 import subprocess
-import sys
 import threading
 import time
 from collections import deque
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 import msgspec
 import numpy as np
@@ -31,6 +28,7 @@ from robot_agent.pose.start_pose import StartPose
 from tools.campaign.cpu_limit import CpuLimit
 from tools.campaign.flood import Flood
 from tools.campaign.order_tap import OrderTap
+from tools.deploy.child_program import environment, program
 from tools.monitor.endpoint import free_endpoint
 from tools.monitor.operator import Operator
 from tools.simulation.cable import Cable
@@ -91,7 +89,10 @@ class Moment:
 
 
 class AgentStage:
-    """The world steps in ``step``; the agent is a process, started by ``start_agent``."""
+    """The world steps in ``step``; the agent is a process, started by ``start_agent``.
+
+    Everything is there until ``close``.
+    """
 
     def __init__(
         self,
@@ -136,15 +137,8 @@ class AgentStage:
         self._camera: CameraServer | None = None
         self._real_time = RealTimeRig(self.rig, (self.base_cable, self.laser_cable))
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
+        """End the agent in good order, then all around it."""
         self.end_agent()
         self.dismiss_operator()
         self._flooders.close()
@@ -219,9 +213,10 @@ class AgentStage:
         with (self.folder / f"robot{number}.log").open("wb") as log:
             self._agent = subprocess.Popen(
                 [
-                    *(sys.executable, "-m", *self._program(), "agent", str(config)),
+                    *program(*self._program(), "agent", str(config)),
                     *("--record", str(self.recordings[-1])),
                 ],
+                env=environment(),
                 start_new_session=True,
                 stderr=log,
             )
@@ -235,7 +230,7 @@ class AgentStage:
 
     def flood(self) -> None:
         """Let the operator's place be taken by one who sends garbage as fast as the line takes."""
-        self._flooders.enter_context(Flood(self._endpoint))
+        self._flooders.enter_context(closing(Flood(self._endpoint)))
 
     def end_flood(self) -> None:
         """Send the flooder away."""
@@ -260,11 +255,6 @@ class AgentStage:
         worker.start()
         while worker.is_alive():
             self.step()
-
-    @property
-    def operator_hears(self) -> bool:
-        """Whether the operator has heard the robot since being seated."""
-        return self._operator is not None and bool(self._operator.team.snapshot())
 
     def agent_log(self) -> str:
         """Return what the agents have said so far."""

@@ -11,6 +11,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from pathlib import Path
 
 from tools.campaign.agent_stage import AgentStage, Moment
@@ -46,7 +47,7 @@ def run_fault(fault: Fault, folder: Path, watchdog: float = ADVISED_WATCHDOG_S) 
     Raises FaultError if the robot does not come to patrol in the first place.
     """
     reaction = new_reaction(fault)
-    with AgentStage(folder, watchdog=watchdog) as stage:
+    with closing(AgentStage(folder, watchdog=watchdog)) as stage:
         stage.traitor = fault.traitor
         if fault.name.startswith("operator"):
             stage.seat_operator()

@@ -6,14 +6,12 @@ import contextlib
 import random
 import socket
 import threading
-from types import TracebackType
-from typing import Self
 
 _PATIENCE_S = 0.2
 
 
 class Flood:
-    """Listens at a Zenoh endpoint ``tcp/HOST:PORT`` and floods whoever connects."""
+    """Listens at a Zenoh endpoint ``tcp/HOST:PORT`` and floods whoever connects, until closed."""
 
     def __init__(self, endpoint: str) -> None:
         """Take the place of the operator at the endpoint, which must be free."""
@@ -22,18 +20,10 @@ class Flood:
         self._listener.settimeout(_PATIENCE_S)
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run, name="flood", daemon=True)
-        self.sent = 0
-
-    def __enter__(self) -> Self:
         self._thread.start()
-        return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
+        """Give the place back."""
         self._ending.set()
         self._thread.join()
         self._listener.close()
@@ -46,4 +36,4 @@ class Flood:
                 with victim:
                     victim.settimeout(_PATIENCE_S)
                     while not self._ending.is_set():
-                        self.sent += victim.send(garbage)
+                        victim.send(garbage)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from contextlib import ExitStack
+from contextlib import ExitStack, closing
 from pathlib import Path
 
 import cv2
@@ -17,7 +17,7 @@ from tools.bench.bench_fault import FaultKind, draw_faults
 from tools.bench.fleet_recorder import FleetRecorder
 from tools.bench.sensing import Sensing, bench
 from tools.commands.settings_option import add_set_option, chosen_config
-from tools.progress import Progress
+from tools.progress import progress_line
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -74,7 +74,7 @@ def run(options: argparse.Namespace) -> int:
     with ExitStack() as stack:
         recorder = None
         if options.record:
-            recorder = stack.enter_context(FleetRecorder(folder, options.record))
+            recorder = stack.enter_context(closing(FleetRecorder(folder, options.record)))
         figures = bench(
             sensing,
             folder,
@@ -86,7 +86,7 @@ def run(options: argparse.Namespace) -> int:
             observer=recorder.observe if recorder else None,
             strangers=options.strangers,
             cameras=cameras,
-            progress=stack.enter_context(Progress("bench", options.duration, "s")),
+            progress=stack.enter_context(progress_line("bench", options.duration, "s")),
         )
     text = json.dumps(figures, indent=2)
     if options.json:

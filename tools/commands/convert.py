@@ -16,7 +16,7 @@ from tools.logs.carmen_writer import recording_to_carmen
 from tools.logs.recording import read_recording
 from tools.logs.stream_table import stream_to_csv
 from tools.mapping.map_build import build_map
-from tools.progress import Progress
+from tools.progress import progress_line
 from tools.replay.carmen_recording import convert
 
 
@@ -96,7 +96,7 @@ def _from_carmen(source: Path, output: Path, place: str | None) -> None:
     else:
         print("patrol convert: no --map given: building one from the log", file=sys.stderr)
         folder = map_of(log)
-    with Progress("convert", log.odometry[-1][0] - log.odometry[0][0], "s") as progress:
+    with progress_line("convert", log.odometry[-1][0] - log.odometry[0][0], "s") as progress:
         conversion = convert(log, folder, output, progress)
     print(
         f"{output}: {conversion.scans} scans and {conversion.base_reports} base reports "
@@ -106,7 +106,7 @@ def _from_carmen(source: Path, output: Path, place: str | None) -> None:
 
 def map_of(log: CarmenLog) -> MapFolder:
     """Build the map of a log's place from its reference poses; it has no border."""
-    with Progress("map", len(log.scans), "scans") as progress:
+    with progress_line("map", len(log.scans), "scans") as progress:
         built = build_map(log, progress=progress)
     with tempfile.TemporaryDirectory() as parent:
         folder = Path(parent) / log.path.name.split(".")[0]

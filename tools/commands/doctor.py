@@ -11,7 +11,7 @@ from robot_agent.config import load_config
 from tools.preflight.doctor import TRIAL_LIMIT_S, examine, is_fit
 from tools.preflight.finding import Finding, Verdict
 from tools.preflight.watchdog_trial import LIMIT_S, WARNING, try_watchdog
-from tools.progress import Progress
+from tools.progress import progress_line
 
 COLOURS = {
     Verdict.OK: "green",
@@ -50,10 +50,10 @@ def run(options: argparse.Namespace) -> int:
         if not (options.wheels_off_ground or wheels_are_off_ground()):
             print("patrol doctor: nothing was moved", file=sys.stderr)
             return 2
-        with Progress("watchdog", LIMIT_S, "s") as progress:
+        with progress_line("watchdog", LIMIT_S, "s") as progress:
             findings = [try_watchdog(load_config(options.config).base, progress)]
     else:
-        with Progress("doctor", options.limit, "s") as progress:
+        with progress_line("doctor", options.limit, "s") as progress:
             findings = examine(options.config, options.limit, progress)
     if options.json:
         rows = [

@@ -6,6 +6,7 @@ import argparse
 import signal
 import sys
 import threading
+from contextlib import closing
 from pathlib import Path
 
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG
@@ -61,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
         seed=options.seed,
     )
     ended = threading.Event()
-    with Emulation(folder, wanted) as emulation:
+    with closing(Emulation(folder, wanted)) as emulation:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: ended.set())
         for name, url in emulation.urls.items():

@@ -13,7 +13,7 @@ from tools.campaign.fault_list import FAULTS, chosen_faults
 from tools.campaign.fault_table import markdown, run_faults
 from tools.campaign.reaction import Reaction
 from tools.preflight.watchdog_trial import ADVISED_WATCHDOG_S
-from tools.progress import Progress
+from tools.progress import progress_line
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -41,7 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the faults; end with 1 when a reaction falls short."""
     faults = chosen_faults(options.faults)
-    with Progress("faults", len(faults)) as progress:
+    with progress_line("faults", len(faults)) as progress:
         done: list[Reaction] = []
 
         def tell(reaction: Reaction) -> None:

@@ -22,7 +22,7 @@ from tools.logs.log_step import LogStep
 from tools.logs.recorded_scans import recorded_scans
 from tools.logs.recording import read_recording
 from tools.mapping.map_build import Scans
-from tools.progress import Progress
+from tools.progress import progress_line
 
 _EPILOG = """examples:
   patrol localize --map intel_lab intel.log.gz --json out.json
@@ -106,7 +106,7 @@ def _localize(path: Path, first_scan: int, options: argparse.Namespace) -> int:
         start_noise=options.start_noise,
         anywhere=options.anywhere,
     )
-    with Progress("localize", len(steps), "scans") as progress:
+    with progress_line("localize", len(steps), "scans") as progress:
         result = localize_steps(str(path), steps, folder, choices, progress)
     summary = result.summary
     if event is not None and all(step.reference is not None for step in steps):
@@ -131,7 +131,7 @@ def _read(path: Path, options: argparse.Namespace) -> tuple[list[LogStep], MapFo
     _warn(log.truncated)
     if not options.map_from:
         return log_steps(log), _folder(options)
-    with Progress("map", len(log.scans), "scans") as progress:
+    with progress_line("map", len(log.scans), "scans") as progress:
         scans = cast("Scans", options.map_from)
         return log_steps(log), map_of_log(log, RESOLUTION, scans, progress)
 
@@ -150,14 +150,14 @@ def _scans_before(steps: list[LogStep], seconds: float) -> int:
 
 def _study(paths: list[tuple[Path, int]], options: argparse.Namespace) -> int:
     logs = []
-    with Progress("maps", len(paths), "logs") as progress:
+    with progress_line("maps", len(paths), "logs") as progress:
         for done, (path, first_scan) in enumerate(paths, start=1):
             logs.append(read_study_log(path, first_scan))
             progress(done)
     tables = {}
     for name in dict.fromkeys(options.study):
         runs = run_count(name, len(logs), options.seeds, options.trials)
-        with Progress(name, runs, "runs") as progress:
+        with progress_line(name, runs, "runs") as progress:
             tables[name] = run_study(name, logs, options.seeds, options.trials, progress)
         print(f"{name}\n{format_table(tables[name])}\n", flush=True)
     if options.json:

@@ -20,7 +20,7 @@ from tools.mapping.map_picture import draw_map
 from tools.mapping.slam.mapper import map_odometry
 from tools.mapping.slam.relations import line_up, read_relations, relation_error
 from tools.mapping.slam.trajectory import Trajectory
-from tools.progress import Progress
+from tools.progress import progress_line
 
 PICTURE = "map.png"
 """The picture that ``map build`` puts beside the map."""
@@ -97,7 +97,7 @@ def _build(options: argparse.Namespace) -> int:
     if relations:
         lined_up = line_up(relations, trajectory.times)
         print(relation_error(lined_up, trajectory.at).table())
-    with Progress("map", len(log.scans), "scans") as progress:
+    with progress_line("map", len(log.scans), "scans") as progress:
         built = build_map(log, options.resolution, scans=options.scans, progress=progress)
     save_map(built.map, options.output)
     draw_map(options.output, options.output / PICTURE)

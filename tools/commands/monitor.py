@@ -6,6 +6,7 @@ import argparse
 import sys
 import time
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 from maps.map_folder import load_map_folder
@@ -76,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
         forward=options.forward,
         foxglove=options.foxglove,
     )
-    with Monitor(chosen) as monitor:
+    with closing(Monitor(chosen)) as monitor:
         if options.text:
             show_team(monitor.watch, going_on)
             return 0
@@ -93,10 +94,10 @@ def play(options: argparse.Namespace, going_on: Callable[[], bool]) -> int:
     site = chosen if chosen.folder else Site(playback.site_folder())
     watch = Watch(TeamState(), site)
     if options.text:
-        with Beat(lambda: playback.advance(watch)):
+        with closing(Beat(lambda: playback.advance(watch))):
             show_team(watch, going_on)
         return 0
-    with WebServer(watch, playback, options.http) as server:
+    with closing(WebServer(watch, playback, options.http)) as server:
         print(f"patrol monitor: {server.url} plays {len(options.play)} files", file=sys.stderr)
         while going_on():
             time.sleep(POLL_S)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from tools.progress import Progress
+from tools.progress import progress_line
 from tools.quality.gate_mutation import SURVIVORS, judge, load_cases, mutant_names, unexplained
 
 
@@ -22,7 +22,7 @@ def run(options: argparse.Namespace) -> int:
     """Judge every mutant; end with 1 when one survives that is not known to make no difference."""
     cases = load_cases()
     survivors, count = [], 0
-    with Progress("mutants", len(mutant_names())) as progress:
+    with progress_line("mutants", len(mutant_names())) as progress:
         for verdict in judge(cases):
             count += 1
             progress(count)

@@ -11,7 +11,7 @@ from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.bench.sensing import Sensing
 from tools.commands.settings_option import add_set_option, chosen_config
-from tools.progress import Progress
+from tools.progress import progress_line
 from tools.studies.paper import BORDER, DURATION_S, MAP, PaperTrial, claims, over_seeds, run_seeds
 from tools.studies.paper_figures import write_figures
 
@@ -53,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
     trial = PaperTrial(folder, options.border, sensing, options.duration, config)
     seeds = range(options.seed, options.seed + options.seeds)
     told = []
-    with Progress("paper", len(seeds), "runs") as progress:
+    with progress_line("paper", len(seeds), "runs") as progress:
         for done in run_seeds(trial, seeds, options.jobs):
             told.append(claims(done))
             # Written as they come: who is stopped keeps what there is.

@@ -15,7 +15,7 @@ from tools.calibration.perception_pictures import draw_picture, draw_scan, momen
 from tools.localize.localize import log_steps, map_of_log
 from tools.logs.carmen import LogError, read_carmen
 from tools.logs.recording import read_recording
-from tools.progress import Progress
+from tools.progress import progress_line
 
 RESOLUTION = 0.05  # m
 
@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
     else:
         folder = map_of_log(log, RESOLUTION, "even")
         steps = steps[1 - options.first_scan % 2 :: 2]
-    with Progress("perceive", len(steps), "scans") as progress:
+    with progress_line("perceive", len(steps), "scans") as progress:
         result = perceive(str(options.log), steps, folder, options.seed, progress)
     print(json.dumps({"log": options.log.name, **result.summary}, indent=2))
     return 1 if result.teammates else 0

@@ -18,7 +18,7 @@ from robot_agent.process.telemetry import Telemetry
 from robot_agent.recording.recorder import Recorder
 from robot_agent.recording.run_header import header_of_run
 from tools.mapping.blank_map import blank_map
-from tools.teleop.terminal_keys import HELP, TerminalKeys
+from tools.teleop.terminal_keys import HELP, terminal_keys
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> int:
         runtime = Runtime(agent, clock, recorder, telemetry, Journal(sys.stderr))
         end_on_signals(runtime)
         if options.teleop:
-            stack.enter_context(TerminalKeys(runtime.press, runtime.end))
+            stack.enter_context(terminal_keys(runtime.press, runtime.end))
             print(f"patrol record: {HELP}", file=sys.stderr, flush=True)
         else:
             print("patrol record: push the robot; Ctrl-C ends", file=sys.stderr, flush=True)

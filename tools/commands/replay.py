@@ -13,7 +13,7 @@ from robot_agent.config import find_map
 from robot_agent.messages.events import LinkName
 from tools.logs.recorded_config import changed_config
 from tools.logs.recording import Recording, read_recording
-from tools.progress import Progress
+from tools.progress import progress_line
 from tools.replay.recorded_devices import serve
 from tools.replay.replay import Replay, ReplayResult, notices, report_lines
 from tools.replay.what_if import WhatIf
@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
     replay = Replay(recording, folder, config)
     _say(notices(replay, recording))
     what_if = WhatIf() if options.set or options.map else None
-    with Progress("replay", options.until or recording.end(), "s") as progress:
+    with progress_line("replay", options.until or recording.end(), "s") as progress:
         result = replay.run(
             options.until,
             progress,
@@ -88,7 +88,7 @@ def run(options: argparse.Namespace) -> int:
 def _serve(recording: Recording, options: argparse.Namespace) -> int:
     """Play the devices until all is said, or until ``--until``."""
     until = options.until or recording.end()
-    with Progress("serve", until, "s") as progress:
+    with progress_line("serve", until, "s") as progress:
 
         def going_on(t: float) -> bool:
             progress(t)

@@ -7,11 +7,12 @@ import json
 import sys
 from pathlib import Path
 
-from tools.progress import Progress
+from tools.progress import progress_line
 from tools.report.alignment import AlignmentError, align
 from tools.report.numbers import numbers
-from tools.report.page import SECTIONS, page
+from tools.report.page import page
 from tools.report.run_log import read_run
+from tools.report.sections import SECTIONS
 from tools.report.team import Team
 
 
@@ -42,7 +43,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Write the report of one run."""
     stated = dict(map(_offset, options.offset))
-    with Progress("read", len(options.recordings), "recordings") as progress:
+    with progress_line("read", len(options.recordings), "recordings") as progress:
         runs = []
         for number, path in enumerate(options.recordings):
             progress(number)
@@ -52,7 +53,7 @@ def run(options: argparse.Namespace) -> int:
             print(f"patrol report: {log.truncated}; what is whole is reported", file=sys.stderr)
     team = Team(runs, align(runs, stated, trust_host=options.clocks == "host"))
     figures = numbers(team)
-    with Progress("draw", SECTIONS, "sections") as progress:
+    with progress_line("draw", len(SECTIONS), "sections") as progress:
         text = page(team, figures, progress)
     options.output.mkdir(parents=True, exist_ok=True)
     (options.output / "report.html").write_text(text)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
-from tools.progress import Progress
+from tools.progress import progress_line
 from tools.studies.soak import HOUR_S, Soak, SoakHour, SoakLog, summary
 
 
@@ -48,7 +48,7 @@ def run(options: argparse.Namespace) -> int:
     log = SoakLog(options.json) if options.json else None
     with (
         tempfile.TemporaryDirectory(prefix="patrol-soak-") as kept,
-        Progress("soak", duration, "s") as progress,
+        progress_line("soak", duration, "s") as progress,
     ):
         soak = Soak(
             folder,

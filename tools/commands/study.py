@@ -11,7 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from tools.commands.settings_option import add_set_option
-from tools.progress import Progress
+from tools.progress import progress_line
 from tools.studies.study import read_study, run_study
 from tools.studies.study_plot import plot_study
 from tools.studies.study_table import table, write_csv
@@ -41,7 +41,7 @@ def run(options: argparse.Namespace) -> int:
         f"stop it any time, the same command goes on",
         file=sys.stderr,
     )
-    with Progress("study", len(study.runs), "runs") as progress:
+    with progress_line("study", len(study.runs), "runs") as progress:
         results = run_study(study, options.output, max(1, options.jobs), progress, options.cluster)
     rows = table(results)
     write_csv(results, options.output / "runs.csv")

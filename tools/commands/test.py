@@ -14,8 +14,10 @@ CHECKS = (
     ("ruff", "format", "--check", "."),
     ("mypy",),
     ("lint-imports",),
+    ("vulture",),
 )
-"""Programs of the environment; lint-imports holds the rooms to the contracts in pyproject.toml."""
+"""Programs of the environment; lint-imports holds the rooms to the contracts in pyproject.toml, and
+vulture finds what nothing uses."""
 SIDE_BY_SIDE = ("-n", "auto", "--dist", "worksteal")
 """One worker per core: half of the tests wait for a device's real time."""
 

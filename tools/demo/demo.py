@@ -7,19 +7,22 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Self
 
 import msgspec
 
 from maps.pose import Pose
 from robot_agent.config import AgentConfig, MapSettings, RobotSettings, format_config
 from robot_agent.pose.start_pose import StartPose
+from tools.deploy.child_program import environment, program
 from tools.monitor.monitor import Monitor, MonitorOptions, until
 from tools.monitor.site import Site
 from tools.monitor.text_view import show_team
-from tools.progress import Progress
+from tools.progress import progress_line
 
 POLL_S = 0.2
 STOP_S = 5.0
@@ -67,7 +70,7 @@ class Demo:
     """The processes of a demo; stops them in order, robots first, whatever happens."""
 
     def __init__(self, options: DemoOptions) -> None:
-        """Nothing is started before the context is entered."""
+        """Nothing is started yet."""
         self.options = options
         self.robots: list[EmulatedRobot] = []
         self.exit_statuses: dict[str, int] = {}
@@ -83,21 +86,17 @@ class Demo:
         """Where a robot's agent writes its recording."""
         return self.options.record / f"{robot}.mcap"
 
-    def __enter__(self) -> Demo:
-        """Start the world, then one agent per robot."""
+    @contextmanager
+    def running(self) -> Iterator[Self]:
+        """Start the world, then one agent per robot; stop everything on every way out."""
         self.options.record.mkdir(parents=True, exist_ok=True)
         try:
             self._start_world()
             for number, robot in enumerate(self.robots):
                 self._start_agent(robot, self.options.seed + number)
-        except BaseException:
+            yield self
+        finally:
             self.stop()
-            raise
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Stop everything."""
-        self.stop()
 
     def watch(
         self, duration: float | None, site: Site, *, http: str | None, headless: bool
@@ -107,7 +106,10 @@ class Demo:
         Returns whether every process was still running at the end; raises DemoError when the demo
         cannot be started, WebError when the page cannot be served at ``http``.
         """
-        with Monitor(MonitorOptions(self.options.operator, http, site)) as monitor, self:
+        with (
+            closing(Monitor(MonitorOptions(self.options.operator, http, site))) as monitor,
+            self.running(),
+        ):
             going_on = until(duration)
             if monitor.url:
                 print(f"patrol demo: the team is shown at {monitor.url}", file=sys.stderr)
@@ -121,7 +123,7 @@ class Demo:
             return self.alive()
 
     def _wait_while(self, going_on: Callable[[], bool]) -> None:
-        with Progress("demo", None, "s") as progress:
+        with progress_line("demo", None, "s") as progress:
             started = time.monotonic()
             while self.alive() and going_on():
                 time.sleep(POLL_S)
@@ -155,12 +157,13 @@ class Demo:
         options = self.options
         self._world = subprocess.Popen(
             [
-                *(sys.executable, "-m", "tools.demo.world_server", str(options.map_folder)),
+                *program("tools.demo.world_server", str(options.map_folder)),
                 *("--border", options.border, "--robots", str(options.robots)),
                 *("--seed", str(options.seed), "--truth", str(self.truth_path)),
                 *("--strangers", str(options.strangers)),
                 *(("--cameras",) if options.cameras else ()),
             ],
+            env=environment(),
             stdout=subprocess.PIPE,
             text=True,
             start_new_session=True,  # Ctrl-C reaches us only; we stop robots before the world
@@ -185,9 +188,10 @@ class Demo:
         config_path.write_text(format_config(self._configure(robot, seed)))
         self._agents[robot.name] = subprocess.Popen(
             [
-                *(sys.executable, "-m", "tools.cli", "agent", str(config_path)),
+                *program("tools.cli", "agent", str(config_path)),
                 *("--record", str(self.recording_path(robot.name))),
             ],
+            env=environment(),
             start_new_session=True,
         )
 

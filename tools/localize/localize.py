@@ -47,19 +47,6 @@ class LocalizeOptions:
     settings: LocalizationSettings = dataclasses.field(default_factory=LocalizationSettings)
 
 
-def localize(
-    log: CarmenLog,
-    folder: MapFolder,
-    options: LocalizeOptions,
-    progress: Progress = lambda _: None,
-) -> LocalizeResult:
-    """Localize on a CARMEN log against a map; the log's laser is taken as the base.
-
-    Raises LogError if ``first_scan`` leaves no scan.
-    """
-    return localize_steps(str(log.path), log_steps(log), folder, options, progress)
-
-
 def log_steps(log: CarmenLog) -> list[LogStep]:
     """Return a CARMEN log's scans; the log's laser is taken as the base."""
     return [LogStep(scan.t, scan.odometry, scan.points(), scan.reference) for scan in log.scans]

@@ -11,7 +11,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -180,10 +179,6 @@ class LocalizeResult:
                 writer.writerow(
                     "" if value is None else value for value in dataclasses.astuple(row)
                 )
-
-    def write_json(self, path: Path) -> None:
-        """Write the summary."""
-        path.write_bytes(msgspec.json.format(msgspec.json.encode(self.summary), indent=2) + b"\n")
 
 
 def _mahalanobis(away: NDArray[np.float64], covariance: NDArray[np.float64]) -> NDArray[np.float64]:

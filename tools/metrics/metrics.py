@@ -48,7 +48,6 @@ class Meeting:
     robots: tuple[str, str]
     actions: tuple[str, str]
     """What each did at their closest approach's decision: the strongest reaction of each."""
-    directions_after: tuple[int, int]
     closest_m: float
     parted: bool
     """False when the run ended before they were apart."""
@@ -165,13 +164,11 @@ def _meetings_of(a: RobotRun, b: RobotRun) -> list[Meeting]:
         actions = (_reaction(a, start, end), _reaction(b, start, end))
         if actions == (Action.KEEP_GOING, Action.KEEP_GOING):
             continue  # both saw nothing that mattered: one follows the other at a distance
-        last = min(end, distance.size - 1)
         found.append(
             Meeting(
                 t=float(a.t[start]),
                 robots=(a.name, b.name),
                 actions=actions,
-                directions_after=(int(a.direction[last]), int(b.direction[last])),
                 closest_m=float(distance[start:end].min()),
                 parted=bool(end < distance.size),
             )

@@ -18,8 +18,6 @@ class Forwarder:
 
     def __init__(self, office: str) -> None:
         """Take the office's endpoint, e.g. ``tcp/office.example:7447``."""
-        self.strays = 0
-        """Payloads that are no robot's, or of one robot too many."""
         self._settings = TelemetrySettings(operator=office)
         self._robots: dict[tuple[str, str], Telemetry] = {}
         self._lock = threading.Lock()
@@ -35,9 +33,7 @@ class Forwarder:
         *parts, stream = key.split("/")
         with self._lock:
             robot = self._robot(parts)
-        if robot is None:
-            self.strays += 1
-        else:
+        if robot is not None:  # None: no robot's, or of one robot too many
             robot.publish(stream, payload)
 
     def _robot(self, parts: list[str]) -> Telemetry | None:

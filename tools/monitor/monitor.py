@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
 
 from maps.map_folder import DEFAULT_BORDER
 from tools.monitor.alarm import Condition, Severity
@@ -45,42 +44,35 @@ class MonitorOptions:
 
 
 class Monitor:
-    """A live monitor; everything is closed on every way out."""
+    """A live monitor, until closed."""
 
     def __init__(self, options: MonitorOptions) -> None:
-        """Nothing is opened before the context is entered."""
-        self.options = options
-        self.url: str | None = None
-        self._recorder: TeamRecorder | None = None
-        self._stack = ExitStack()
-
-    def __enter__(self) -> Self:
         """Listen, and serve the page.
 
         Raises:
             OperatorError: the robots' endpoint is none, or taken.
             WebError: the page's address is.
         """
+        self.options = options
+        self.url: str | None = None
+        self._recorder: TeamRecorder | None = None
         with ExitStack() as stack:
             taps = list(self._open_taps(stack))
-            operator = Operator(self.options.listen, taps, self.options.keys)
-            self.operator = stack.enter_context(operator)
+            self.operator = Operator(self.options.listen, taps, self.options.keys)
+            stack.callback(self.operator.close)
             self.watch = Watch(self.operator.team, self.options.site, self._ailments)
             source = LiveSource()
             if self.options.http is None:
-                stack.enter_context(Beat(lambda: source.advance(self.watch)))
+                stack.callback(Beat(lambda: source.advance(self.watch)).close)
             else:
-                server = stack.enter_context(WebServer(self.watch, source, self.options.http))
+                server = WebServer(self.watch, source, self.options.http)
+                stack.callback(server.close)
                 self.url = server.url
             self._stack = stack.pop_all()
-        return self
 
     def close(self) -> None:
         """Close everything; idempotent."""
         self._stack.close()
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def _open_taps(self, stack: ExitStack) -> Iterator[Tap]:
         """Yield what gets every payload as it comes: recording, office, viewer."""
@@ -94,7 +86,9 @@ class Monitor:
             stack.callback(forwarder.close)
             yield forwarder.on_payload
         if options.foxglove is not None:
-            yield stack.enter_context(FoxgloveServer(options.foxglove)).on_payload
+            viewers = FoxgloveServer(options.foxglove)
+            stack.callback(viewers.close)
+            yield viewers.on_payload
 
     def _ailments(self) -> Iterator[Condition]:
         """Yield what is wrong with the monitor itself."""
@@ -119,10 +113,8 @@ class Beat:
             if self._ending.wait(period):
                 return
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
+    def close(self) -> None:
+        """Let the last call end."""
         self._ending.set()
         self._thread.join()
 

@@ -11,8 +11,6 @@ import json
 import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 import zenoh
 
@@ -73,17 +71,6 @@ class Operator:
     def close(self) -> None:
         """Stop listening; idempotent."""
         self._session.close()  # type: ignore[no-untyped-call]
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def access_control(robots: Sequence[RobotName] | None) -> dict[str, object]:

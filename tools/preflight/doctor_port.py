@@ -13,7 +13,7 @@ from tools.preflight.ports import SerialPort, holders_of, list_serial_ports, own
 
 
 def examine_port(subject: str, url: str) -> Finding:
-    """Check a port without opening it; a network address is left to the trial."""
+    """Check a port without opening it; a URL of pyserial is left to the trial."""
     if "://" in url:
         return ok(subject, url)
     path = Path(url)

@@ -1,9 +1,10 @@
 """Serial adapters of this machine: what udev can tell them apart by, and who uses them.
 
-Everything comes from the kernel's files (``/sys``, ``/dev``, ``/proc``), so it works without udev's
-own tools. Names such as ttyUSB0 follow the order of plugging; a udev rule gives each role a name of
-its own, by the adapter's serial number, or by the socket it is plugged into where several adapters
-are alike.
+pyserial's list_ports tells what an adapter says of itself. Which ports there are, who may use them
+and who does comes from the kernel's files (``/sys``, ``/dev``, ``/proc``): pyserial lists numbers
+without a chip behind them and leaves out names it does not know. Names such as ttyUSB0 follow the
+order of plugging; a udev rule gives each role a name of its own, by the adapter's serial number, or
+by the socket it is plugged into where several adapters are alike.
 """
 
 from __future__ import annotations
@@ -14,6 +15,10 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+from serial.tools.list_ports_linux import SysFS
+
+from drivers.adapter_name import lasting_name
 
 PHANTOM_UART = "0"
 """What ``type`` of a serial port says when there is no chip behind its number."""
@@ -72,34 +77,36 @@ def _is_hardware(entry: Path) -> bool:
 
 def _describe(entry: Path, files: KernelFiles) -> SerialPort:
     hardware = (entry / "device").resolve()
-    usb = _usb_device(hardware)
     path = files.dev / entry.name
-    maker, product = (_text(usb / name) if usb else "" for name in ("manufacturer", "product"))
     return SerialPort(
         device=str(path),
         driver=_link_name(hardware / "driver"),
-        vendor_id=_text(usb / "idVendor") if usb else "",
-        product_id=_text(usb / "idProduct") if usb else "",
-        serial=_text(usb / "serial") if usb else "",
-        product=" ".join(filter(None, (maker, product))),
-        location=_usb_interface(hardware, usb) if usb else hardware.name,
-        by_id=_link_to(files.dev / "serial" / "by-id", path),
+        by_id=str(lasting_name(str(path), files.dev / "serial" / "by-id") or ""),
         owner=owner_of(path),
         usable=os.access(path, os.R_OK | os.W_OK),
         holders=holders_of(path, files.proc),
+        **{"location": hardware.name, **_usb_facts(path.name)},
     )
 
 
-def _usb_device(hardware: Path) -> Path | None:
-    """Return the USB device that a port belongs to."""
-    return next(
-        (path for path in (hardware, *hardware.parents) if (path / "idVendor").exists()), None
-    )
+def _usb_facts(name: str) -> dict[str, str]:
+    """Return what is known of a port by its USB device; nothing where it has none.
 
-
-def _usb_interface(hardware: Path, usb: Path) -> str:
-    """Return the name of the USB interface below the device: one adapter may have several ports."""
-    return hardware.relative_to(usb).parts[0] if hardware != usb else usb.name
+    Its place is the interface below the device: one adapter may have several ports.
+    """
+    try:
+        adapter = SysFS(f"/dev/{name}")
+    except (TypeError, ValueError):  # what pyserial does when it is unplugged meanwhile
+        return {}
+    if adapter.usb_interface_path is None:
+        return {}
+    return {
+        "vendor_id": f"{adapter.vid:04x}",
+        "product_id": f"{adapter.pid:04x}",
+        "serial": adapter.serial_number or "",
+        "product": " ".join(filter(None, (adapter.manufacturer, adapter.product))),
+        "location": Path(adapter.usb_interface_path).name,
+    }
 
 
 def owner_of(path: Path) -> str:
@@ -170,11 +177,3 @@ def _text(path: Path) -> str:
 
 def _link_name(link: Path) -> str:
     return link.resolve().name if link.exists() else ""
-
-
-def _link_to(folder: Path, device: Path) -> str:
-    """Return the link in a folder that leads to a device."""
-    if not folder.is_dir():
-        return ""
-    links = (link for link in sorted(folder.iterdir()) if link.resolve() == device.resolve())
-    return str(next(links, ""))

@@ -13,6 +13,7 @@ import os
 import tempfile
 import zlib
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
@@ -55,7 +56,7 @@ class Case:
 def two_robots_meet(target: Path) -> list[Path]:
     """Two emulated robots drive towards each other on the paper's border; one goes blind."""
     folder = load_map_folder(find_map("paper_lab", Path()))
-    with FleetRecorder(folder, target) as recorder:
+    with closing(FleetRecorder(folder, target)) as recorder:
         fleet = Fleet(
             *(folder, 2, 3),
             starts=[Pose(8.0, 3.76, 0.0), Pose(14.0, 3.76, math.pi)],

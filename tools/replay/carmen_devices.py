@@ -65,16 +65,6 @@ def _times(after: float, before: float) -> list[float]:
     return times
 
 
-def _without_crowds(found: list[Moment]) -> list[Moment]:
-    """Leave out odometry that the next scan or report follows at once; scans all stay."""
-    kept = [
-        moment
-        for moment, following in pairwise(found)
-        if moment.scan is not None or following.t - moment.t >= MIN_STEP_S
-    ]
-    return [*kept, found[-1]]
-
-
 def _without_gaps(found: list[Moment]) -> Iterator[Moment]:
     yield found[0]
     for a, b in pairwise(found):

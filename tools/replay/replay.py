@@ -18,7 +18,7 @@ from robot_agent.config import AgentConfig
 from robot_agent.messages.effects import Effect, Publish, Send
 from robot_agent.messages.events import Event
 from robot_agent.recording.recording_writer import Gap, Note, Reference
-from robot_agent.recording.run_header import versions
+from robot_agent.recording.run_header import same_versions, versions
 from tools.logs.recorded_config import recorded_config
 from tools.logs.recording import Recording
 from tools.replay.comparison import same_effects
@@ -211,7 +211,7 @@ def notices(replay: Replay, recording: Recording) -> list[str]:
     if replay.left_out:
         lines.append(f"settings that exist no more are left out: {', '.join(replay.left_out)}")
     recorded = recording.header.versions
-    if recorded and recorded != versions():
+    if not same_versions(recorded):
         lines.append(f"recorded with {recorded}; this is {versions()}: numbers may differ")
     return lines
 

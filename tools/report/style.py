@@ -5,10 +5,12 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from markupsafe import Markup
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
@@ -115,19 +117,25 @@ def with_breaks(t: Floats, y: Floats, longest: float) -> tuple[Floats, Floats]:
     return np.insert(t, places, t[places - 1] + longest / 2), np.insert(y, places, np.nan)
 
 
-def svg(figure: Figure, alt: str) -> str:
-    """Return a figure as an SVG element that scales with its page."""
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """A figure as SVG: the attributes of its element, and all from its first child to its end."""
+
+    attributes: Markup
+    content: Markup
+
+
+def drawing(figure: Figure) -> Drawing:
+    """Return a figure as an SVG element that scales with its page: of no size of its own."""
     out = io.StringIO()
     with mpl.rc_context(RC):
         figure.savefig(out, format="svg", transparent=True, metadata={"Date": None})
     text = out.getvalue()
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
-    head = re.match(r'<svg([^>]*?) width="[^"]*"([^>]*)>', text)
-    assert head is not None
-    attributes = re.sub(r' height="[^"]*"', "", head[1] + head[2])
-    label = alt.replace('"', "'")
-    return f'<svg role="img" aria-label="{label}"{attributes}>' + text[head.end() :]
+    head, _, content = text.removeprefix("<svg").partition(">")
+    attributes = re.sub(r' (?:width|height)="[^"]*"', "", head)
+    return Drawing(Markup(attributes), Markup(content))  # noqa: S704 - Matplotlib escapes texts
 
 
 def robot_colors(names: Sequence[str]) -> dict[str, str]:

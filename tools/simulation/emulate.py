@@ -9,8 +9,6 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 
@@ -54,7 +52,7 @@ class EmulateOptions:
 
 
 class Emulation:
-    """The robot behind its ports, from entering the context until leaving it.
+    """The robot behind its ports, until closed.
 
     Raises EmulateError, FaultSpecError or UnknownModelError when it cannot be set up.
     """
@@ -98,15 +96,8 @@ class Emulation:
             self._closing = stack.pop_all()
         self._real_time = RealTimeRig(self.rig, ports)
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
+        """Take the ports away."""
         self._closing.close()
 
     def run(self, going_on: Callable[[], bool]) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from maps.border import Border
 from maps.pose import Pose
-from tools.simulation.robot_body import BodyKind, Outline, RobotBody
+from tools.simulation.robot_body import BodyKind, Outline
 from tools.simulation.world import World
 
 PERSON = Outline(0.14, 0.14, 0.22)
@@ -140,8 +140,3 @@ def make_strangers(world: World, border: Border, count: int, seed: int) -> list[
         Stranger(world, border, kinds[number % 2], np.random.default_rng((seed, 77, number)))
         for number in range(count)
     ]
-
-
-def team_of(bodies: list[RobotBody]) -> list[RobotBody]:
-    """Return those bodies that are robots of the team."""
-    return [body for body in bodies if body.kind is BodyKind.ROBOT]

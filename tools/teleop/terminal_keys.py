@@ -8,9 +8,8 @@ import sys
 import termios
 import threading
 import tty
-from collections.abc import Callable
-from types import TracebackType
-from typing import Self
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 HELP = "hold an arrow key (or w a d) to drive, q and e for arcs; any other key stops; x ends"
 POLL_S = 0.1
@@ -43,54 +42,48 @@ def drive_of(typed: bytes) -> tuple[int, int]:
     return _DRIVES.get(typed[-1:], (0, 0))
 
 
-class TerminalKeys:
-    """Reads keys on a thread of its own while the context lasts; the terminal is put back after.
+@contextmanager
+def terminal_keys(
+    press: Callable[[int, int], None], end: Callable[[], None], terminal: int | None = None
+) -> Iterator[None]:
+    """Read keys on a thread of its own while the context lasts; the terminal is put back after.
 
     ``press`` hears (ahead, left) of every key, ``end`` that x was typed or the terminal has gone.
+    terminal: its file descriptor, standard input's where none is given. Raises KeysError where it
+    is no terminal: keys come from a person at one, not from a file.
     """
+    descriptor = sys.stdin.fileno() if terminal is None else terminal
+    if not os.isatty(descriptor):
+        raise KeysError("--teleop needs a terminal with a keyboard: use `ssh -t`")
+    before = termios.tcgetattr(descriptor)
+    ending = threading.Event()
+    thread = threading.Thread(
+        target=_read, args=(descriptor, press, end, ending), name="keys", daemon=True
+    )
+    tty.setcbreak(descriptor)
+    try:
+        thread.start()
+        yield
+    finally:
+        ending.set()
+        thread.join()
+        termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
 
-    def __init__(
-        self,
-        press: Callable[[int, int], None],
-        end: Callable[[], None],
-        terminal: int | None = None,
-    ) -> None:
-        """Read the terminal of that file descriptor, standard input's where none is given.
 
-        Raises KeysError where it is no terminal: keys come from a person at one, not from a file.
-        """
-        self._press, self._end = press, end
-        self._terminal = sys.stdin.fileno() if terminal is None else terminal
-        if not os.isatty(self._terminal):
-            raise KeysError("--teleop needs a terminal with a keyboard: use `ssh -t`")
-        self._before = termios.tcgetattr(self._terminal)
-        self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._read, name="keys", daemon=True)
-
-    def __enter__(self) -> Self:
-        tty.setcbreak(self._terminal)
-        self._thread.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self._ending.set()
-        self._thread.join()
-        termios.tcsetattr(self._terminal, termios.TCSADRAIN, self._before)
-
-    def _read(self) -> None:
-        while not self._ending.is_set():
-            if not select.select([self._terminal], [], [], POLL_S)[0]:
-                continue
-            try:
-                typed = os.read(self._terminal, 64)
-            except OSError:
-                typed = b""
-            if not typed or _END in typed:
-                self._end()
-                return
-            self._press(*drive_of(typed))
+def _read(
+    terminal: int,
+    press: Callable[[int, int], None],
+    end: Callable[[], None],
+    ending: threading.Event,
+) -> None:
+    while not ending.is_set():
+        if not select.select([terminal], [], [], POLL_S)[0]:
+            continue
+        try:
+            typed = os.read(terminal, 64)
+        except OSError:
+            typed = b""
+        if not typed or _END in typed:
+            end()
+            return
+        press(*drive_of(typed))

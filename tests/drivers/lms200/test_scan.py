@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from drivers.lms200.framing import Telegram
 from drivers.lms200.measurement import MEASURING_MODES, TURN, UNIT_MM, Special, decode_measurement
@@ -19,9 +20,14 @@ def scan(payload: bytes, arrival: float = 10.0, wire_time: float = 0.1) -> Scan:
     return scan_of(measurement, arrival, wire_time)
 
 
+def beam_times(whole: Scan) -> NDArray[np.float64]:
+    geometry = (whole.ranges.size, whole.angle_min, whole.angle_increment, whole.turns)
+    return whole.t + beam_time_offsets(*geometry)
+
+
 def test_beams_of_one_turn_are_swept_in_half_of_it() -> None:
     whole = scan(encode(np.ones(181), MODE, UNIT_MM))
-    times = whole.beam_times()
+    times = beam_times(whole)
     assert whole.t == pytest.approx(10.0 - 0.1 - TURN / 2)
     assert times[90] == pytest.approx(whole.t)
     assert times[-1] - times[0] == pytest.approx(TURN / 2)
@@ -31,7 +37,7 @@ def test_beams_of_one_turn_are_swept_in_half_of_it() -> None:
 def test_halves_of_an_interlaced_scan_are_a_turn_apart() -> None:
     whole = scan(encode(np.ones(361), MODE, UNIT_MM))
     assert whole.turns == 2
-    times = whole.beam_times()
+    times = beam_times(whole)
     even, odd = times[0::2], times[1::2]
     assert (np.diff(even) > 0).all()
     between = 0.5 * (even[:-1] + even[1:])
@@ -67,7 +73,6 @@ def test_special_values_are_kept_apart_from_ranges(value: int, special: Special)
     assert np.isinf(seen.ranges[[3, 5]]).all()
     assert seen.ranges[7] == 2.0
     assert np.isfinite(np.delete(seen.ranges, [3, 5])).all()
-    assert seen.special_counts() == {special: 2}
     assert (seen.specials == special).sum() == 2
     assert seen.reflectors is not None
     assert seen.reflectors.nonzero()[0].tolist() == [7]

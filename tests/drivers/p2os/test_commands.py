@@ -17,8 +17,6 @@ from drivers.p2os.commands import (
     command,
     decode_command,
     host_baud,
-    text_command,
-    wheel_speeds,
 )
 
 N = CommandNumber
@@ -47,13 +45,13 @@ ENCODED = [
     (command(N.SONAR, 1), "FA FB 06 1C 3B 01 00 1D 3B"),
     (STOP, "FA FB 03 1D 00 1D"),
     (Command(30, -0x0919), "FA FB 06 1E 1B 19 09 37 24"),
-    (wheel_speeds(10, 10), "FA FB 06 20 3B 0A 0A 2A 45"),
-    (wheel_speeds(-5, 5), "FA FB 06 20 3B 05 FB 26 36"),
+    (Command(N.VEL2, 0x0A0A), "FA FB 06 20 3B 0A 0A 2A 45"),
+    (Command(N.VEL2, 0xFB05), "FA FB 06 20 3B 05 FB 26 36"),
     (Command(40, 2), "FA FB 06 28 3B 02 00 2A 3B"),
     (command(N.BUMP_STALL, 3), "FA FB 06 2C 3B 03 00 2F 3B"),
     (host_baud(38400), "FA FB 06 32 3B 02 00 34 3B"),
     (E_STOP, "FA FB 03 37 00 37"),
-    (text_command(N.POLLING, bytes((1, 2, 1, 2))), "FA FB 09 03 2B 04 01 02 01 02 09 2F"),
+    (Command(N.POLLING, bytes((1, 2, 1, 2))), "FA FB 09 03 2B 04 01 02 01 02 09 2F"),
     (Command(3, bytes((1, 2, 1, 2)), b"\0"), "FA FB 0A 03 2B 04 01 02 01 02 00 0B 2D"),
     (Command(32, -0x02FD), "fafb06201bfd021d1d"),
     (Command(15, b"\x01\x20", b"\0"), "fafb080f2b02012000312c"),
@@ -93,10 +91,6 @@ def test_arguments_that_do_not_belong_are_refused() -> None:
         command(N.VEL)
     with pytest.raises(CommandRangeError, match="HOSTBAUD"):
         host_baud(4800)
-    with pytest.raises(CommandRangeError, match="VEL2"):
-        wheel_speeds(127, 0)
-    with pytest.raises(CommandRangeError, match="POLLING"):
-        text_command(N.POLLING, bytes(197))
 
 
 @settings(derandomize=True, deadline=None)

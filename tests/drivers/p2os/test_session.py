@@ -571,26 +571,6 @@ def test_stop_button_is_told_and_left_to_people(bench: MakeBench) -> None:
     assert wire.emulator.velocity == (0.0, 0.0)
 
 
-def test_seto_zeroes_the_counters_and_not_the_pose(bench: MakeBench) -> None:
-    wire = bench()
-    wire.connect()
-    wire.enable()
-    wire.run(3.0, lambda t: wire.session.drive(t, 0.3, 0.4))
-    assert not wire.session.reset_odometry(wire.t)
-    wire.run(2.5, lambda t: wire.session.stop(t))
-    before = wire.states[-1]
-    assert before.x > 0.3
-    assert wire.session.reset_odometry(wire.t)
-    wire.run(0.5, lambda t: wire.session.stop(t))
-    assert (wire.emulator.base.x, wire.emulator.base.theta) == (0.0, 0.0)
-    after = wire.states[-1]
-    assert (after.x, after.y, after.theta) == (before.x, before.y, before.theta)
-    wire.run(2.0, lambda t: wire.session.drive(t, 0.3, -0.3))
-    wire.run(2.0, lambda t: wire.session.stop(t))
-    final = wire.states[-1]
-    assert (final.x, final.y) == pytest.approx((wire.pose.x, wire.pose.y), abs=0.003)
-
-
 def test_asked_for_packets_stream_and_are_kept(bench: MakeBench) -> None:
     wire = bench(baud=38400, robot_baud=38400)
     wire.connect()

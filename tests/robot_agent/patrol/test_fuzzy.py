@@ -186,11 +186,11 @@ def test_trapezoid_refuses_disorder():
         Trapezoid(0.0, 2.0, 1.0, 3.0)
 
 
-def test_runtime_needs_no_skfuzzy_and_no_matplotlib():
+def test_of_skfuzzy_the_runtime_has_the_sets_and_no_control_system():
     code = (
         "import sys, robot_agent.patrol.patrol, robot_agent.motion.gate,"
         " robot_agent.motion.heading_loop;"
-        "print([m for m in ('skfuzzy', 'matplotlib', 'scipy') if m in sys.modules])"
+        "print([m for m in ('skfuzzy.control', 'matplotlib', 'networkx') if m in sys.modules])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -1,11 +1,22 @@
 """The shipped rule file against the paper's Table I, and what the loader refuses."""
 
+import math
 import re
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from skfuzzy.membership import trapmf, trimf
 
 from robot_agent.patrol.actions import Action
-from robot_agent.patrol.rules import RULES_FILE, RulesError, check_rules, load_rules
+from robot_agent.patrol.rules import (
+    RULES_FILE,
+    RulesError,
+    _fuzzy_set,
+    check_rules,
+    load_rules,
+)
 
 ATL, RFL, KGL, PCWL, PCCWL = (
     Action.AVOID_TEAMMATE,
@@ -220,6 +231,31 @@ def test_junk_anywhere_is_a_rules_error(tmp_path, junk):
         path.write_text("\n".join([*lines[:i], changed, *lines[i + 1 :]]))
         with pytest.raises(RulesError, match=re.escape(f"{path}: ")):
             load_rules(path, reading="R1", safety_distance=2.4, open_border=True)
+
+
+@pytest.mark.parametrize("points", ["[1.0, 1.2, 2.0, inf]", "[-inf, 0.0, 0.4, 1.0]"])
+def test_a_side_without_end_is_refused(tmp_path, points):
+    path = tmp_path / "mine.toml"
+    text, count = re.subn(
+        r"(?m)^low = .*1\.0\].*meets.*$", f"low = {points}", RULES_FILE.read_text()
+    )
+    assert count == 1
+    path.write_text(text)
+    with pytest.raises(RulesError, match=r"distance_from_border\] low: gives no degree at "):
+        load_rules(path, reading="R1", safety_distance=2.4, open_border=False)
+
+
+POINTS = st.floats(-4.0, 4.0).map(lambda x: round(x, 2)) | st.floats(-4.0, 4.0, width=32)
+
+
+@given(st.lists(POINTS, min_size=3, max_size=4).map(sorted), st.lists(POINTS), st.booleans())
+def test_sets_are_skfuzzys_to_the_last_bit(points, places, shoulder):
+    if shoulder and len(points) == 4:
+        points = [*points[:2], math.inf, math.inf]
+    exact = _fuzzy_set(points)
+    places = [*places, *(x for x in points if math.isfinite(x))]
+    theirs = (trapmf if len(points) == 4 else trimf)(np.array(places), np.array(points))
+    assert [exact(x) for x in places] == theirs.tolist()
 
 
 def test_refuses_a_missing_reading(tmp_path):

@@ -88,7 +88,6 @@ def estimate(health: Health) -> Estimate:
         particle_count=1,
         effective_sample_size=1.0,
         likelihood=1.0,
-        cluster_share=1.0,
         refined=True,
     )
 

@@ -17,6 +17,7 @@ import zenoh
 
 from robot_agent.config import TelemetrySettings
 from robot_agent.process.telemetry import Telemetry, session_config
+from tools.deploy.child_program import environment, program
 from tools.monitor.operator import Operator
 
 PATIENCE_S = 15.0
@@ -139,8 +140,8 @@ def test_hanging_operator_holds_nobody_up(tell: Tell) -> None:
 
 def test_frozen_operator_costs_old_payloads_that_are_counted(endpoint: str, tell: Tell) -> None:
     """An operator that stops in mid-message: the network fills up, then the queue."""
-    command = [sys.executable, "-m", "tools.cli", "monitor", "--text", "--listen", endpoint]
-    with subprocess.Popen(command, cwd=REPOSITORY, stdout=subprocess.DEVNULL) as operator:
+    command = program("tools.cli", "monitor", "--text", "--listen", endpoint)
+    with subprocess.Popen(command, env=environment(), stdout=subprocess.DEVNULL) as operator:
         try:
             telemetry = tell(endpoint)
             deadline = time.monotonic() + 2 * PATIENCE_S

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import signal
 import subprocess
-import sys
 from pathlib import Path
 
 import msgspec
 
 from robot_agent.config import AgentConfig, format_config
+from tools.deploy.child_program import environment, program
 
 
 def test_a_full_disk_is_told_and_the_agent_goes_on(tmp_path: Path) -> None:
@@ -24,7 +24,8 @@ def test_a_full_disk_is_told_and_the_agent_goes_on(tmp_path: Path) -> None:
     config.write_text(format_config(settings))
     told: list[str] = []
     with subprocess.Popen(
-        [sys.executable, "-m", "tools.cli", "agent", str(config), "--record", "/dev/full"],
+        program("tools.cli", "agent", str(config), "--record", "/dev/full"),
+        env=environment(),
         stderr=subprocess.PIPE,
         text=True,
     ) as agent:

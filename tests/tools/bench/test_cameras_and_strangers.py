@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -43,7 +44,7 @@ def met(folder: MapFolder, tmp_path_factory: pytest.TempPathFactory) -> tuple[Fl
     """Two robots that meet head on, a person beside the first one's way; all recorded."""
     target = tmp_path_factory.mktemp("met")
     starts = [ahead_of(folder, 32.0, 0.0, 0.0, 0.0), ahead_of(folder, 32.0, 5.0, 0.0, 3.14159)]
-    with FleetRecorder(folder, target) as recorder:
+    with closing(FleetRecorder(folder, target)) as recorder:
         fleet = Fleet(folder, 2, 5, starts=starts, observer=recorder.observe, cameras=True)
         place = ahead_of(folder, 32.0, 2.4, 1.1, 0.3)
         person = fleet.world.add_body(place, PERSON)

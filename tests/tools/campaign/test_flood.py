@@ -1,6 +1,7 @@
 """Garbage for whoever dials."""
 
 import socket
+from contextlib import closing
 
 from tools.campaign.flood import Flood
 from tools.monitor.endpoint import free_endpoint
@@ -9,7 +10,10 @@ from tools.monitor.endpoint import free_endpoint
 def test_floods_whoever_connects_and_ends() -> None:
     endpoint = free_endpoint()
     host, _, port = endpoint.removeprefix("tcp/").rpartition(":")
-    with Flood(endpoint), socket.create_connection((host, int(port)), timeout=10.0) as victim:
+    with (
+        closing(Flood(endpoint)),
+        socket.create_connection((host, int(port)), timeout=10.0) as victim,
+    ):
         received = 0
         while received < 200_000:
             received += len(victim.recv(65536))

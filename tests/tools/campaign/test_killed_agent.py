@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 import signal
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -23,7 +24,7 @@ SOME_S = 1.5
 )
 def test_killed_agent_loses_a_second_at_most(tmp_path: Path, number: int) -> None:
     lives = random.Random(number).uniform(SOME_S, 7.5)
-    with AgentStage(tmp_path, seed=number) as stage:
+    with closing(AgentStage(tmp_path, seed=number)) as stage:
         stage.start_agent()
         while not stage.tap.last_at:
             stage.step()

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import psutil
@@ -39,7 +40,7 @@ def test_robots_patrol_apart_and_replay_identically(
 ) -> None:
     endpoint = free_endpoint()
     options = DemoOptions(find_map("paper_lab", tmp_path), "border", 2, 3, endpoint, tmp_path)
-    with Operator(endpoint) as operator, Demo(options) as demo:
+    with closing(Operator(endpoint)) as operator, Demo(options).running() as demo:
 
         def patrolling() -> bool:
             team = operator.team.snapshot()
@@ -70,7 +71,7 @@ def test_robots_patrol_apart_and_replay_identically(
 
 def test_a_demo_without_a_world_says_so_and_leaves_nothing_behind(tmp_path: Path) -> None:
     options = DemoOptions(tmp_path / "no_map", "border", 1, 1, free_endpoint(), tmp_path)
-    with pytest.raises(ValueError, match="world process did not start"), Demo(options):
+    with pytest.raises(ValueError, match="world process did not start"), Demo(options).running():
         pass
     children = psutil.Process().children(recursive=True)
     assert not [child for child in children if "world_server" in " ".join(child.cmdline())]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import stat
 import time
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 
 import msgspec
@@ -42,7 +43,7 @@ def wait_until(condition: Callable[[], bool], what: str) -> None:
 
 
 def test_robots_report_with_their_certificates(keys: Path, endpoint: str) -> None:
-    with Operator(endpoint, keys=keys / "operator") as operator:
+    with closing(Operator(endpoint, keys=keys / "operator")) as operator:
         settings = TelemetrySettings(operator=endpoint, keys=str(keys / "anna"))
         robot = Telemetry(settings, robot="anna", team="north")
         wait_until(lambda: [r.online for r in operator.team.snapshot()] == [True], "anna online")
@@ -54,7 +55,7 @@ def test_robots_report_with_their_certificates(keys: Path, endpoint: str) -> Non
 
 def test_forger_with_annas_certificate_cannot_speak_as_bob(keys: Path, endpoint: str) -> None:
     with (
-        Operator(endpoint, keys=keys / "operator") as operator,
+        closing(Operator(endpoint, keys=keys / "operator")) as operator,
         zenoh.open(session_config(endpoint, str(keys / "anna"))) as forger,
     ):
         wait_until(lambda: bool(list(forger.info.routers_zid())), "the forger's connection")
@@ -72,7 +73,7 @@ def test_nobody_gets_in_without_a_certificate_of_ours(
     keys: Path, endpoint: str, tmp_path: Path
 ) -> None:
     make_keys(tmp_path, "north", ["anna"], ["127.0.0.1"])
-    with Operator(endpoint, keys=keys / "operator") as operator:
+    with closing(Operator(endpoint, keys=keys / "operator")) as operator:
         foreign = TelemetrySettings(operator=endpoint, keys=str(tmp_path / "anna"))
         plain = TelemetrySettings(operator=endpoint.replace("tls/", "tcp/"))
         strangers = [Telemetry(each, robot="anna", team="north") for each in (foreign, plain)]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +14,8 @@ import pytest
 from maps.map_folder import MapFolder, load_map_folder
 from maps.occupancy_map import save_map
 from maps.pose import Pose
-from tools.localize.localize import LocalizeOptions, localize, localize_steps
+from tools.localize.localize import LocalizeOptions, localize_steps, log_steps
+from tools.localize.localize_result import LocalizeResult
 from tools.logs.carmen import CarmenLog, LogError, read_carmen
 from tools.logs.log_step import LogStep
 from tools.mapping.map_build import build_map
@@ -34,6 +35,15 @@ def folder(log: CarmenLog, tmp_path_factory: pytest.TempPathFactory) -> MapFolde
     path = tmp_path_factory.mktemp("maps") / "seattle"
     save_map(build_map(log).map, path)
     return load_map_folder(path)
+
+
+def localize(
+    log: CarmenLog,
+    folder: MapFolder,
+    options: LocalizeOptions,
+    progress: Callable[[float], None] = lambda _: None,
+) -> LocalizeResult:
+    return localize_steps(str(log.path), log_steps(log), folder, options, progress)
 
 
 def test_summary_has_the_documented_keys_and_true_numbers(
@@ -71,8 +81,6 @@ def test_summary_has_the_documented_keys_and_true_numbers(
 
 def test_files_say_what_the_result_says(log: CarmenLog, folder: MapFolder, tmp_path: Path) -> None:
     result = localize(log, folder, LocalizeOptions())
-    result.write_json(tmp_path / "out.json")
-    assert json.loads((tmp_path / "out.json").read_text()) == result.summary
     result.write_csv(tmp_path / "out.csv")
     with (tmp_path / "out.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))

@@ -26,7 +26,6 @@ def row(pose: Pose, reference: Pose | None, health: Health = Health.LOCALIZED) -
         particle_count=500,
         effective_sample_size=250.0,
         likelihood=0.9,
-        cluster_share=1.0,
         refined=True,
     )
     return LocalizeRow.of(estimate, reference, 1.5)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import Callable
+from contextlib import closing
 
 import aiohttp
 import pytest
@@ -34,9 +35,9 @@ def test_head_office_hears_the_robots_of_two_sites_behind_their_routers() -> Non
     sites = [free_endpoint(), free_endpoint()]
     options = [MonitorOptions(site, None, Site(None), forward=office_endpoint) for site in sites]
     with (
-        Monitor(MonitorOptions(office_endpoint, None, Site(None))) as office,
-        Monitor(options[0]) as first,
-        Monitor(options[1]),
+        closing(Monitor(MonitorOptions(office_endpoint, None, Site(None)))) as office,
+        closing(Monitor(options[0])) as first,
+        closing(Monitor(options[1])),
     ):
         robots = [
             Telemetry(TelemetrySettings(operator=site), robot=f"robot{number}", team="north")
@@ -86,7 +87,7 @@ def test_foxglove_viewer_gets_channels_with_schemas_and_payloads() -> None:
                     }
                     await viewer.send_json(wanted)
 
-    with FoxgloveServer("127.0.0.1:0") as server:
+    with closing(FoxgloveServer("127.0.0.1:0")) as server:
         server.on_payload("patrol/north/anna/nonsense", b"{}", time.time())
         asyncio.run(look(server.port, server))
         with pytest.raises(WebError, match="--foxglove"):

@@ -3,6 +3,7 @@ from __future__ import annotations
 import socket
 import time
 from collections.abc import Callable
+from contextlib import closing
 
 import pytest
 import zenoh
@@ -35,7 +36,7 @@ def wait_until(condition: Callable[[], bool]) -> None:
 
 
 def test_team_follows_what_robots_report(endpoint: str) -> None:
-    with Operator(endpoint) as operator:
+    with closing(Operator(endpoint)) as operator:
         robots = {
             name: Telemetry(TelemetrySettings(operator=endpoint), robot=name, team="north")
             for name in ("anna", "bob")
@@ -51,7 +52,7 @@ def test_team_follows_what_robots_report(endpoint: str) -> None:
 
 
 def test_malformed_payload_is_counted(endpoint: str) -> None:
-    with Operator(endpoint) as operator:
+    with closing(Operator(endpoint)) as operator:
         robot = Telemetry(TelemetrySettings(operator=endpoint), robot="anna", team="north")
         wait_until(lambda: bool(operator.team.snapshot()))
         robot.publish("pose", b"not JSON")
@@ -60,7 +61,7 @@ def test_malformed_payload_is_counted(endpoint: str) -> None:
 
 
 def test_deletions_and_other_keys_do_not_get_in(endpoint: str) -> None:
-    with Operator(endpoint) as operator, zenoh.open(session_config(endpoint)) as stranger:
+    with closing(Operator(endpoint)) as operator, zenoh.open(session_config(endpoint)) as stranger:
         wait_until(lambda: bool(stranger.info.routers_zid()))
         stranger.delete("patrol/north/anna/status")
         stranger.put("elsewhere/north/anna/status", b"{}")
@@ -71,7 +72,7 @@ def test_deletions_and_other_keys_do_not_get_in(endpoint: str) -> None:
 
 
 def test_taken_endpoint_is_one_error(endpoint: str) -> None:
-    with Operator(endpoint), pytest.raises(OperatorError) as raised:
+    with closing(Operator(endpoint)), pytest.raises(OperatorError) as raised:
         Operator(endpoint)
     message = str(raised.value)
     assert message.startswith(f"cannot listen on {endpoint}: ")

@@ -69,9 +69,9 @@ def running(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Itera
     site = Site(load_map_folder(path))
     options = DemoOptions(path, "border", 3, 1, endpoint, record)
     with ExitStack() as stack:
-        monitor = Monitor(MonitorOptions(endpoint, "127.0.0.1:0", site)).__enter__()
+        monitor = Monitor(MonitorOptions(endpoint, "127.0.0.1:0", site))
         stack.callback(monitor.close)
-        demo = stack.enter_context(Demo(options))
+        demo = stack.enter_context(Demo(options).running())
         team = LiveTeam(browser, monitor, demo)
         stack.callback(lambda: team.monitor.close())
         yield team
@@ -213,7 +213,7 @@ def test_page_finds_a_monitor_that_was_killed_and_restarted(live: LiveTeam) -> N
     http = urlsplit(live.monitor.url).netloc
     live.monitor.close()
     browser.wait(lambda: browser.text("#link") == "monitor gone", "that the monitor is gone")
-    live.monitor = Monitor(MonitorOptions(options.listen, http, options.site)).__enter__()
+    live.monitor = Monitor(MonitorOptions(options.listen, http, options.site))
     browser.wait(lambda: browser.text("#link") == "live", "the monitor again")
     browser.wait(
         lambda: browser.text("#summary").startswith("3 of 3 robots heard"), "the robots again"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from pathlib import Path
 
 from tests.tools.monitor.agent_recordings import START, agent_recording
@@ -20,7 +21,7 @@ def test_recordings_play_pause_and_are_searched(browser: Browser, tmp_path: Path
     ]
     playback = Playback(paths)
     watch = Watch(TeamState(), Site(playback.site_folder()))
-    with WebServer(watch, playback, "127.0.0.1:0") as server:
+    with closing(WebServer(watch, playback, "127.0.0.1:0")) as server:
         browser.open(server.url)
         browser.wait(lambda: browser.texts(".card .name") == ["anna", "bob"], "both robots")
         assert browser.text("#link") == "playback"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-import sys
 import time
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -18,6 +18,7 @@ from robot_agent.process.telemetry import Telemetry
 from robot_agent.recording.recording_writer import CHUNK_BYTES
 from tests.tools.monitor.agent_recordings import FOLDER, START, agent_recording
 from tests.tools.monitor.reports import decision, pose
+from tools.deploy.child_program import environment, program
 from tools.logs.recording import RecordingError
 from tools.monitor.endpoint import free_endpoint
 from tools.monitor.monitor import Monitor, MonitorOptions
@@ -59,7 +60,7 @@ def test_disk_full_is_an_alarm_and_the_monitor_goes_on() -> None:
     if not full.exists():
         pytest.skip("no /dev/full here to play the full disk")
     options = MonitorOptions(free_endpoint(), None, Site(FOLDER), record=full)
-    with Monitor(options) as monitor:
+    with closing(Monitor(options)) as monitor:
         deadline = time.monotonic() + 15.0
         while not monitor.watch.alarms.alarms():
             assert time.monotonic() < deadline, "no alarm"
@@ -71,8 +72,10 @@ def test_disk_full_is_an_alarm_and_the_monitor_goes_on() -> None:
 
 def test_killed_monitor_leaves_a_readable_file(tmp_path: Path) -> None:
     path, endpoint = tmp_path / "team.mcap", free_endpoint()
-    command = [sys.executable, "-m", "tools.cli", "monitor", "--text", "--listen", endpoint]
-    with subprocess.Popen([*command, "--record", str(path)], stdout=subprocess.DEVNULL) as process:
+    command = program("tools.cli", "monitor", "--text", "--listen", endpoint)
+    with subprocess.Popen(
+        [*command, "--record", str(path)], env=environment(), stdout=subprocess.DEVNULL
+    ) as process:
         robot = Telemetry(TelemetrySettings(operator=endpoint), robot="anna", team="north")
         try:
             deadline = time.monotonic() + 40.0

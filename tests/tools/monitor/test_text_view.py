@@ -3,6 +3,7 @@ from __future__ import annotations
 import io
 import socket
 import threading
+from contextlib import closing
 
 import msgspec
 import pytest
@@ -186,7 +187,7 @@ def monitor_a_robot(endpoint: str, out: io.StringIO) -> str:
     reporter = threading.Thread(target=report)
     reporter.start()
     try:
-        with Monitor(MonitorOptions(endpoint, None, Site(None))) as monitor:
+        with closing(Monitor(MonitorOptions(endpoint, None, Site(None)))) as monitor:
             show_team(monitor.watch, until(1.2), out=out, period=60.0)
     finally:
         shown.set()

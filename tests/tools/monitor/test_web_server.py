@@ -4,6 +4,7 @@ import asyncio
 import json
 import re
 from collections.abc import Awaitable, Callable, Iterator
+from contextlib import closing
 from typing import Any
 
 import aiohttp
@@ -25,7 +26,7 @@ TROUBLE = Condition("north/anna", "battery", Severity.WARNING, "battery at 11.2 
 @pytest.fixture
 def server() -> Iterator[WebServer]:
     watch = Watch(TeamState(), Site(None), lambda: [TROUBLE])
-    with WebServer(watch, LiveSource(), "127.0.0.1:0") as started:
+    with closing(WebServer(watch, LiveSource(), "127.0.0.1:0")) as started:
         yield started
 
 

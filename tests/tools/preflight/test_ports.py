@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import json
 import os
+import posixpath
 import re
 import shutil
 import subprocess
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
+from serial.tools import list_ports_linux
 
 from tools.cli import main
 from tools.preflight.ports import KernelFiles, SerialPort, holders_of, list_serial_ports, udev_lines
@@ -20,9 +24,24 @@ ASSIGNMENT_KEYS = {"SYMLINK", "GROUP", "MODE"}
 PART = re.compile(r'([A-Z]+)(?:\{([^}]+)\})?(==|\+=|=)"([^"]*)"')
 
 
+class RebasedPath:
+    """``os.path`` with the kernel's folders elsewhere, for pyserial."""
+
+    def __init__(self, root: Path) -> None:
+        self._root = root
+
+    def __getattr__(self, name: str) -> Any:
+        def call(path: str, *more: str) -> Any:
+            inside = path.startswith(("/sys", "/dev"))
+            return getattr(posixpath, name)(f"{self._root}{path}" if inside else path, *more)
+
+        return call
+
+
 @pytest.fixture
-def files(tmp_path: Path) -> KernelFiles:
+def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> KernelFiles:
     """A machine without any port."""
+    monkeypatch.setattr(list_ports_linux, "os", SimpleNamespace(path=RebasedPath(tmp_path)))
     files = KernelFiles(tmp_path / "sys", tmp_path / "dev", tmp_path / "proc")
     (files.sys / "class" / "tty").mkdir(parents=True)
     (files.dev / "serial" / "by-id").mkdir(parents=True)
@@ -37,7 +56,15 @@ def plug_in(files: KernelFiles, name: str, place: str, serial: str) -> None:
     usb = files.sys / "devices" / "usb1" / place
     port = usb / f"{place}:1.0" / name
     port.mkdir(parents=True)
-    for attribute, value in (("idVendor", "0403"), ("idProduct", "6001"), ("serial", serial)):
+    subsystem = files.sys / "bus" / "usb-serial"
+    subsystem.mkdir(parents=True, exist_ok=True)
+    (port / "subsystem").symlink_to(subsystem)
+    for attribute, value in (
+        ("idVendor", "0403"),
+        ("idProduct", "6001"),
+        ("serial", serial),
+        ("bNumInterfaces", "1"),
+    ):
         if value:
             (usb / attribute).write_text(f"{value}\n")
     (usb / "manufacturer").write_text("FTDI\n")
@@ -51,10 +78,13 @@ def plug_in(files: KernelFiles, name: str, place: str, serial: str) -> None:
     (files.dev / name).touch()
 
 
-def fit_uart(files: KernelFiles, name: str, kind: str) -> None:
+def fit_uart(files: KernelFiles, name: str, kind: str, bus: str = "pnp") -> None:
     """Put a number reserved for a serial chip on the board; kind 0: without the chip."""
-    chip = files.sys / "devices" / "pnp0" / f"00:{name}"
+    chip = files.sys / "devices" / bus / f"00:{name}"
     chip.mkdir(parents=True)
+    subsystem = files.sys / "bus" / bus
+    subsystem.mkdir(parents=True, exist_ok=True)
+    (chip / "subsystem").symlink_to(subsystem)
     entry = files.sys / "class" / "tty" / name
     entry.mkdir()
     (entry / "type").write_text(f"{kind}\n")
@@ -85,6 +115,21 @@ def test_only_chips_that_exist_are_listed(files: KernelFiles) -> None:
     fit_uart(files, "ttyS0", "4")
     fit_uart(files, "ttyS1", "0")
     assert [Path(port.device).name for port in list_serial_ports(files)] == ["ttyS0"]
+
+
+def test_chips_that_pyserial_does_not_list(files: KernelFiles) -> None:
+    fit_uart(files, "ttyS2", "4", "platform")
+    fit_uart(files, "ttyTHS1", "0x1", "serial")
+    ports = list_serial_ports(files)
+    assert [Path(port.device).name for port in ports] == ["ttyS2", "ttyTHS1"]
+    assert [port.location for port in ports] == ["00:ttyS2", "00:ttyTHS1"]
+
+
+def test_adapter_that_is_unplugged_while_it_is_looked_at(files: KernelFiles) -> None:
+    plug_in(files, "ttyUSB0", "1-1.2", "A6008isP")
+    (files.sys / "devices" / "usb1" / "1-1.2" / "bNumInterfaces").unlink()
+    (port,) = list_serial_ports(files)
+    assert (port.device, port.adapter) == (str(files.dev / "ttyUSB0"), ("", "", ""))
 
 
 def test_machine_without_ports(files: KernelFiles) -> None:

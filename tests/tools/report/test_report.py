@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
@@ -17,6 +18,8 @@ from tools.bench.fleet import Fleet
 from tools.bench.fleet_recorder import FleetRecorder
 from tools.cli import main
 from tools.report.alignment import AlignmentError, align
+from tools.report.numbers import numbers
+from tools.report.page import page
 from tools.report.run_log import RunLog, read_run
 from tools.report.team import Team
 
@@ -27,7 +30,7 @@ DURATION_S = 34.0
 def recordings(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     """Two robots on the lower side of the paper's border; they meet. robot1 is blind for 3 s."""
     folder = load_map_folder(find_map("paper_lab", Path()))
-    with FleetRecorder(folder, tmp_path_factory.mktemp("run")) as recorder:
+    with closing(FleetRecorder(folder, tmp_path_factory.mktemp("run"))) as recorder:
         fleet = Fleet(
             *(folder, 2, 3),
             starts=[Pose(8.0, 3.76, 0.0), Pose(14.0, 3.76, 3.14)],
@@ -87,6 +90,18 @@ def test_fault_is_told_with_its_time_and_reaction(report: Path) -> None:
     assert 28.0 < incident["end"] < 29.5, "a laser is heard of once a second while it is silent"
     assert 0.0 < incident["stopped_after_s"] < 0.6
     assert 0.0 < incident["moved_after_s"] < 2.0
+
+
+def test_whatever_a_recording_says_is_shown_as_text(runs: list[RunLog]) -> None:
+    hostile = """</title><script>alert('1')</script>"&$x$"""
+    for run in runs:
+        run.header = replace(run.header, robot=hostile, versions=hostile, source=hostile)
+        run.lines = [replace(line, part=hostile, message=hostile) for line in run.lines]
+    team = Team(runs, align(runs))
+    text = page(team, numbers(team), lambda _: None)
+    assert "<script" not in text
+    assert text.count("</title>") == 1
+    assert text.count("&lt;script&gt;") > 10
 
 
 def test_own_numbers_and_gate_agree(runs: list[RunLog]) -> None:

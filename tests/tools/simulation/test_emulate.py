@@ -8,11 +8,10 @@ import signal
 import socket
 import struct
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +28,7 @@ from maps.pose import Pose
 from robot_agent.config import find_map
 from robot_agent.perception.color_settings import ColorSettings
 from tools.cli import main
+from tools.deploy.child_program import environment, program
 from tools.simulation.camera_view import CameraView
 from tools.simulation.emulate import EmulateError, EmulateOptions, Emulation, parse_pose
 from tools.simulation.world import World
@@ -60,7 +60,7 @@ def folder() -> MapFolder:
 def emulated(folder: MapFolder, options: EmulateOptions) -> Iterator[dict[str, str]]:
     """Run an emulated robot on a thread; give its URLs."""
     ended = threading.Event()
-    with Emulation(folder, options) as emulation:
+    with closing(Emulation(folder, options)) as emulation:
         thread = threading.Thread(target=emulation.run, args=(lambda: not ended.is_set(),))
         thread.start()
         try:
@@ -98,10 +98,7 @@ class ManualClient:
             self.socket = SerialLine(url)
         self.buffer = b""
 
-    def __enter__(self) -> ManualClient:
-        return self
-
-    def __exit__(self, *_: object) -> None:
+    def close(self) -> None:
         self.socket.close()
 
     def send(self, packet: bytes) -> None:
@@ -168,7 +165,7 @@ class ManualClient:
 
 def test_independent_client_over_tcp(folder: MapFolder) -> None:
     with emulated(folder, EmulateOptions(p2os="tcp:0", pose=OPEN_PLACE)) as urls:
-        with ManualClient(urls["p2os"]) as client:
+        with closing(ManualClient(urls["p2os"])) as client:
             client.send(JUNK)
             assert client.shake_hands() == [b"Emulated", b"Pioneer", b"p2dx"]
             first = client.sip()
@@ -196,7 +193,7 @@ def test_independent_client_over_tcp(folder: MapFolder) -> None:
             client.sip(lambda sip: sip[0] == 0x32)
             client.send(CLOSE)
 
-        with reconnected(urls["p2os"]) as again:
+        with closing(reconnected(urls["p2os"])) as again:
             again.shake_hands()
             assert x_counts(again.sip()) == 0, "a new session starts at zero"
 
@@ -258,7 +255,7 @@ def come_to_rest(client: ManualClient) -> None:
 
 def test_client_of_the_makers_lineage(folder: MapFolder) -> None:
     with emulated(folder, EmulateOptions(p2os="tcp:0", pose=OPEN_PLACE)) as urls:
-        with ManualClient(urls["p2os"]) as client:
+        with closing(ManualClient(urls["p2os"])) as client:
             client.shake_hands()
             set_up(client)
             client.send(CONFIG)
@@ -290,7 +287,7 @@ def test_client_of_the_makers_lineage(folder: MapFolder) -> None:
             client.send_int(4, 0)
             client.send(CLOSE_1)
 
-        with reconnected(urls["p2os"]) as again:
+        with closing(reconnected(urls["p2os"])) as again:
             again.shake_hands()
             sip = again.sip()
             assert struct.unpack_from("<HHh", sip, 1) == (0, 0, 0)
@@ -303,7 +300,7 @@ def test_client_of_the_makers_lineage(folder: MapFolder) -> None:
 def test_serial_client_changes_the_rate_and_comes_back(folder: MapFolder) -> None:
     with emulated(folder, EmulateOptions(pose=OPEN_PLACE)) as urls:
         for _ in range(2):  # closing puts the robot back to the rate it starts with
-            with ManualClient(urls["p2os"]) as client:
+            with closing(ManualClient(urls["p2os"])) as client:
                 client.send(JUNK)
                 time.sleep(0.07)
                 client.shake_hands()
@@ -325,7 +322,7 @@ def test_cut_line_goes_away_and_comes_back(folder: MapFolder, place: str) -> Non
     options = EmulateOptions(p2os=place, p2os_faults="cut=1:1.5", pose=OPEN_PLACE)
     with emulated(folder, options) as urls:
         url = urls["p2os"]
-        with ManualClient(url) as client:
+        with closing(ManualClient(url)) as client:
             client.shake_hands()
             client.sip()
             # Hung up on: a socket ends or breaks, a serial port fails.
@@ -340,7 +337,7 @@ def first_report_again(url: str) -> bytes:
     give_up = time.monotonic() + LIMIT
     while True:
         try:
-            with ManualClient(url) as client:
+            with closing(ManualClient(url)) as client:
                 return client.sip()
         except (AssertionError, OSError):  # not there yet, or still being taken away
             assert time.monotonic() < give_up, "never came back"
@@ -349,7 +346,7 @@ def first_report_again(url: str) -> bytes:
 
 def test_reset_on_request(folder: MapFolder) -> None:
     options = EmulateOptions(p2os="tcp:0", p2os_faults="reset=1", pose=OPEN_PLACE)
-    with emulated(folder, options) as urls, ManualClient(urls["p2os"]) as client:
+    with emulated(folder, options) as urls, closing(ManualClient(urls["p2os"])) as client:
         client.shake_hands()
         set_up(client)
         client.socket.settimeout(0.5)
@@ -474,7 +471,8 @@ def test_laser_client_on_the_pty(folder: MapFolder) -> None:
 
 def test_command_prints_urls_and_ends_on_a_signal() -> None:
     with subprocess.Popen(
-        [sys.executable, "-m", "tools.cli", "emulate", "--p2os", "tcp:0"],
+        program("tools.cli", "emulate", "--p2os", "tcp:0"),
+        env=environment(),
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         text=True,
@@ -489,14 +487,14 @@ def test_command_prints_urls_and_ends_on_a_signal() -> None:
 
 def test_other_models_have_their_own_subclass(folder: MapFolder) -> None:
     options = EmulateOptions(model="p2at", p2os="tcp:0", pose=OPEN_PLACE)
-    with emulated(folder, options) as urls, ManualClient(urls["p2os"]) as client:
+    with emulated(folder, options) as urls, closing(ManualClient(urls["p2os"])) as client:
         assert client.shake_hands()[2] == b"p2at"
 
 
 def test_free_place_is_chosen_by_seed(folder: MapFolder) -> None:
     places = []
     for seed in (1, 1, 2):
-        with Emulation(folder, EmulateOptions(seed=seed)) as emulation:
+        with closing(Emulation(folder, EmulateOptions(seed=seed))) as emulation:
             places.append(emulation.rig.body.pose)
     assert places[0] == places[1] != places[2]
 

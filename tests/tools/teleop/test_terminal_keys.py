@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tools.teleop.terminal_keys import KeysError, TerminalKeys, drive_of
+from tools.teleop.terminal_keys import KeysError, drive_of, terminal_keys
 
 
 @pytest.mark.parametrize(
@@ -36,7 +36,7 @@ def test_keys_are_heard_and_the_terminal_is_put_back() -> None:
         heard.append((ahead, left))
         pressed.set()
 
-    with TerminalKeys(press, ended.set, slave):
+    with terminal_keys(press, ended.set, slave):
         os.write(master, b"w")
         assert pressed.wait(10.0)
         os.write(master, b"x")
@@ -48,5 +48,9 @@ def test_keys_are_heard_and_the_terminal_is_put_back() -> None:
 
 
 def test_a_file_is_no_terminal(tmp_path: Path) -> None:
-    with (tmp_path / "keys").open("wb") as file, pytest.raises(KeysError, match="ssh -t"):
-        TerminalKeys(lambda _a, _l: None, lambda: None, file.fileno())
+    with (
+        (tmp_path / "keys").open("wb") as file,
+        pytest.raises(KeysError, match="ssh -t"),
+        terminal_keys(lambda _a, _l: None, lambda: None, file.fileno()),
+    ):
+        pass

@@ -22,7 +22,7 @@ from tools.mapping.slam.loop_closer import LoopCloser
 from tools.mapping.slam.refinement import refine
 from tools.mapping.slam.rigid_fit import fit
 from tools.mapping.slam.trajectory import Trajectory
-from tools.progress import Progress
+from tools.progress import progress_line
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,12 +69,12 @@ def map_odometry(log: ScanLog) -> Mapping:
     started = time.perf_counter()
     chosen = choose_keyframes(log.scans)
     frames = [make_keyframe(log.scans[index]) for index in chosen]
-    with Progress("chain", len(frames), "keyframes") as progress:
+    with progress_line("chain", len(frames), "keyframes") as progress:
         chain, edges = build_chain(frames, progress)
     closer = LoopCloser(frames, chain, edges)
-    with Progress("loops", len(frames), "keyframes") as progress:
+    with progress_line("loops", len(frames), "keyframes") as progress:
         closer.close(progress)
-    with Progress("refine", len(frames), "keyframes") as progress:
+    with progress_line("refine", len(frames), "keyframes") as progress:
         refined = refine(frames, closer.poses, edges + closer.loops, progress)
     moved = [math.dist(a[:2], b[:2]) for a, b in zip(chain, closer.poses, strict=True)]
 

@@ -61,13 +61,6 @@ def optimize(poses: Sequence[Pose], edges: Sequence[Edge], scale: float = 3.0) -
     return [Pose(float(x), float(y), wrap_angle(float(theta))) for x, y, theta in state]
 
 
-def disagreements(poses: Sequence[Pose], edges: Sequence[Edge]) -> NDArray[np.float64]:
-    """Return (n,) how far each edge is from the poses, in standard deviations."""
-    graph = _Arrays(edges)
-    errors, _ = graph.errors(np.array(poses, dtype=np.float64))
-    return np.sqrt(graph.squares(errors))
-
-
 class _Arrays:
     """Edges as arrays: all are linearized at once."""
 

@@ -6,7 +6,7 @@ import math
 import pytest
 
 from drivers.p2os.command_numbers import CommandNumber
-from drivers.p2os.commands import Command, command, host_baud, text_command, wheel_speeds
+from drivers.p2os.commands import Command, command, host_baud
 from drivers.p2os.config_packet import ConfigPacket, decode_config
 from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.framing import PacketFramer, encode_packet
@@ -155,8 +155,7 @@ def test_sonar_fires_one_transducer_per_ring_every_40_ms() -> None:
 @pytest.mark.parametrize("nul", [b"", b"\0"])
 def test_polling_sets_the_firing_order(nul: bytes) -> None:
     robot = Robot().open()
-    polling = text_command(N.POLLING, bytes((1, 3)))
-    robot.send(Command(polling.number, polling.argument, nul))
+    robot.send(Command(N.POLLING, bytes((1, 3)), nul))
     robot.packets.clear()
     robot.run(1.0, PULSE)
     numbers = [number for sip in robot.sips[1:] for number, _ in sip.sonar]
@@ -267,7 +266,7 @@ def test_vel2_drives_wheels_and_leaves_with_the_next_command() -> None:
     sip = robot.sips[-1]
     assert (sip.left_speed_counts, sip.right_speed_counts) == (-60, 60)
     assert robot.emulator.velocity == pytest.approx((0.0, 0.06 * 5.6))
-    robot.send(wheel_speeds(10, 5))
+    robot.send(Command(N.VEL2, 0x0A05))
     robot.run(2.0, PULSE)
     sip = robot.sips[-1]
     assert (sip.left_speed_counts, sip.right_speed_counts) == (200, 100)

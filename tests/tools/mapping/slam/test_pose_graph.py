@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from maps.pose import Pose
-from tools.mapping.slam.pose_graph import Edge, disagreements, optimize
+from tools.mapping.slam.pose_graph import Edge, optimize
 
 INFORMATION = np.diag([1e4, 1e4, 1e5])
 
@@ -60,7 +60,6 @@ def test_exact_edges_are_met_exactly_over_the_half_turn() -> None:
     rough = [Pose(p.x + 0.1 * math.sin(i), p.y - 0.1, p.theta) for i, p in enumerate(truth)]
     poses = optimize([truth[0], *rough[1:]], edges)
     assert worst(poses, truth) < 1e-4
-    assert disagreements(poses, edges).max() < 0.05
 
 
 def test_a_loop_takes_the_drift_out_of_a_ring() -> None:
@@ -80,9 +79,6 @@ def test_a_wrong_loop_loses_its_say() -> None:
     wrong = Edge(2, 20, Pose(3.0, -3.0, 1.0), INFORMATION)
     poses = optimize(chained(edges), [*edges, *right, wrong])
     assert worst(poses, truth) < 0.05
-    off = disagreements(poses, [*right, wrong])
-    assert off[-1] > 100.0
-    assert off[:-1].max() < 10.0
     # The same edge, not allowed to be wrong, bends everything.
     believed = Edge(2, 20, wrong.pose, INFORMATION, robust=False)
     assert worst(optimize(chained(edges), [*edges, *right, believed]), truth) > 0.5

@@ -1,0 +1,263 @@
+"""The sections of a report: which figures and tables, from which numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from matplotlib import figure as mpl_figure
+
+from tools.report import machine_figures, patrol_figures, style
+from tools.report.blocks import Block, Figure, Folded, Paragraph, Table, row, table
+from tools.report.numbers import process_numbers
+from tools.report.team import Team
+
+Blocks = Iterator[Block]
+
+SHOWN_EVENTS = 400
+_LEVELS = {1: "debug", 2: "info", 3: "warning", 4: "error", 5: "fatal"}
+
+
+def _drawn(drawn: mpl_figure.Figure | None, caption: str) -> Blocks:
+    """Yield a figure, where there is something to draw."""
+    if drawn is not None:
+        yield Figure(style.drawing(drawn), caption)
+
+
+def _incidents(team: Team, _figures: dict[str, Any]) -> Blocks:
+    if not team.incidents:
+        yield Paragraph("Nothing went wrong that a recording can show.", "good")
+        return
+    rows = [
+        (
+            style.clock(incident.start),
+            f"{incident.end - incident.start:.1f}",
+            incident.robot,
+            incident.what,
+            incident.reaction,
+        )
+        for incident in team.incidents
+    ]
+    yield table(("at", "lasted (s)", "robot", "what", "reaction"), rows)
+
+
+def _overview(team: Team, _figures: dict[str, Any]) -> Blocks:
+    yield from _drawn(
+        patrol_figures.trajectories(team),
+        "Where the robots went, by their own poses; a dot is a start, a cross a meeting.",
+    )
+    yield from _drawn(
+        patrol_figures.places(team),
+        "Place along the border over time; a dot is a meeting. Where two lines touch, two robots "
+        "met; a gap between all lines is a stretch that waited.",
+    )
+
+
+def _patrol(team: Team, figures: dict[str, Any]) -> Blocks:
+    if team.folder.border is None:
+        return
+    rows = [
+        (
+            robot["robot"],
+            "never" if robot["reach_s"] is None else f"{robot['reach_s']:.1f}",
+            *(_number(robot["border_distance_m"][key]) for key in ("median", "p95", "p99", "max")),
+        )
+        for robot in figures["robots"]
+    ]
+    heads = ("robot", "reached border (s)", "median (m)", "p95 (m)", "p99 (m)", "max (m)")
+    caption = "Distance from the border by the robot's own pose; dashed: 0.05 m."
+    yield from _drawn(patrol_figures.border_distance(team), caption)
+    yield table(heads, rows)
+
+
+def _number(value: float | None, form: str = "{:.3f}") -> str:
+    return "–" if value is None else form.format(value)
+
+
+def _actions(team: Team, _figures: dict[str, Any]) -> Blocks:
+    yield from _drawn(
+        patrol_figures.action_selection(team), "The action each robot had selected, over time."
+    )
+    yield from _drawn(patrol_figures.action_shares(team), "Share of the time per action.")
+
+
+def _meetings(team: Team, _figures: dict[str, Any]) -> Blocks:
+    if not team.meetings:
+        return
+    rows = [
+        (
+            style.clock(meeting.t),
+            " and ".join(meeting.robots),
+            " / ".join(map(style.words, meeting.actions)),
+            f"{meeting.closest_m:.2f}",
+            meeting.outcome,
+        )
+        for meeting in team.meetings
+    ]
+    yield from _drawn(
+        patrol_figures.meeting_close_ups(team),
+        "The closest meetings, 6 s before and after: a dot each half second, in the color of the "
+        "action; dashed: the closest approach; axes in m.",
+    )
+    heads = ("at", "robots", "what each did", "closest (m)", "ended")
+    yield Folded(f"all {len(rows)} meetings", table(heads, rows), len(rows) <= 12)
+
+
+def _idleness(team: Team, figures: dict[str, Any]) -> Blocks:
+    figure = patrol_figures.idleness(team)
+    if figure is None:
+        return
+    idle = figures["idleness_s"]
+    words = (
+        f"Average over the border {_number(idle['average'], '{:.1f}')} s, worst mean "
+        f"{_number(idle['worst_average'], '{:.1f}')} s, longest wait "
+        f"{_number(idle['worst'], '{:.1f}')} s; counted from when the last robot had arrived."
+    )
+    yield Figure(style.drawing(figure), f"How long each place waited for a robot. {words}")
+
+
+def _gate(team: Team, _figures: dict[str, Any]) -> Blocks:
+    rows = [
+        (robot, style.words(reason), str(count), f"{seconds:.1f}")
+        for robot, reason, count, seconds in machine_figures.gate_table(team)
+    ]
+    if not rows:
+        return
+    caption = "When the safety gate held a robot, and why; moments are drawn wider than they were."
+    heads = ("robot", "reason", "times", "together (s)")
+    yield from _drawn(machine_figures.gate(team), caption)
+    yield table(heads, rows)
+
+
+def _localization(team: Team, figures: dict[str, Any]) -> Blocks:
+    rows = [
+        (
+            robot["robot"],
+            *(_number(robot["localization"]["bound_m"][key]) for key in ("median", "p95", "max")),
+            *(_number(robot["localization"]["error_m"][key]) for key in ("median", "p95", "max")),
+            f"{100 * robot['localization']['health_share'].get('localized', 0.0):.1f} %",
+        )
+        for robot in figures["robots"]
+    ]
+    heads = (
+        "robot",
+        "bound: median (m)",
+        "p95",
+        "max",
+        "error: median (m)",
+        "p95",
+        "max",
+        "localized",
+    )
+    caption = (
+        "Half the longer axis of the ellipse that holds the position with 95 %, by the filter's "
+        "own covariance; dots: distance from the true position, where the recording knows it."
+    )
+    yield from _drawn(machine_figures.localization(team), caption)
+    yield table(heads, rows)
+
+
+def _machines(team: Team, figures: dict[str, Any]) -> Blocks:
+    caption = "Dashed red: 11.5 V, 15 % of a core, 50 ms."
+    rows = []
+    for run, robot in zip(team.runs, figures["robots"], strict=True):
+        process = process_numbers(run)
+        lines = robot["lines"]
+        rows.append(
+            (
+                run.name,
+                _number(robot["battery_v"]["first"], "{:.1f}"),
+                _number(robot["battery_v"]["last"], "{:.1f}"),
+                *(str(lines[link]["packets_bad"]) if lines else "–" for link in ("base", "laser")),
+                *(
+                    _number(None if process is None else scale * process[key], form)
+                    for key, scale, form in (
+                        ("cpu_mean", 100.0, "{:.1f}"),
+                        ("memory_mb", 1.0, "{:.0f}"),
+                        ("lateness_median_s", 1e3, "{:.2f}"),
+                        ("lateness_max_s", 1e3, "{:.0f}"),
+                        ("deadline_misses", 1.0, "{:.0f}"),
+                    )
+                ),
+            )
+        )
+    heads = (
+        *("robot", "battery: first (V)", "last (V)", "bad packets: base", "laser"),
+        *("load (%)", "memory (MB)", "lateness: median (ms)", "largest (ms)", "deadlines missed"),
+    )
+    yield from _drawn(machine_figures.machines(team), caption)
+    yield table(heads, rows)
+
+
+def _clocks(team: Team, figures: dict[str, Any]) -> Blocks:
+    if len(team.runs) < 2 and not team.runs[0].truncated:
+        yield _versions(figures)
+        return
+    rows = [
+        (
+            run.path.name,
+            run.name,
+            f"{run.shift:.3f}",
+            f"{clock.correction:+.3f}",
+            clock.how,
+            _number(clock.residual),
+            run.truncated or "whole",
+        )
+        for run, clock in zip(team.runs, team.clocks, strict=True)
+    ]
+    heads = (
+        "recording",
+        "robot",
+        "starts at (s)",
+        "clock moved (s)",
+        "how",
+        "residual (m)",
+        "file",
+    )
+    yield table(heads, rows)
+    yield _versions(figures)
+
+
+def _versions(figures: dict[str, Any]) -> Paragraph:
+    robot = figures["robots"][0]
+    place = figures["map"]
+    return Paragraph(
+        f"Map {place['hash'][:12]}, border {place['border_hash'][:12]}; seeds "
+        f"{', '.join(str(robot['seed']) for robot in figures['robots'])}; "
+        f"{robot['versions'] or 'versions not recorded'}.",
+        "small",
+    )
+
+
+def _events(team: Team, _figures: dict[str, Any]) -> Blocks:
+    lines = sorted(
+        ((line.t + run.shift, run.name, line) for run in team.runs for line in run.lines),
+        key=lambda entry: entry[0],
+    )
+    rows = [
+        row(
+            (style.clock(t), name, _LEVELS.get(line.level, ""), line.part, line.message),
+            f"level{line.level}",
+        )
+        for t, name, line in lines[:SHOWN_EVENTS]
+    ]
+    more = f", the first {SHOWN_EVENTS} of them" if len(lines) > SHOWN_EVENTS else ""
+    events = Table(("at", "robot", "level", "part", "what"), rows)
+    yield Folded(f"{len(lines)} events{more}", events, len(lines) <= 25)
+
+
+Section = tuple[str, str, Callable[[Team, dict[str, Any]], Blocks]]
+"""Anchor, title, and what yields the blocks from a team and its numbers."""
+SECTIONS: tuple[Section, ...] = (
+    ("incidents", "Incidents and reactions", _incidents),
+    ("map", "Where they went", _overview),
+    ("border", "Distance from the border", _patrol),
+    ("actions", "Action selection", _actions),
+    ("meetings", "Meetings", _meetings),
+    ("idleness", "Idleness along the border", _idleness),
+    ("localization", "Localization", _localization),
+    ("gate", "Safety gate", _gate),
+    ("machines", "Battery, lines, process", _machines),
+    ("clocks", "Recordings and clocks", _clocks),
+    ("events", "Events", _events),
+)
