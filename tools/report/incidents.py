@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -94,29 +94,39 @@ def merged(spans: Iterable[Span]) -> list[Span]:
 
 def gate_holds(run: RunLog) -> list[Span]:
     """Return the stretches in which the gate held the robot, one per reason."""
-    return merged(_reasons(run, frozenset(str(reason) for reason in STOPPING)))
+    held = [reason if reason in STOPPING else "" for reason in run.gate]
+    return merged(_stretches(run, held))
 
 
 def gate_times(run: RunLog) -> dict[str, tuple[int, float]]:
     """Return how often, and for how many seconds, each reason of the gate applied."""
     result: dict[str, tuple[int, float]] = {}
-    for span in merged(_reasons(run, None)):
+    for span in merged(_stretches(run, run.gate)):
         count, seconds = result.get(span.what, (0, 0.0))
         result[span.what] = (count + 1, seconds + span.end - span.start)
     return result
 
 
-def _reasons(run: RunLog, wanted: frozenset[str] | None) -> Iterator[Span]:
-    """Yield each stretch of decisions with one reason of the gate."""
+def override_times(run: RunLog) -> dict[str, tuple[int, float]]:
+    """Return how often, and for how many seconds, each override was in force."""
+    result: dict[str, tuple[int, float]] = {}
+    for span in _stretches(run, run.override):
+        count, seconds = result.get(span.what, (0, 0.0))
+        result[span.what] = (count + 1, seconds + span.end - span.start)
+    return result
+
+
+def _stretches(run: RunLog, words: Sequence[str]) -> Iterator[Span]:
+    """Yield each stretch of decisions with one word, of a word each; empty words are left out."""
     start = 0
-    for index in range(1, len(run.gate) + 1):
-        whole = index < len(run.gate) and run.gate[index] == run.gate[start]
+    for index in range(1, len(words) + 1):
+        whole = index < len(words) and words[index] == words[start]
         if whole and run.decision_t[index] - run.decision_t[index - 1] < MERGE_S:
             continue
-        reason = run.gate[start]
-        if reason and (wanted is None or reason in wanted):
-            end = run.decision_t[min(index, len(run.gate) - 1)]
-            yield Span(float(run.decision_t[start]), min(float(end), _last(run, index)), reason)
+        if words[start]:
+            end = run.decision_t[min(index, len(words) - 1)]
+            last = min(float(end), _last(run, index))
+            yield Span(float(run.decision_t[start]), last, words[start])
         start = index
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from itertools import combinations
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 from robot_agent.patrol.actions import PATROLLING
 from tools.metrics.idleness import idleness_figures
 from tools.metrics.metrics import action_share, longest_avoid, spread
-from tools.report.incidents import gate_times
+from tools.report.incidents import gate_times, override_times
 from tools.report.run_log import RunLog
 from tools.report.team import Team
 
@@ -93,6 +94,11 @@ def _robot(team: Team, run: RunLog) -> dict[str, Any]:
             reason: {"times": count, "seconds": seconds}
             for reason, (count, seconds) in gate_times(run).items()
         },
+        "overrides": {
+            reason: {"times": count, "seconds": seconds}
+            for reason, (count, seconds) in override_times(run).items()
+        },
+        "turns": dict(Counter(filter(None, run.turn))),
         "localization": {
             "health_share": _health_share(run),
             "bound_m": spread(bounds),

@@ -37,6 +37,8 @@ class _Decision(msgspec.Struct):
     command: Twist
     neighbor: PlanarPose | None = None
     gate_reason: str = ""
+    override: str = ""
+    turn: str = ""
 
 
 class _Status(msgspec.Struct):
@@ -131,6 +133,10 @@ class RunLog:
     """(n, 2) m/s and rad/s, after the gate."""
     gate: list[str] = field(default_factory=list)
     """The gate's reason at each decision, empty for none."""
+    override: list[str] = field(default_factory=list)
+    """What was in force beyond the paper's choice, empty for nothing."""
+    turn: list[str] = field(default_factory=list)
+    """Why the robot turned back at a decision, empty where it did not."""
     neighbor: Floats = field(default_factory=lambda: np.empty((0, 2)))
     """(n, 2) the nearest teammate in the map, m; nan for none."""
 
@@ -257,6 +263,8 @@ class _Reader:
         log.abscissa = np.array([d.abscissa for d in decisions])
         log.command = _table([(d.command.v, d.command.w) for d in decisions], 2)
         log.gate = [d.gate_reason for d in decisions]
+        log.override = [d.override for d in decisions]
+        log.turn = [d.turn for d in decisions]
         nothing = (math.nan, math.nan)
         log.neighbor = _table(
             [nothing if d.neighbor is None else (d.neighbor.x, d.neighbor.y) for d in decisions], 2

@@ -7,6 +7,7 @@ from typing import Any
 
 from matplotlib import figure as mpl_figure
 
+from robot_agent.patrol.turn_log import TurnCause
 from tools.report import machine_figures, patrol_figures, style
 from tools.report.blocks import Block, Figure, Folded, Paragraph, Table, row, table
 from tools.report.numbers import process_numbers
@@ -15,6 +16,13 @@ from tools.report.team import Team
 Blocks = Iterator[Block]
 
 SHOWN_EVENTS = 400
+TURN_WORDS = {
+    TurnCause.TEAMMATE: "from a teammate ahead",
+    TurnCause.RULES: "at an end, or from a teammate behind",
+    TurnCause.CHANCE: "by chance",
+    TurnCause.BLOCKAGE: "from an object on its way",
+    TurnCause.EVEN_GAPS: "for even gaps",
+}
 _LEVELS = {1: "debug", 2: "info", 3: "warning", 4: "error", 5: "fatal"}
 
 
@@ -74,11 +82,25 @@ def _number(value: float | None, form: str = "{:.3f}") -> str:
     return "–" if value is None else form.format(value)
 
 
-def _actions(team: Team, _figures: dict[str, Any]) -> Blocks:
+def _actions(team: Team, figures: dict[str, Any]) -> Blocks:
     yield from _drawn(
         patrol_figures.action_selection(team), "The action each robot had selected, over time."
     )
     yield from _drawn(patrol_figures.action_shares(team), "Share of the time per action.")
+    turns = [
+        (robot["robot"], TURN_WORDS.get(cause, cause), str(count))
+        for robot in figures["robots"]
+        for cause, count in robot["turns"].items()
+    ]
+    if turns:
+        yield table(("robot", "turned back", "times"), turns)
+    overrides = [
+        (robot["robot"], style.words(reason), str(told["times"]), f"{told['seconds']:.1f}")
+        for robot in figures["robots"]
+        for reason, told in robot["overrides"].items()
+    ]
+    if overrides:
+        yield table(("robot", "beyond the rules", "times", "for (s)"), overrides)
 
 
 def _meetings(team: Team, _figures: dict[str, Any]) -> Blocks:

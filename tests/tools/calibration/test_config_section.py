@@ -28,7 +28,8 @@ CONFIGS = {
         'map.border = "x"\nperception.lens.k1 = 1\n'
     ),
     "dotted parent": (
-        'perception.color.band_height = 0.2\ncamera.url = "x"\nperception.color.band_width = 0.4\n[map]\n'
+        'perception.color.band_height = 0.2\ncamera.url = "x"\n'
+        "perception.color.band_width = 0.4\n[map]\n"
     ),
     "array over lines": (
         '[camera]\nmount = [0.0, # left ]\n  0.1, # [camera]\n  0.0]  # end\nurl = "a]b[c" # q\n'
