@@ -1,8 +1,8 @@
 """Whether an agent did again what a recording says it did.
 
 A recording of this layout is compared effect by effect, byte by byte. One of an earlier layout is
-compared in what it knew: every byte to the devices, every pose, scan and status, and every decision
-in the fields that were recorded; words for people may have changed since.
+compared in what it knew: every byte to the devices, and every payload in the fields that were
+recorded; words for people may have changed since.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from robot_agent.messages.streams import modernized
 from robot_agent.recording.run_header import SCHEMA_VERSION
 
 _WORDS = "event"
-_DECISION = "decision"
 _MEANT_OTHERWISE = ("degrees", "winner", "runner_up", "blocked")
 """Under an override these tell the paper's choice, and one override; earlier layouts told what was
 made of the choice, and every override."""
@@ -50,15 +49,15 @@ def _same(recorded: Effect, now: Effect, layout: int) -> bool:
         layout < SCHEMA_VERSION
         and isinstance(recorded, Publish)
         and isinstance(now, Publish)
-        and recorded.stream == now.stream == _DECISION
+        and recorded.stream == now.stream
     ):
-        return _same_decision(recorded.payload, now.payload)
+        return _same_payload(recorded.stream, recorded.payload, now.payload)
     return recorded == now
 
 
-def _same_decision(recorded: bytes, now: bytes) -> bool:
-    """Compare two decisions (JSON) in the fields of the older one."""
-    old: dict[str, Any] = msgspec.json.decode(modernized(_DECISION, recorded))
+def _same_payload(stream: str, recorded: bytes, now: bytes) -> bool:
+    """Compare two payloads (JSON) in the fields of the older one."""
+    old: dict[str, Any] = msgspec.json.decode(modernized(stream, recorded))
     new: dict[str, Any] = msgspec.json.decode(now)
     meant_otherwise = _MEANT_OTHERWISE if "override" in new else ()
     return all(new.get(key) == value for key, value in old.items() if key not in meant_otherwise)

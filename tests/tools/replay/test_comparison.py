@@ -1,0 +1,65 @@
+"""Recordings made by an earlier program replay as they were, in what they knew."""
+
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from robot_agent.messages.effects import Effect, Publish, Send
+from robot_agent.recording.run_header import SCHEMA_VERSION
+from tools.logs.recording import read_recording
+from tools.replay.comparison import same_effects
+from tools.replay.replay import Replay
+
+RECORDINGS = Path(__file__).parents[1] / "logs" / "recordings"
+OLD = SCHEMA_VERSION - 1
+SENT = Send("base", b"\x01")
+
+
+def payload(stream: str, **fields: object) -> Publish:
+    return Publish(stream, msgspec.json.encode(fields))
+
+
+@pytest.mark.parametrize("name", ["layout_2_meeting", "layout_2_strangers"])
+def test_a_recording_from_before_the_modifiers_replays_identically(name: str) -> None:
+    """18 s of two robots that meet; of one with a camera among two strangers."""
+    recording = read_recording(RECORDINGS / f"{name}.mcap")
+    result = Replay(recording).run()
+    assert recording.layout == 2
+    assert result.difference is None
+    assert result.decisions == 157
+    assert result.bytes_sent > 2000
+
+
+def test_a_changed_byte_or_value_is_found_in_any_layout() -> None:
+    for layout in (OLD, SCHEMA_VERSION):
+        assert same_effects([SENT], [SENT], layout, complete=True)
+        assert not same_effects([SENT], [Send("base", b"\x02")], layout, complete=True)
+        for stream in ("decision", "pose", "status"):
+            recorded = payload(stream, x=1.0, y=2.0)
+            assert not same_effects(
+                [recorded], [payload(stream, x=1.0, y=2.1)], layout, complete=True
+            )
+
+
+def test_an_earlier_layout_may_know_less_and_say_it_in_other_words() -> None:
+    recorded: list[Effect] = [payload("event", message="a"), payload("decision", wish=1, x=2)]
+    now: list[Effect] = [payload("decision", requested=1, x=2, turn="chance")]
+    assert same_effects(recorded, now, OLD, complete=True)
+    assert not same_effects(recorded, now, SCHEMA_VERSION, complete=True)
+
+
+def test_what_an_override_changed_the_meaning_of_is_not_compared() -> None:
+    recorded = payload("decision", action="keep_going", degrees={"keep_going": 0.9})
+    overridden = payload(
+        "decision", action="keep_going", degrees={"keep_going": 0.1}, override="closing_in"
+    )
+    plain = payload("decision", action="keep_going", degrees={"keep_going": 0.1})
+    assert same_effects([recorded], [overridden], OLD, complete=True)
+    assert not same_effects([recorded], [plain], OLD, complete=True)
+
+
+def test_effects_cut_off_at_a_files_end_may_be_fewer_but_not_more() -> None:
+    assert same_effects([SENT], [SENT, SENT], SCHEMA_VERSION, complete=False)
+    assert not same_effects([SENT], [SENT, SENT], SCHEMA_VERSION, complete=True)
+    assert not same_effects([SENT, SENT], [SENT], SCHEMA_VERSION, complete=False)
