@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose
-from robot_agent.motion.footprint import corner_reach, in_body
+from robot_agent.motion.footprint import Footprint
 from robot_agent.motion.gate_limits import GateLimits
 
 _MARGIN = 0.1  # m beyond what the corners reach in a turn on the spot
@@ -27,8 +27,8 @@ class MapObstacles:
         self._walls = occupancy.cells == OCCUPIED
         self._resolution = occupancy.resolution
         self._origin = occupancy.origin
-        self._gate = gate
-        reach = corner_reach(gate) + _MARGIN
+        self._footprint = Footprint(gate)
+        reach = self._footprint.corner_reach + _MARGIN
         self._cells = math.ceil(reach / occupancy.resolution)
 
     def around(self, pose: Pose) -> NDArray[np.float64]:
@@ -53,4 +53,4 @@ class MapObstacles:
         dy -= np.clip(dy, -half, half)
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         points = np.column_stack((c * dx + s * dy, c * dy - s * dx))
-        return points[~in_body(points, self._gate)]
+        return points[~self._footprint.covers(points)]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maps.pose import Pose
-from robot_agent.motion.footprint import corner_reach, in_body
+from robot_agent.motion.footprint import Footprint
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.perception.scan_points import move_points
 
@@ -28,8 +28,9 @@ class RecentScanMemory:
 
     def __init__(self, gate: GateLimits) -> None:
         """Nothing has been seen yet."""
-        self._gate = gate
-        self._reach = corner_reach(gate) + _BEYOND
+        self._footprint = Footprint(gate)
+        self._turn_margin = gate.turn_margin
+        self._reach = self._footprint.corner_reach + _BEYOND
         self._points = np.empty((0, 2))
         self._lost_at = np.empty(0)
         self.lasts = False
@@ -49,7 +50,7 @@ class RecentScanMemory:
         seeing them are left out: they would only pin it.
         """
         kept = move_points(self._points, odometry.between(_ORIGIN))
-        fresh = seen_before[~in_body(seen_before, self._gate, self._gate.turn_margin)]
+        fresh = seen_before[~self._footprint.covers(seen_before, self._turn_margin)]
         points = np.concatenate((kept, fresh))
         lost_at = np.concatenate((self._lost_at, np.full(len(fresh), t)))
         matters = (

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maps.pose import Pose
-from robot_agent.motion.footprint import corner_reach, in_body
+from robot_agent.motion.footprint import Footprint
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.perception.scan_points import move_points
 
@@ -36,8 +36,8 @@ class WallMemory:
 
     def __init__(self, gate: GateLimits) -> None:
         """Nothing has been passed yet."""
-        self._gate = gate
-        self._reach = corner_reach(gate) + _MARGIN
+        self._footprint = Footprint(gate)
+        self._reach = self._footprint.corner_reach + _MARGIN
         self._way = 0.0  # m driven so far
         self._kept_at: Pose | None = None  # odom_from_base of the last scan kept
         self._scans: deque[tuple[float, NDArray[np.float64]]] = deque()  # way, points in odom
@@ -75,7 +75,7 @@ class WallMemory:
         points = move_points(self._walls, odometry.inverse())
         x, y = points.T
         near = x * x + y * y < self._reach * self._reach
-        return np.asarray(points[near & ~in_body(points, self._gate)])
+        return np.asarray(points[near & ~self._footprint.covers(points)])
 
 
 def _means(points: NDArray[np.float64]) -> NDArray[np.float64]:
