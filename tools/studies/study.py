@@ -104,7 +104,7 @@ class Case:
         return {key: value for key, value in self.values if key not in _OF_THE_BENCH}
 
     def __str__(self) -> str:
-        return ", ".join(f"{key} {_shown(value)}" for key, value in self.values) or "defaults"
+        return ", ".join(f"{key} {_label(key, value)}" for key, value in self.values) or "defaults"
 
 
 @dataclass(frozen=True)
@@ -231,6 +231,18 @@ def configuration(case: Case, source: str, changes: Sequence[str] = ()) -> Agent
         return parse_config(tomli_w.dumps(tree).encode(), source)
     varied = [f"{key}={_shown(value)}" for key, value in case.settings.items()]
     return changed_config(b"", source, [*changes, *varied])
+
+
+def _label(key: str, value: Setting) -> str:
+    """Return a setting for people: of a list what it has more and less than the default one."""
+    if not isinstance(value, tuple):
+        return str(value)
+    default: Any = AgentConfig()
+    for name in key.split("."):
+        default = getattr(default, name)
+    added = [f"+{name}" for name in value if name not in default]
+    left_out = [f"-{name}" for name in default if name not in value]
+    return " ".join((*added, *left_out)) or ("default" if value == default else "reordered")
 
 
 def _shown(value: Setting) -> str:

@@ -8,8 +8,17 @@ import numpy as np
 import pytest
 
 from robot_agent.config import ConfigError
+from robot_agent.patrol.settings import DEFAULT_MODIFIERS
 from tools.commands import study as command
-from tools.studies.study import Case, Result, Run, StudyError, read_study, run_study
+from tools.studies.study import (
+    Case,
+    Result,
+    Run,
+    StudyError,
+    configuration,
+    read_study,
+    run_study,
+)
 from tools.studies.study_cluster import ClusterError
 from tools.studies.study_table import summarize, table
 
@@ -191,3 +200,36 @@ def test_a_cluster_that_is_not_there_is_told(
     study = read_study(write(tmp_path, SMALL))
     with pytest.raises(ClusterError, match=r"no Dask scheduler at tcp://127\.0\.0\.1:1"):
         run_study(study, tmp_path / "out", jobs=1, cluster="tcp://127.0.0.1:1")
+
+
+def test_lists_vary_too_and_are_labelled_by_their_difference(tmp_path: Path) -> None:
+    names = list(DEFAULT_MODIFIERS)
+    choices = [names, [*names[1:], "even_gaps"], []]
+    path = tmp_path / "modifiers.toml"
+    path.write_text(
+        f"""[study]
+duration = 5.0
+seeds = 1
+sensing = "ideal"
+[vary]
+"patrol.modifiers" = {choices}
+"""
+    )
+    study = read_study(path, ["patrol.reversal_probability=0"])
+    assert [str(case) for case in study.cases] == [
+        "patrol.modifiers default",
+        "patrol.modifiers +even_gaps -standoff",
+        f"patrol.modifiers {' '.join(f'-{name}' for name in names)}",
+    ]
+    configs = [configuration(run.case, "test", run.changes) for run in study.runs]
+    assert [list(config.patrol.modifiers) for config in configs] == choices
+    assert {config.patrol.reversal_probability for config in configs} == {0.0}
+    assert study.runs[0].file_name != read_study(path).runs[0].file_name
+    assert len(run_study(study, tmp_path / "out", jobs=1)) == 3
+
+
+def test_a_changed_setting_that_does_not_exist_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "one.toml"
+    path.write_text("[study]\nseeds = 1\n")
+    with pytest.raises(ConfigError, match=r"patrol\.magic: unknown key"):
+        read_study(path, ["patrol.magic=1"])
