@@ -1,1 +1,4 @@
-"""Particle-filter localization against a pre-built map."""
+"""Monte Carlo localization (particle filter) against a pre-built occupancy map.
+
+Everywhere in this package ``t`` is monotonic agent time in seconds.
+"""

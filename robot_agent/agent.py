@@ -1,6 +1,6 @@
 """The agent: a pure function of configuration, map, seed and the events so far.
 
-``Agent.handle(event)`` does no I/O, reads no clock and starts no thread; whoever calls it delivers
+``Agent.handle(event)`` does no I/O, reads no clock and starts no thread; the caller delivers the
 bytes and carries out the effects. The same event list gives the same effects, bit for bit.
 """
 
@@ -67,7 +67,7 @@ _REMEDY = "look at the robot, then switch its motors off and on by its MOTORS bu
 
 
 class Agent:
-    """One robot's whole onboard reasoning."""
+    """One robot's control stack: drivers, localization, perception, patrol, gate, telemetry."""
 
     def __init__(
         self,
@@ -77,10 +77,12 @@ class Agent:
         *,
         publishes: bool = True,
     ) -> None:
-        """Build every stage; nothing happens before the first event.
+        """Build every stage; emits no effect before the first event.
 
-        A folder without a border gives an agent that localizes and sees, but never moves. An agent
-        that publishes nothing decides and sends the same, in less time: for benches.
+        folder: the map; without a border in it the agent localizes and tracks, but never moves.
+        publishes: whether telemetry is published. Without, the agent sends the same bytes to the
+        devices in less time (for benches). Raises RulesError for an unusable rule file and
+        BorderError for a border with too tight turns.
         """
         rng = np.random.default_rng(config.robot.seed)
         self.config = config
@@ -99,7 +101,7 @@ class Agent:
         # Devices.
         self.base = P2osSession(config.base)
         self.laser = Lms200Session(config.laser)
-        # What is so.
+        # State estimation.
         self.freshness = SensorFreshness()
         self.localizer = Localizer(config.localization, folder.map, rng)
         self.pose_tracker = PoseTracker(
@@ -120,7 +122,7 @@ class Agent:
             folder.map,
             self.perception.tracker.unexplained,
         )
-        # What to do.
+        # Decision and control.
         self.patrol = (
             Patrol(config.patrol, folder.border, rng, folder.approach_field)
             if folder.border
@@ -134,13 +136,13 @@ class Agent:
         self.decision: PatrolDecision | None = None
         self.gate_decision: GateDecision | None = None
         self.gate_stops = 0
-        self._obstacles = NO_OBSTACLES  # that the gate last looked at
+        self._obstacles = NO_OBSTACLES  # of the last gate decision
         self._ending = False
         self._was_degraded = False
-        self._now = 0.0  # s: what is handled late happens now
+        self._now = 0.0  # latest event time so far, at which events handled late are judged
 
     def handle(self, event: Event) -> list[Effect]:
-        """Take one event; return what to do about it, in order."""
+        """Process one event; return its effects in the order to carry them out."""
         self._now = max(self._now, event.t)
         match event:
             case BytesReceived(t, "base", data):
@@ -167,11 +169,11 @@ class Agent:
 
     @property
     def scan_seen_at(self) -> float | None:
-        """When the latest accepted scan was measured, s; None before the first."""
+        """Measurement time of the latest accepted scan; None before the first."""
         return self.surroundings.seen_at
 
     def _pop_effects(self) -> list[Effect]:
-        """Return what the event brought about; notices become events of the log, if news."""
+        """Return the queued effects; a notice becomes a log event if its text has changed."""
         effects: list[Effect] = []
         for item in self.outbox.pop_all():
             if not isinstance(item, Notice):
@@ -186,7 +188,7 @@ class Agent:
     # --- input -------------------------------------------------------------------------------
 
     def _tick(self, t: float) -> None:
-        """Do what time alone asks for."""
+        """Run what depends on time alone: timeouts, alarms, periodic telemetry."""
         self.freshness.tick(t)
         self.base.tick(t)
         self.laser.tick(t)
@@ -213,7 +215,7 @@ class Agent:
             self._publish(self.telemetry.on_intruder(event.t, intruder, picture=picture))
 
     def _on_base_bytes(self, t: float, data: bytes) -> None:
-        """Decode base reports; each is one control step."""
+        """Decode base reports and run one control step for each."""
         states = self.base.feed(data, t)
         self.telemetry.on_bytes("base", t, data, understood=bool(states))
         if self.freshness.is_old(t):
@@ -231,13 +233,13 @@ class Agent:
             self.pose_tracker.remember(t)
 
     def _track_by_sonar(self, t: float, odometry: Pose) -> None:
-        """Keep up tracks of teammates that the laser does not see; odometry: odom_from_base."""
+        """Update teammate tracks outside the laser's view by sonar; odometry: odom_from_base."""
         pose = self.pose_tracker.localized_pose_at(t)
         if pose is not None and self.perception.tracker.awaits_echo(t):
             self.perception.tracker.on_echoes(t, pose, self.surroundings.echoes(t, odometry))
 
     def _on_laser_bytes(self, t: float, data: bytes) -> None:
-        """Decode scans and look at each."""
+        """Decode scans and process each one that is accepted."""
         scans = self.laser.feed(data, t)
         self.telemetry.on_bytes("laser", t, data, understood=bool(scans))
         if self.freshness.is_old(t):
@@ -274,7 +276,7 @@ class Agent:
             self._publish(self.telemetry.on_scan(t, scan))
 
     def _report_intruders(self, t: float, new: list[NewIntruder]) -> None:
-        """Report each new intruder with its evidence, then how those known fare."""
+        """Publish each new intruder with its evidence, then updates of the known ones."""
         for each in new:
             self.outbox.log(t, "intruder", _intruder_words(each.intruder), LogLevel.WARNING)
             if self.publishes:
@@ -332,13 +334,16 @@ class Agent:
     def _held_by(
         self, requested: tuple[float, float], gate: GateDecision
     ) -> HoldingObstacle | None:
-        """Return the obstacle for which the gate cut a requested (v, w), if it was one."""
+        """Return the obstacle for which the gate cut requested (v m/s, w rad/s).
+
+        None if the gate gave another reason, or if no single obstacle blocks that command.
+        """
         if gate.reason is not GateReason.OBSTACLE:
             return None
         return holding_obstacle(gate_limits(self.config.gate), requested, self._obstacles)
 
     def _look_around(self, t: float, state: BaseState) -> None:
-        """Stand, and turn slowly where that is clear, until the pose is known."""
+        """Run the recovery behavior (wait, then turn in place) until the pose is known."""
         requested = self.recovery.requested(t)
         gate = self._drive(t, requested, self._gate_inputs(t, state, limited=True))
         if requested != (0.0, 0.0):
@@ -346,15 +351,15 @@ class Agent:
             self.outbox.log(t, "recovery", "turns to look around", LogLevel.WARNING)
 
     def _drive(self, t: float, requested: tuple[float, float], inputs: GateInputs) -> GateDecision:
-        """Let the gate have its say and the base have the rest."""
+        """Send the base what the gate permits of requested (v m/s, w rad/s); return that."""
         gate = self.gate.permit(self._now, requested, inputs)
         if gate.reason is GateReason.MOTORS_OFF and requested != (0.0, 0.0):
-            self.base.enable_motors(t)  # all else permits motion
+            self.base.enable_motors(t)  # the only reason left to deny motion
         self.base.drive(t, gate.v, gate.w)
         return gate
 
     def _expire(self, t: float) -> None:
-        """Between reports: stop at once when what the last command rests on is too old."""
+        """Stop at once, between two reports, when the inputs of the last command are stale."""
         report_time = self.freshness.report_time(self.odometry.latest)
         scan_time = self.freshness.scan_time(self.surroundings.seen_at)
         gate = self.gate.expire(self._now, report_time, scan_time)
@@ -366,8 +371,8 @@ class Agent:
         odometry = self.odometry.at(t)
         self._obstacles = NO_OBSTACLES if odometry is None else self._obstacles_at(t, odometry)
         return GateInputs(
-            # A report that waited so long that nobody knows where the robot is now (the process was
-            # stopped for a while) is none: the gate denies.
+            # A report older than the odometry history (the process was paused) counts as missing,
+            # so that the gate denies motion.
             base_time=None if odometry is None else self.freshness.report_time(state),
             scan_time=self.freshness.scan_time(self.surroundings.seen_at),
             health=self.pose_tracker.health,
@@ -389,7 +394,7 @@ class Agent:
         return self.surroundings.around(t, odometry, localized, tracks)
 
     def _on_gate_decision(self, t: float, gate: GateDecision) -> None:
-        """Count and tell when the gate begins to hold the robot."""
+        """Count and log the moment when the gate begins or ceases to hold the robot."""
         self.gate_stops += begins_hold(self.gate_decision, gate)
         if gate.reason in STOPPING:
             remedy = f" ({_REMEDY})" if gate.reason in LATCHED else ""
@@ -422,7 +427,7 @@ class Agent:
         return self.base if link == "base" else self.laser
 
     def _shut_down(self, t: float) -> None:
-        """Stop the robot and close the sessions, after noting where it is."""
+        """Save the pose, stop the robot and close the device sessions."""
         self._ending = True
         self.pose_tracker.remember(t, at_once=True)
         self.base.shut_down(t)
@@ -430,7 +435,7 @@ class Agent:
 
 
 def _effects_of(link: LinkName, requests: list[Request]) -> list[Effect]:
-    """Return what a session asks of its link as effects."""
+    """Return a session's requests to its link as effects."""
     return [
         Send(link, request.data) if isinstance(request, Write) else ChangeBaud(link, request.baud)
         for request in requests

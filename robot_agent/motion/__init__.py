@@ -1,1 +1,1 @@
-"""From a velocity in the map to wheels: the heading loop, and the gate guarding every command."""
+"""From a velocity in the map to wheel commands: heading loop, and the safety gate after it."""

@@ -1,17 +1,16 @@
-"""Whether the battery is too low to drive."""
+"""Battery monitor: whether the voltage is too low to drive."""
 
 from __future__ import annotations
 
 
 class BatteryWatch:
-    """Low once below one voltage for a while, until above another.
+    """Sets ``low`` below one voltage for some time, and clears it from a higher one.
 
-    Motors that start pull the voltage down for a moment, and it recovers when they rest: neither
-    may count.
+    The debounce ignores the dip when motors start; the hysteresis ignores the recovery at rest.
     """
 
     def __init__(self, cutoff: float, resume: float, patience: float) -> None:
-        """Low below ``cutoff`` V for ``patience`` s, well again from ``resume`` V."""
+        """Low below ``cutoff`` V for ``patience`` s; cleared from ``resume`` V."""
         self._cutoff = cutoff
         self._resume = resume
         self._patience = patience
@@ -19,7 +18,7 @@ class BatteryWatch:
         self.low = False
 
     def update(self, t: float, volts: float) -> None:
-        """Take the voltage at ``t``, s."""
+        """Process the voltage, V, at t."""
         if volts >= self._cutoff:
             self._below_since = None
             self.low = self.low and volts < self._resume

@@ -1,4 +1,4 @@
-"""The footprint: the rectangle round the axle's middle that the robot's body covers."""
+"""The footprint: the rectangle that the robot's body covers in base_link."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from robot_agent.motion.gate_limits import GateLimits
 
 
 class Footprint:
-    """The body as the gate knows it, in base_link."""
+    """Footprint of the body by the gate's limits; base_link is at the middle of the axle."""
 
     def __init__(self, limits: GateLimits) -> None:
         self._front = limits.front
@@ -20,11 +20,11 @@ class Footprint:
 
     @property
     def corner_reach(self) -> float:
-        """How far, m, from the axle's middle the corners reach in a turn on the spot."""
+        """Distance, m, of the farthest corner from the middle of the axle: its reach in a turn."""
         return math.hypot(max(self._front, self._rear), self._half_width)
 
     def covers(self, points: NDArray[np.float64], margin: float = 0.0) -> NDArray[np.bool_]:
-        """Return (n,) which points (n, 2), m, base_link, are in the body with a margin, m."""
+        """Return (n,) which points (n, 2), m, base_link, are in the footprint plus margin, m."""
         x, y = points.T
         return np.asarray(
             (x < self._front + margin)

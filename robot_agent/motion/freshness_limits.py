@@ -1,7 +1,7 @@
-"""What the agent depends on: how often it comes, how old it may get, what happens when it does.
+"""Freshness limits of the streams that motion depends on: rate, maximum age, reaction.
 
-This table is the only place of these figures: gate, alarms and the table of this room's README
-come from it.
+This table is the single source of these figures: gate, alarms and the table in this room's README
+are derived from it.
 """
 
 from __future__ import annotations
@@ -13,15 +13,17 @@ from robot_agent.messages.log_level import LogLevel
 
 @dataclass(frozen=True, slots=True)
 class FreshnessLimit:
-    """One stream that motion depends on."""
+    """Limit of one stream that motion depends on."""
 
     name: str
     what: str
+    """Name for people."""
     rate: float
-    """Hz, at least, when all is well."""
+    """Hz, minimum in normal operation."""
     max_age: float
-    """s after which it is not trusted any more."""
+    """s after which it is stale."""
     reaction: str
+    """What the robot does then, for people."""
     level: LogLevel
     """Of the alarm."""
 
@@ -37,22 +39,23 @@ POSE = FreshnessLimit(
     LogLevel.WARNING,
 )
 FROZEN_BASE = 2
-"""Reports in a row that tell of speed but not of motion: five counts at the least speed."""
+"""Reports in a row with a speed but an unchanged pose: five encoder counts at the lowest speed."""
 FROZEN_LASER = 2
-"""Scans in a row that are the last one again, beam for beam, while the robot moves."""
+"""Scans in a row equal to the last one, beam for beam, while the robot moves."""
 MIN_RETURNS = 0.05
-"""Share of beams; a scan with less is that of a blind laser, and counts for none."""
+"""Share of beams with a return; a scan with less comes from a blind laser and is rejected."""
 
-_LOST_SCANS, _SCAN_SLACK = 1, 0.02  # the latter s
+_LOST_SCANS, _SCAN_SLACK = 1, 0.02  # scans; s
 SHORTEST_SCAN_AGE, LONGEST_SCAN_AGE = 0.2, 0.45  # s
 
 
 def scan_age_limit(period: float) -> float:
-    """Return how old, s, a scan may get of a laser that gives one each ``period``, s.
+    """Return the maximum age, s, of a scan for a laser with a scan ``period``, s.
 
-    It is a period old when the line has carried it and two when the next one comes, and one may
-    be lost; that is LASER.max_age at 38400 baud. A slower laser gets no more than the longest, with
-    which the robot stands for every scan lost, and is too old all the time at under 4.5 scans/s.
+    A scan is one period old when its transmission ends and two when the next one arrives, and one
+    scan may be lost; that gives LASER.max_age at 38400 baud. The result is at most
+    LONGEST_SCAN_AGE: with a slower laser the robot stops at every lost scan, and below 4.5 scans/s
+    scans are always stale.
     """
     limit = (2 + _LOST_SCANS) * period + _SCAN_SLACK
     return min(max(limit, SHORTEST_SCAN_AGE), LONGEST_SCAN_AGE)
@@ -68,19 +71,22 @@ LIMITS = (*STREAMS, CONTROL)
 
 
 class FreshnessWatch:
-    """Follows when each stream was last well, and tells when that is too long ago."""
+    """Watchdog of the streams: reports when one becomes stale and when it is fresh again."""
 
     def __init__(self) -> None:
-        """Nothing has come yet, and nothing is missed before it has come once."""
+        """Start without data; a stream cannot become stale before its first data."""
         self._well_at: dict[str, float] = {}
         self._missed: set[str] = set()
 
     def well(self, stream: FreshnessLimit, t: float) -> None:
-        """Take note that a stream was well at ``t``, s."""
+        """Record valid data of a stream at t."""
         self._well_at[stream.name] = t
 
     def changes(self, t: float) -> list[tuple[FreshnessLimit, bool]]:
-        """Return which streams have begun to be missed (False) or have come back (True)."""
+        """Return the streams that have become stale (False) or fresh again (True) by t.
+
+        Each change is returned once.
+        """
         found = []
         for stream in STREAMS:
             well = t - self._well_at.get(stream.name, t) <= stream.max_age
@@ -91,7 +97,7 @@ class FreshnessWatch:
 
 
 def markdown() -> str:
-    """Return the table for people."""
+    """Return the limits as a Markdown table, as in this room's README."""
     lines = ["| Stream | at least, Hz | trusted for, s | then |", "| --- | --- | --- | --- |"]
     lines += [
         f"| {each.what} | {each.rate:g} | {each.max_age:g} | {each.reaction} |" for each in LIMITS

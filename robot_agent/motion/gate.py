@@ -1,10 +1,10 @@
-"""The safety gate: the last stage of every command on its way to the base. It denies by default.
+"""The safety gate: the last stage of every velocity command before the base. It denies by default.
 
-The gate knows nothing of intent. It permits motion only while all it depends on is known to be
-well, and only as fast as the robot can still stop before the nearest obstacle its body would
-sweep over. The limited mode, for teleoperation and for a robot that is lost, asks for no pose
-but is slow. v never leaves larger than wished, nor w larger than wished or last let pass; the
-robot is never backed: what is behind it only sonars hear.
+The gate is independent of the command's purpose. It permits motion only while all its inputs are
+fresh and valid, and only as fast as the robot can stop before the nearest obstacle in the area its
+footprint would sweep. The limited mode, for teleoperation and for a lost robot, needs no pose but
+is slow. The permitted v never exceeds the requested one, nor w the larger of requested and last
+permitted; the robot never drives backwards, as only sonars cover the area behind it.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from robot_agent.motion.repeated_fault_latch import RepeatedFaultLatch
 from robot_agent.motion.stopping import stoppable_rate, stopping_way
 from robot_agent.motion.swept_footprint import SweptFootprint
 
-_LONGEST_STEP = 0.3  # s between two commands that count for the acceleration
+_LONGEST_STEP = 0.3  # s; longer intervals between commands count as this for the acceleration
 
 
 class GateInputs(msgspec.Struct, frozen=True):
-    """What the gate depends on; None: never heard of."""
+    """Inputs of the gate; None: no valid data."""
 
-    base_time: float | None  # s, when the last base report was measured
-    scan_time: float | None  # s, when the last laser scan was measured
+    base_time: float | None  # when the last base report was measured
+    scan_time: float | None  # when the last laser scan was measured
     health: str | None  # of the localization: "localized", "unsure"; anything else denies
     motors_enabled: bool
     stop_button: bool  # pressed, or it has switched the motors off
@@ -39,13 +39,13 @@ class GateInputs(msgspec.Struct, frozen=True):
     battery: float  # V
     v: float  # m/s, as the base reports
     w: float  # rad/s
-    obstacles: NDArray[np.float64]  # (n, 2) m in base_link: laser returns and sonar points
-    overloaded: bool = False  # the agent lags behind what it is told
-    limited: bool = False  # limited mode: no localization needed, but slow; all else as ever
+    obstacles: NDArray[np.float64]  # (n, 2), m, base_link: obstacle points of all sources
+    overloaded: bool = False  # the agent misses its deadlines
+    limited: bool = False  # limited mode: slow, needs no localization; all other checks apply
 
 
 class GateDecision(msgspec.Struct, frozen=True):
-    """What may go to the base, m/s and rad/s, and the first reason why it is less than wished."""
+    """Permitted command, v in m/s and w in rad/s, and the first reason if it was cut."""
 
     v: float
     w: float
@@ -53,9 +53,9 @@ class GateDecision(msgspec.Struct, frozen=True):
 
 
 class SafetyGate:
-    """Cuts commands; remembers its last for the limits of acceleration, and what must be latched.
+    """Limits velocity commands; keeps the last one for the acceleration limits, and the latches.
 
-    ``stops`` counts how often each denial, and obstacles that let nothing pass, began.
+    ``stops`` counts how often each denial, and each stop before an obstacle, began.
     """
 
     def __init__(self, settings: GateLimits) -> None:
@@ -76,10 +76,10 @@ class SafetyGate:
         self.stops: Counter[GateReason] = Counter()
 
     def permit(self, t: float, requested: tuple[float, float], inputs: GateInputs) -> GateDecision:
-        """Return the permitted part of requested (v m/s, w rad/s) at t, s.
+        """Return the permitted part of requested (v m/s, w rad/s) at t.
 
-        The reasons, in order: whatever denies all motion, an obstacle, the limited mode, an
-        unsure pose, the speed limits, the acceleration limits.
+        The reason is the first that applies of: those that deny all motion, an obstacle, the
+        limited mode, an unsure pose, the speed limits, the acceleration limits.
         """
         self._remember(t, inputs)
         denied = self._denial(t, requested, inputs)
@@ -101,9 +101,10 @@ class SafetyGate:
     def expire(
         self, t: float, base_time: float | None, scan_time: float | None
     ) -> GateDecision | None:
-        """Between two reports: withdraw what was last let pass once what it rests on is too old.
+        """Between two reports: stop if the inputs of the last command have become stale by t.
 
-        base_time, scan_time: as in the inputs. None while nothing moves, or it may go on.
+        base_time, scan_time: as in GateInputs. Returns the decision to stop; None if the last
+        command was zero or is still valid.
         """
         if self._v == self._w == 0.0:
             return None
@@ -118,7 +119,7 @@ class SafetyGate:
         return self._decided(0.0, 0.0, reason)
 
     def _decided(self, v: float, w: float, reason: GateReason) -> GateDecision:
-        """Note what leaves, and count it when it is a new stop."""
+        """Store the permitted command, count a new stop, and return the decision."""
         self._v, self._w = v, w
         stops = reason in DENIALS or (reason is GateReason.OBSTACLE and v == w == 0.0)
         if stops and reason is not self._reason:
@@ -129,9 +130,9 @@ class SafetyGate:
     # ---- all or nothing -----------------------------------------------------------------------
 
     def _remember(self, t: float, inputs: GateInputs) -> None:
-        """Follow what one report alone does not tell; a freed stop button releases the latches.
+        """Update latches and battery monitor; the release of the stop button clears the latches.
 
-        A person who has looked at the robot switches its motors off and on at the robot itself.
+        A person who has inspected the robot switches its motors off and on at the robot itself.
         """
         self._bumps.update(t, struck=inputs.bumpers != 0, held=inputs.stop_button)
         self._stalls.update(t, struck=inputs.stalled, held=inputs.stop_button)
@@ -144,13 +145,13 @@ class SafetyGate:
     def _denial(
         self, t: float, requested: tuple[float, float], inputs: GateInputs
     ) -> GateReason | None:
-        """Return the first reason to deny all motion, if any."""
+        """Return the first reason to deny all motion; None if there is none."""
         return self._unknown(t, requested, inputs) or self._unwell(requested, inputs)
 
     def _unknown(
         self, t: float, requested: tuple[float, float], inputs: GateInputs
     ) -> GateReason | None:
-        """Return the first reason why it is not known how the robot fares, if any."""
+        """Return the first reason why the robot's state is unknown (stale or invalid inputs)."""
         settings = self._settings
         numbers = (t, *requested, inputs.v, inputs.w, inputs.battery)
         if not all(map(math.isfinite, numbers)):
@@ -167,7 +168,7 @@ class SafetyGate:
         return None if located else GateReason.NOT_LOCALIZED
 
     def _unwell(self, requested: tuple[float, float], inputs: GateInputs) -> GateReason | None:
-        """Return the first known reason to deny all motion, if any."""
+        """Return the first fault in the known state that denies all motion; None if none."""
         settings = self._settings
         if self._bumps.latched:
             return GateReason.BUMPED_AGAIN
@@ -195,7 +196,7 @@ class SafetyGate:
     def _within_speed(
         self, v: float, w: float, inputs: GateInputs
     ) -> tuple[float, float, GateReason]:
-        """Slow down along the wished arc to the speed limits."""
+        """Scale the requested (v m/s, w rad/s) to the speed limits, keeping its arc."""
         settings = self._settings
         limit, turn_limit, reason = (
             settings.max_speed,
@@ -215,10 +216,10 @@ class SafetyGate:
         return v * share, w * share, reason
 
     def _ramped(self, v: float, w: float, elapsed: float) -> tuple[float, float]:
-        """Limit the change since the last command let pass; driving slower is never delayed.
+        """Limit the change since the last permitted command; reducing v is never delayed.
 
-        Turning is changed only as fast as the base can follow, both ways, so that the arc looked
-        along is the arc driven.
+        w changes only as fast as the base can follow, up and down, so that the arc that is checked
+        is the arc driven. elapsed: s.
         """
         settings = self._settings
         turn = settings.max_turn_acceleration * elapsed
@@ -231,9 +232,9 @@ class SafetyGate:
         )
 
     def _within_sight(self, v: float, w: float, inputs: GateInputs) -> tuple[float, float]:
-        """Slow down along the arc to what can be stopped before an obstacle; else only turn.
+        """Reduce (v, w) along its arc until the robot can stop before obstacles; else only turn.
 
-        The base may still move faster than it was told to: what it does now is what has to stop.
+        The stopping way is that of the measured speed where this is above the commanded one.
         """
         settings = self._settings
         delay = settings.reaction_delay
@@ -247,7 +248,7 @@ class SafetyGate:
             if free == stop:
                 return v, w
             if stopping_way(inputs.v, settings.braking, 0.0) > free:
-                return 0.0, 0.0  # this arc cannot be entered any more
+                return 0.0, 0.0  # too late to stop before the obstacle on this arc
             slow = min(v, stoppable_rate(free, settings.braking, delay))
             if slow > settings.creep_speed:
                 return slow, w * slow / rolling

@@ -9,22 +9,22 @@ class GateReason(StrEnum):
     """Why a command was cut; NONE if it was not."""
 
     NONE = "none"
-    INVALID = "invalid"  # a number that is none
+    INVALID = "invalid"  # an input is NaN or infinite
     STALE_BASE = "stale_base"
     STALE_LASER = "stale_laser"
-    OVERLOADED = "overloaded"  # the agent lags behind what it is told
+    OVERLOADED = "overloaded"  # the agent misses its deadlines
     NOT_LOCALIZED = "not_localized"
-    BUMPED_AGAIN = "bumped_again"  # latched until a person has looked
+    BUMPED_AGAIN = "bumped_again"  # latched until a person has inspected the robot
     STALLED_AGAIN = "stalled_again"  # latched likewise
     STOP_BUTTON = "stop_button"
     BATTERY_LOW = "battery_low"
     MOTORS_OFF = "motors_off"
     STALLED = "stalled"
     BUMPER = "bumper"
-    OVERSPEED = "overspeed"  # the base moves faster than it can have been told to
+    OVERSPEED = "overspeed"  # the base moves faster than any command permits
     BACKING = "backing"
     OBSTACLE = "obstacle"
-    LIMITED = "limited"  # slow, as nobody asked where the robot is
+    LIMITED = "limited"  # slow, as the limited mode needs no pose
     UNSURE = "unsure"
     SPEED_LIMIT = "speed_limit"
     ACCELERATION = "acceleration"
@@ -42,6 +42,6 @@ LIMITS = frozenset(
 )
 """Reasons under which a robot may still move."""
 DENIALS = frozenset(GateReason) - LIMITS
-"""Reasons under which nothing moves."""
+"""Reasons under which no motion is permitted."""
 LATCHED = frozenset({GateReason.BUMPED_AGAIN, GateReason.STALLED_AGAIN})
-"""Denials that only a person at the robot ends, by its MOTORS button (or a new start)."""
+"""Denials that only a person at the robot clears, by its MOTORS button (or a restart)."""

@@ -1,4 +1,4 @@
-"""What can be set of the safety gate."""
+"""Settings of the safety gate."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class GateSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     ] = 12.0
 
     def __post_init__(self) -> None:
-        """Refuse a battery that would be low and well at once."""
+        """Raise ValueError if battery_resume is below battery_cutoff."""
         if self.battery_resume < self.battery_cutoff:
             raise ValueError(
                 f"battery_resume {self.battery_resume} V must not be below "
@@ -57,7 +57,7 @@ class GateSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 
 
 def gate_limits(settings: GateSettings, scan_period: float | None = None) -> GateLimits:
-    """Return the limits for a robot; a laser that gives a scan each period, s, sets their age."""
+    """Return the limits for a robot; scan_period, s, sets the age limit of scans if given."""
     limits = GateLimits(**msgspec.structs.asdict(settings))
     if scan_period is None:
         return limits

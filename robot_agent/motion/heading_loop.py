@@ -1,9 +1,9 @@
-"""From a velocity in the map to forward speed and turning rate of a differential drive.
+"""Heading loop: from a velocity in the map to (v, w) of a differential drive.
 
-Not in the paper; the usual heading loop under a null-space velocity. With the heading error
-e = angle(velocity) - theta: far off, the robot brakes, then turns on the spot, since it never
-backs up, to one side throughout. Otherwise v = |velocity| cos e and w = k e plus the
-turning rate of the path itself.
+Not in the paper; the usual loop under a null-space velocity. With the heading error
+e = angle(velocity) - theta: if e is large the robot brakes and turns in place, to one side
+throughout, as it never drives backwards. Otherwise v = |velocity| cos e and w = k e plus the turn
+rate of the path itself.
 """
 
 from __future__ import annotations
@@ -14,24 +14,24 @@ from maps.pose import wrap_angle
 from robot_agent.motion.unpinning import EDGING_SPEED, UnpinningManoeuvre
 
 _GAIN = 4.0  # 1/s, k
-_TURN_ANGLE = math.radians(60.0)  # rad of error beyond which to turn on the spot
+_TURN_ANGLE = math.radians(60.0)  # rad of error beyond which to turn in place
 _RESUME_ANGLE = math.radians(15.0)  # rad of error below which to drive on
-_ROLLING_SPEED = 0.05  # m/s; faster the robot brakes before it turns on the spot
+_ROLLING_SPEED = 0.05  # m/s; above it the robot brakes before it turns in place
 _STANDSTILL_SPEED = 0.005  # m/s; a slower velocity means stand still
 _MAX_TURN_RATE = 1.2  # rad/s
-_MAX_ACCELERATION = 0.3  # m/s2, of getting faster and slower
+_MAX_ACCELERATION = 0.3  # m/s2, up and down
 _MAX_TURN_ACCELERATION = 2.0  # rad/s2
-_TURN_BRAKING = 1.0  # rad/s2 the approach to a heading counts on; less than the limit
+_TURN_BRAKING = 1.0  # rad/s2 assumed in the approach to a heading; below the limit
 
 
 class HeadingLoop:
-    """Steers by a velocity vector; remembers its last command and the side of a turn."""
+    """Controls (v, w) by a velocity vector; keeps the last command and the side of a turn."""
 
     def __init__(self) -> None:
         self._t: float | None = None
         self._v = 0.0
         self._w = 0.0
-        self._turn_side = 0  # +1 left, -1 right while turning on the spot, else 0
+        self._turn_side = 0  # +1 left, -1 right while turning in place, else 0
         self._aligned = False  # in the last step
         self._unpinning = UnpinningManoeuvre()
 
@@ -44,11 +44,11 @@ class HeadingLoop:
         *,
         pinned: bool = False,
     ) -> tuple[float, float]:
-        """Return (v, w), m/s and rad/s, at t, s.
+        """Return (v, w), m/s and rad/s, at t; call once per control step.
 
-        velocity: wanted, m/s in the map frame; theta: heading in the map, rad; curvature: of the
-        path ahead in the sense of velocity, 1/m, + turning left. pinned: an obstacle let it neither
-        drive nor turn by its last command.
+        velocity: target, m/s in the map frame; theta: heading in the map, rad; curvature: of the
+        path ahead in the direction of velocity, 1/m, + left. pinned: an obstacle permitted the
+        robot neither to drive nor to turn by its last command.
         """
         unpinning = self._unpinning.step(
             t,
@@ -85,7 +85,7 @@ class HeadingLoop:
         return 0.0, self._turn_rate(_on_side(error, self._turn_side))
 
     def _choose_turn_side(self, error: float) -> None:
-        """Begin to turn on the spot beyond one angle, end below another, one side throughout."""
+        """Start a turn in place beyond one angle, end it below another, to one side throughout."""
         if abs(error) < _RESUME_ANGLE:
             self._turn_side, self._aligned = 0, True
             return
@@ -94,7 +94,7 @@ class HeadingLoop:
             self._turn_side = 1 if error > 0.0 else -1
 
     def _turn_rate(self, error: float) -> float:
-        """k e, but no faster than can still be braked before the error is gone."""
+        """Return k e, rad/s, limited to what can be braked before the error, rad, is zero."""
         braking = math.sqrt(2.0 * _TURN_BRAKING * abs(error))
         rate = min(_GAIN * abs(error), braking, _MAX_TURN_RATE)
         return math.copysign(rate, error)
@@ -108,10 +108,10 @@ class HeadingLoop:
 
 
 def _within(value: float, low: float, high: float) -> float:
-    """Return a value cut to what lies between two others; faster than min and max."""
+    """Return a value clamped to low..high; faster than min and max."""
     return low if value < low else high if value > high else value
 
 
 def _on_side(error: float, side: int) -> float:
-    """Return the same error, rad, turned away by going round the given side."""
+    """Return the same error, rad, as the angle to turn on the given side (+1 left, -1 right)."""
     return error if error * side >= 0.0 else error + side * math.tau

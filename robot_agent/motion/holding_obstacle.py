@@ -1,4 +1,4 @@
-"""Which obstacle holds the robot: told to people, of no consequence for the gate."""
+"""Which obstacle holds the robot: for telemetry only, without effect on the gate."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from robot_agent.motion.swept_footprint import SweptFootprint
 
 
 class HoldingObstacle(NamedTuple):
-    """An obstacle in the way: its source and place, m, base_link."""
+    """An obstacle in the way: its source and position (x, y), m, base_link."""
 
     source: ObstacleSource
     x: float
@@ -25,9 +25,9 @@ class HoldingObstacle(NamedTuple):
 def holding_obstacle(
     settings: GateLimits, requested: tuple[float, float], obstacles: ObstaclePoints
 ) -> HoldingObstacle | None:
-    """Return what the robot would come to first while it stops from a requested (v, w).
+    """Return the first obstacle the robot would reach while stopping from a requested (v, w).
 
-    v in m/s, w in rad/s. None: nothing is in the way of that, nor of turning on the spot.
+    v in m/s, w in rad/s. None if the arc, and else the turn in place, are free.
     """
     v, w = requested
     body, delay = SweptFootprint(settings), settings.reaction_delay

@@ -1,4 +1,4 @@
-"""Obstacles as the gate looks at them, with where each is known from."""
+"""Obstacle points for the gate, with the source of each."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from numpy.typing import NDArray
 
 
 class ObstacleSource(StrEnum):
-    """Where an obstacle is known from."""
+    """Source of an obstacle point."""
 
     LASER = "laser"  # in the latest scan
     REMEMBERED = "remembered"  # in an earlier scan, out of the laser's view since
     SONAR = "sonar"
-    MAP_WALL = "map_wall"  # where the laser does not look
-    TEAMMATE_ROOM = "teammate_room"  # what a teammate near by sweeps if it turns
+    MAP_WALL = "map_wall"  # out of the laser's view
+    TEAMMATE_ROOM = "teammate_room"  # keep-out circle of a teammate nearby
 
 
 class ObstaclePoints(NamedTuple):
-    """Points (n, 2), m, base_link, one source after the other with so many points each."""
+    """Points (n, 2), m, base_link, grouped by source; parts: (source, number of points) of each."""
 
     points: NDArray[np.float64]
     parts: tuple[tuple[ObstacleSource, int], ...] = ()
@@ -33,7 +33,7 @@ class ObstaclePoints(NamedTuple):
         return cls(points, tuple((source, len(points)) for source, points in parts))
 
     def source_of(self, index: int) -> ObstacleSource:
-        """Return where the point of an index is known from. Raises IndexError."""
+        """Return the source of the point with an index. Raises IndexError beyond the last point."""
         for source, count in self.parts:
             if index < count:
                 return source

@@ -1,23 +1,23 @@
-"""What a robot does that does not know where it is: it stands, then turns to look around."""
+"""Recovery behavior of a robot without a pose: wait, then turn in place to see more of the map."""
 
 from __future__ import annotations
 
 import math
 
-_WAIT = 3.0  # s to stand first: most doubts pass by themselves
+_WAIT = 3.0  # s before the first turn: the pose mostly recovers by itself
 _TURN_RATE = 0.4  # rad/s
-_TURN = math.radians(400.0)  # rad per turn: all round, and a bit
-_REST = 8.0  # s between turns, to left and right by turns
+_TURN = math.radians(400.0)  # rad per turn: a full circle and some overlap
+_REST = 8.0  # s between turns, which alternate left and right
 
 
 class RecoveryTurn:
-    """Turns slowly, left and right by turns, for as long as the pose is not known."""
+    """Turns slowly in place, alternately left and right, until ``end`` is called."""
 
     def __init__(self) -> None:
         self._since: float | None = None
 
     def requested(self, t: float) -> tuple[float, float]:
-        """Return the wished (v m/s, w rad/s) of a robot that is lost at ``t``, s."""
+        """Return the requested (v m/s, w rad/s) at t; the first call starts the behavior."""
         if self._since is None:
             self._since = t
         turning = _TURN / _TURN_RATE
@@ -28,6 +28,6 @@ class RecoveryTurn:
         return 0.0, side * _TURN_RATE
 
     def end(self) -> bool:
-        """The pose is known; return whether that is news."""
+        """End the behavior, as the pose is known; return whether it was running."""
         was_lost, self._since = self._since is not None, None
         return was_lost

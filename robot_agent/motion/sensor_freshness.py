@@ -1,4 +1,4 @@
-"""Which of the streams that motion depends on are believed at the moment."""
+"""Validity of the streams that motion depends on: stale, frozen, blind, or buffered in a pause."""
 
 from __future__ import annotations
 
@@ -25,26 +25,26 @@ from robot_agent.motion.freshness_limits import (
 from robot_agent.motion.frozen_watch import FrozenWatch
 
 PAUSE_S = 0.3
-"""A process held up for longer finds bytes in its ports whose age it cannot tell."""
+"""s; after a longer pause of the process its ports hold buffered bytes of unknown age."""
 OLD_BYTES_S = 0.15
-"""So long after a pause reports and scans may have come from these buffers, and are left out."""
+"""s after a pause for which reports and scans may come from these buffers, and are rejected."""
 
 
 class SensorFreshness:
-    """Hears every report and scan, and tells which are old, frozen, blind or missed."""
+    """Checks every report and scan; reports streams that are stale, frozen, blind or buffered."""
 
     def __init__(self) -> None:
-        """Nothing has come yet."""
+        """Start without data."""
         self.deadline = DeadlineWatch()
         self._watch = FreshnessWatch()
         self._frozen_base = FrozenWatch(FROZEN_BASE)
         self._frozen_laser = FrozenWatch(FROZEN_LASER)
-        self._blind = False  # as far as the latest scan tells
+        self._blind = False  # by the latest scan
         self._last_tick = math.inf
-        self._old_until = -math.inf  # s: bytes that arrive before had waited for us
+        self._old_until = -math.inf  # bytes that arrive earlier may have been buffered
 
     def tick(self, t: float) -> None:
-        """Notice a pause of the whole process: what comes first after it is of unknown age."""
+        """Process a tick; a late one reveals a pause of the process, after which bytes are old."""
         lag = t - self._last_tick - TICK_S
         self._last_tick = t
         self.deadline.update(t, lag)
@@ -52,19 +52,19 @@ class SensorFreshness:
             self._old_until = t + OLD_BYTES_S
 
     def is_old(self, t: float) -> bool:
-        """Tell whether bytes that arrive at t, s, may have waited through a pause."""
+        """Return whether bytes that arrive at t may have been buffered during a pause."""
         return t < self._old_until
 
     def report_time(self, latest: BaseState | None) -> float | None:
-        """Return when the latest report was measured, s; None: none, or it is not believed."""
+        """Return when the latest report was measured; None without one or if the base is frozen."""
         return None if latest is None or self._frozen_base.frozen else latest.t
 
     def scan_time(self, latest: float | None) -> float | None:
-        """Return ``latest``, s, of a scan; None while the laser is blind, or stuck."""
+        """Return ``latest``, the time of a scan; None while the laser is blind or frozen."""
         return None if self._blind or self._frozen_laser.frozen else latest
 
     def on_base_report(self, t: float, state: BaseState) -> None:
-        """Take a base report that arrived at t, s."""
+        """Process a base report that arrived at t."""
         self._frozen_base.update((state.x, state.y, state.theta), moving=_is_moving(state))
         if not self._frozen_base.frozen:
             self._watch.well(BASE, t)
@@ -72,7 +72,10 @@ class SensorFreshness:
             self._watch.well(SONAR, t)
 
     def accept_scan(self, t: float, scan: Scan, base: BaseState | None) -> bool:
-        """Tell a scan from that of a laser that is blind, or shows the same for ever."""
+        """Process a scan at t; return whether it is valid, not of a blind or frozen laser.
+
+        base: the latest report, by which the robot moves or not; None without one.
+        """
         moving = base is not None and _is_moving(base)
         self._frozen_laser.update(scan.ranges.tobytes(), moving=moving)
         returns = np.count_nonzero(np.isfinite(scan.ranges)) / max(scan.ranges.size, 1)
@@ -83,11 +86,11 @@ class SensorFreshness:
         return True
 
     def on_localized(self, t: float) -> None:
-        """Take note that the robot knows where it is, at t, s."""
+        """Record a localized pose at t."""
         self._watch.well(POSE, t)
 
     def changes(self, t: float) -> Iterator[tuple[str, str, LogLevel]]:
-        """Yield part, words and level for each stream that begins to be missed, or is back."""
+        """Yield (part, text, level) of the log event for each stream stale or fresh again by t."""
         for stream, well in self._watch.changes(t):
             words = "is back" if well else f"none for {stream.max_age:g} s: {stream.reaction}"
             level = LogLevel.INFO if well else stream.level
@@ -95,5 +98,5 @@ class SensorFreshness:
 
 
 def _is_moving(state: BaseState) -> bool:
-    """Tell whether a base says that it moves, faster than its counters' resolution."""
+    """Return whether the reported speed is above the resolution of the encoder counts."""
     return abs(state.v) > 0.05 or abs(state.w) > 0.1

@@ -1,4 +1,4 @@
-"""How far a robot goes until it stands, and how fast it may be to stand in time."""
+"""Stopping way for a speed, and the speed for a stopping way."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ import math
 
 
 def stopping_way(rate: float, braking: float, delay: float) -> float:
-    """Way (or angle) until standstill from a rate, after a delay."""
+    """Return the way (m or rad) from a rate (per s) to standstill.
+
+    braking: deceleration (per s2), after a delay, s.
+    """
     return rate * rate / (2.0 * braking) + rate * delay
 
 
 def stoppable_rate(way: float, braking: float, delay: float) -> float:
-    """Largest rate from which the robot stops within a way: the inverse of stopping_way."""
+    """Return the largest rate from which the robot stops within a way; inverse of stopping_way."""
     return braking * (math.sqrt(delay * delay + 2.0 * way / braking) - delay)

@@ -1,4 +1,4 @@
-"""The area a robot's body sweeps over along an arc, and what stands in it."""
+"""Collision check of the area that the footprint sweeps along an arc."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from robot_agent.motion.unpinning import EDGING_SPEED
 
 _POSES = 12  # per stopping way: at most 0.05 m apart at top speed, less than the margin
 _SHARES = np.arange(1, _POSES + 1) / _POSES
-_EDGING_SHARE = 1.135  # of its speed: a base rolls a little faster than it was told
-_SEEN_INSIDE = 0.02  # m that noise shifts what touches the side into the outline
-_FREE_SHARES = np.arange(_POSES) / _POSES  # free up to the pose before the first that hits
+_EDGING_SHARE = 1.135  # of EDGING_SPEED: a base rolls slightly faster than commanded
+_SEEN_INSIDE = 0.02  # m by which noise shifts points at the side into the footprint
+_FREE_SHARES = np.arange(_POSES) / _POSES  # free up to the pose before the first collision
 
 
 class SweptFootprint:
-    """The body with its margins, moved along arcs among obstacles (n, 2), m in base_link."""
+    """The footprint with its margins, moved along arcs among obstacles (n, 2), m, base_link."""
 
     def __init__(self, settings: GateLimits) -> None:
         self._settings = settings
@@ -25,7 +25,7 @@ class SweptFootprint:
         self._edging_way = stopping_way(speed, settings.braking, settings.reaction_delay)
 
     def free_share(self, way: float, turn: float, obstacles: NDArray[np.float64]) -> float:
-        """Return the share, 0 to 1, of an arc (way m, turn rad) the body can sweep freely."""
+        """Return the share, 0 to 1, of an arc (way m, turn rad) free of obstacles (n, 2), m."""
         if not len(obstacles):
             return 1.0
         settings = self._settings
@@ -37,7 +37,8 @@ class SweptFootprint:
             front = settings.front + settings.front_margin
             side = settings.half_width + self._side_margin(near)
             if turn == 0.0 and way <= self._edging_way:
-                # Slowly out of where it cannot turn: straight ahead nothing comes nearer to these.
+                # Slow and straight ahead, out of a place too narrow to turn: the clearance to
+                # points beside the robot does not shrink.
                 near = near[~self._beside(near)]
         else:
             front = settings.front + settings.turn_margin
@@ -48,12 +49,18 @@ class SweptFootprint:
         return float(_FREE_SHARES[hit.argmax()]) if hit.any() else 1.0
 
     def _beside(self, near: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Tell which points (n, 2) are alongside or behind, about outside the outline, each."""
+        """Return (n,) which points (n, 2), m, base_link, are alongside or behind the footprint.
+
+        Points slightly inside its sides, as noise shifts them, count as outside.
+        """
         outside = np.abs(near[:, 1]) >= self._settings.half_width - _SEEN_INSIDE
         return (near[:, 0] < self._settings.front) & outside
 
     def _side_margin(self, near: NDArray[np.float64]) -> float:
-        """Margin beside the body: less where an obstacle already is, or no wall could be left."""
+        """Return the margin, m, beside the body: reduced to the clearance of points alongside.
+
+        With the full margin the robot could not drive away from a wall.
+        """
         settings = self._settings
         x, aside = near[:, 0], np.abs(near[:, 1]) - settings.half_width
         alongside = (x < settings.front) & (x > -settings.rear)
@@ -72,7 +79,7 @@ def _seen_along_arc(
     chord = ways * np.sinc(half / np.pi)  # sinc: sin(half) / half, 1 when straight
     c, s = np.cos(turns)[:, None], np.sin(turns)[:, None]
     px, py = np.ascontiguousarray(points.T)
-    # The chord of an arc leaves at half the turn, which seen from its end points to -half.
+    # The chord is at half the turn from the start, and at minus half seen from the end pose.
     x = c * px + s * py - (chord * np.cos(half))[:, None]
     y = c * py - s * px + (chord * np.sin(half))[:, None]
     return x, y

@@ -1,7 +1,7 @@
-"""Driving by the keys of the robot's own terminal, for mapping: no map, no pose, no patrol.
+"""Teleoperation by the keys of the robot's own terminal, for mapping: no map, pose or patrol.
 
-A key is good for a moment only: a released key, a lost terminal or a frozen process stops the
-robot. What a key asks for goes through the gate's limited mode like any other request.
+A key is valid for HOLD_S: a released key, a lost terminal or a frozen process stops the robot.
+Requests pass the gate's limited mode.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from robot_agent.messages.events import OperatorKey
 _SPEED = 0.15  # m/s
 _TURN_RATE = 0.4  # rad/s
 HOLD_S = 0.7
-"""How long a key is good for: longer than keyboards wait before they repeat it."""
+"""s for which a key is valid: longer than the delay before keyboards repeat it."""
 
 
 class TeleopSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Whether the robot is driven by keys."""
+    """Settings of teleoperation."""
 
     enabled: Annotated[
         bool,
@@ -30,17 +30,17 @@ class TeleopSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
 
 
 class Teleop:
-    """Turns keys into requested velocities, each for its moment."""
+    """Turns keys into requested velocities, each valid for HOLD_S."""
 
     def __init__(self) -> None:
         self._key: OperatorKey | None = None
 
     def press(self, key: OperatorKey) -> None:
-        """Take a key; the last one counts."""
+        """Set the key in force, in place of the one before."""
         self._key = key
 
     def requested(self, t: float) -> tuple[float, float]:
-        """Return what is asked for at t, s: (v m/s, w rad/s), forwards or turning only."""
+        """Return the requested (v m/s, w rad/s) at t: v >= 0, both 0 without a valid key."""
         key = self._key
         if key is None or not 0.0 <= t - key.t < HOLD_S:
             return 0.0, 0.0

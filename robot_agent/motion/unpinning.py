@@ -1,9 +1,9 @@
-"""The manoeuvre out of a place where obstacles let a robot neither drive nor turn.
+"""Escape manoeuvre for a place where obstacles permit the robot neither to drive nor to turn.
 
-Pinned for a second while it turns, it turns the other way; pinned there too, and back at the
-first, it edges straight ahead to where there is more room. The first side was the shorter way
-round, so edging ahead there leads less astray; where no way is there either, as that side is
-towards a wall, the next attempt is from the other.
+Pinned for a second during a turn, the robot turns the other way; pinned there too, and again on the
+first side, it edges straight ahead to where there is more room. The first side is the shorter turn,
+so edging ahead there deviates less; if the way is blocked there, as that side faces a wall, the
+next attempt is from the other side.
 """
 
 from __future__ import annotations
@@ -11,17 +11,17 @@ from __future__ import annotations
 from typing import NamedTuple
 
 EDGING_SPEED = 0.1
-"""m/s; the gate lets a robot pass close to what is beside it up to little more than this."""
-_PATIENCE = 1.0  # s that an obstacle pins the robot until it turns the other way
+"""m/s; up to slightly more than this the gate permits driving close past points at the side."""
+_TIMEOUT = 1.0  # s that an obstacle pins the robot until it turns the other way
 _EDGING_TIME = 1.5  # s
 _PINS_BEFORE_EDGING = 3  # one side, the other, and the first again
 
 
 class Unpinning(NamedTuple):
-    """What the heading loop is asked to do out of its own order.
+    """Override of the heading loop in one step.
 
-    turn_side: the side, +1 left or -1, to turn to from now on; 0 leaves it. edges: drive straight
-    ahead at EDGING_SPEED in this step.
+    turn_side: the side, +1 left or -1, to turn to from now on; 0 keeps the present one. edges:
+    drive straight ahead at EDGING_SPEED in this step.
     """
 
     turn_side: int
@@ -32,7 +32,7 @@ _NOTHING = Unpinning(0, edges=False)
 
 
 class UnpinningManoeuvre:
-    """Follows how an obstacle pins a robot that turns on the spot."""
+    """State of the manoeuvre: counts the pins of a turn in place and times the edging."""
 
     def __init__(self) -> None:
         self._pinned_since: float | None = None
@@ -42,32 +42,36 @@ class UnpinningManoeuvre:
     def step(
         self, t: float, *, pinned: bool, turn_rate: float, turn_side: int, aligned: bool
     ) -> Unpinning:
-        """Return what to do at t, s, after a command with a turn rate, rad/s, to a side.
+        """Return the override at t; call once per control step.
 
-        pinned: an obstacle let the robot neither drive nor turn by that command. aligned: it had
-        come round to its heading.
+        pinned: an obstacle permitted the robot neither to drive nor to turn by the last command,
+        whose turn rate, rad/s, and side (+1 left, -1 right, 0 none) are given. aligned: the robot
+        had reached its heading.
         """
         if aligned:
             self._pins = 0
-        asked = 0
+        side = 0
         if self._edges_until is not None and t >= self._edges_until:
             self._edges_until = None
             if pinned:
-                asked = turn_side = -turn_side
-        asked = self._next_side(t, pinned=pinned, turn_rate=turn_rate) or asked
-        if not asked and self._edges_until is None:
+                side = turn_side = -turn_side
+        side = self._next_side(t, pinned=pinned, turn_rate=turn_rate) or side
+        if not side and self._edges_until is None:
             return _NOTHING
-        return Unpinning(asked, edges=self._edges_until is not None)
+        return Unpinning(side, edges=self._edges_until is not None)
 
     def _next_side(self, t: float, *, pinned: bool, turn_rate: float) -> int:
-        """Return the side to turn to after a pin of too long, 0 for none; the third pin edges."""
+        """Return the side to turn to after a pin for the timeout, 0 for none.
+
+        The third pin of a turn starts edging instead.
+        """
         if not pinned or turn_rate == 0.0:
             self._pinned_since = None
             return 0
         if self._pinned_since is None:
             self._pinned_since = t
             return 0
-        if t - self._pinned_since < _PATIENCE:
+        if t - self._pinned_since < _TIMEOUT:
             return 0
         self._pinned_since = None
         self._pins += 1

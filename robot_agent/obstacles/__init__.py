@@ -1,1 +1,1 @@
-"""What stands about the robot, for the safety gate."""
+"""Obstacle points around the robot, for the safety gate."""

@@ -1,7 +1,7 @@
-"""Walls of the map about the robot, for where its laser does not look.
+"""Walls of the map near the robot, for the directions its laser does not cover.
 
-The laser sees half of all directions and the sonars little of the rest: a robot that has come
-through a door and turns there would not know of the door's frame behind it.
+The laser covers half of all directions and the sonars little of the rest: a robot that has come
+through a door and turns there has no measurement of the door frame behind it.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from maps.pose import Pose
 from robot_agent.motion.footprint import Footprint
 from robot_agent.motion.gate_limits import GateLimits
 
-_MARGIN = 0.1  # m beyond what the corners reach in a turn on the spot
+_MARGIN = 0.1  # m beyond the corners' reach in a turn in place
 _NOTHING = np.empty((0, 2))
 
 
@@ -34,8 +34,9 @@ class MapObstacles:
     def around(self, pose: Pose) -> NDArray[np.float64]:
         """Return points (n, 2), m, in base_link at map_from_base ``pose``.
 
-        Cells that the body would stand in are left out: the pose or the map is wrong there. The
-        gate's turn margin is what pose and map may be off; more would pin robots beside walls.
+        Points inside the footprint are left out: the pose or the map is wrong there. No further
+        margin is added, as the gate's turn margin allows for the error of pose and map; a larger
+        one would pin robots beside walls.
         """
         row = math.floor((pose.y - self._origin.y) / self._resolution)
         col = math.floor((pose.x - self._origin.x) / self._resolution)

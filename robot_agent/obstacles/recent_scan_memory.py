@@ -1,7 +1,7 @@
-"""What the laser saw beside the robot before it turned or drove on, so that it looks there no more.
+"""Memory of points near the robot that have left the laser's field of view.
 
-The laser sees half of all directions and the sonars little of the rest. Somebody who stands close
-beside a robot that turns on the spot would leave its sight just before a rear corner comes round.
+The laser covers half of all directions and the sonars little of the rest. A person close beside a
+robot that turns in place leaves its field of view just before a rear corner comes round.
 """
 
 from __future__ import annotations
@@ -17,24 +17,24 @@ from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.perception.scan_points import move_points
 
 MEMORY = 5.0
-"""s. Whoever was there may have gone unseen, and must not hold the robot for good; one that is
-held turns the other way before, and then sees."""
-_BEYOND = 0.2  # m beyond what the corners reach in a turn on the spot
+"""s a point is kept out of view. It may have left unseen, and must not hold the robot for good; a
+robot that is held turns the other way sooner, which brings the place into view."""
+_BEYOND = 0.2  # m beyond the corners' reach in a turn in place
 _ORIGIN = Pose(0.0, 0.0, 0.0)
 
 
 class RecentScanMemory:
-    """Points in ``odom`` as last seen, in ``base_link`` as asked for; dated when they were lost."""
+    """Points out of view, stored in ``odom`` with the time they left it."""
 
     def __init__(self, gate: GateLimits) -> None:
-        """Nothing has been seen yet."""
+        """Start without points. gate: limits with the footprint."""
         self._footprint = Footprint(gate)
         self._turn_margin = gate.turn_margin
         self._reach = self._footprint.corner_reach + _BEYOND
         self._points = np.empty((0, 2))
         self._lost_at = np.empty(0)
         self.lasts = False
-        """Whether nothing is forgotten for its age: who knows no pose knows no wall by the map."""
+        """Whether points are kept regardless of age: without a pose the map's walls are missing."""
 
     def update(
         self,
@@ -43,11 +43,12 @@ class RecentScanMemory:
         seen_before: NDArray[np.float64],
         in_view: Callable[[NDArray[np.float64]], NDArray[np.bool_]],
     ) -> None:
-        """Take what the scan before the one at t, s, saw: points (n, 2), m, in base_link now.
+        """Store points of the scan before the one at t that are out of view now.
 
-        odometry: odom_from_base at t. in_view: which points (n, 2) lie where the laser looks; they
-        are forgotten, as the new scan tells. Points that are as good as in the body when it stops
-        seeing them are left out: they would only pin it.
+        odometry: odom_from_base at t. seen_before: points (n, 2), m, base_link at t. in_view:
+        returns (n,) which points (n, 2) are in the laser's field of view; those are dropped, as
+        the new scan replaces them. Points within the turn margin of the footprint when they leave
+        the view are dropped too: they would only pin the robot.
         """
         kept = move_points(self._points, odometry.between(_ORIGIN))
         fresh = seen_before[~self._footprint.covers(seen_before, self._turn_margin)]
@@ -62,5 +63,5 @@ class RecentScanMemory:
         self._lost_at = lost_at[matters]
 
     def around(self, odometry: Pose) -> NDArray[np.float64]:
-        """Return the points (n, 2), m, in base_link where odometry is odom_from_base."""
+        """Return the points (n, 2), m, in base_link at odometry, odom_from_base."""
         return move_points(self._points, odometry.between(_ORIGIN))

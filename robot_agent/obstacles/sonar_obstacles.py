@@ -1,6 +1,6 @@
-"""What the sonars beside and behind the robot heard, carried along as the robot moves on.
+"""Echoes of the sonars beside and behind the robot, transformed by odometry as it moves on.
 
-The laser sees what is ahead, and sees it better; the rest is the sonars'.
+Sonars that point ahead are not used: the laser covers that, and more precisely.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from robot_agent.motion.freshness_limits import SONAR
 from robot_agent.perception.scan_points import move_points
 
 ABEAM = math.radians(89.0)
-"""Transducers that point less far from straight ahead are left to the laser."""
+"""rad; transducers at smaller angles from straight ahead are not used."""
 
 
 class SonarObstacles:
-    """Echoes in ``odom`` as they were heard, in ``base_link`` as asked for."""
+    """Latest echo of each transducer: stored in ``odom``, returned in ``base_link``."""
 
     def __init__(self, model: RobotModel) -> None:
         self._use_model(model)
 
     def update(self, state: BaseState, odometry: Pose, model: RobotModel) -> None:
-        """Take a base report's readings; ``odometry`` is odom_from_base when it was measured.
+        """Store a base report's readings; odometry: odom_from_base when it was measured.
 
-        A ``model`` other than before is another robot's, and forgets what was heard.
+        model: geometry of the transducers; all echoes are dropped when it changes.
         """
         if model is not self._model:
             self._use_model(model)
@@ -40,12 +40,11 @@ class SonarObstacles:
             self._echoes[fresh] = move_points(self._ring.echoes()[fresh], odometry)
 
     def around(self, t: float, odometry: Pose) -> NDArray[np.float64]:
-        """Return the echoes heard lately, (n, 2) m, in base_link where odometry is odom_from_base
-        at ``t`` (s)."""
-        heard = (
+        """Return the fresh echoes at t, (n, 2), m, base_link; odometry: odom_from_base at t."""
+        fresh = (
             self._beside & (self._ring.ages(t) <= SONAR.max_age) & np.isfinite(self._echoes[:, 0])
         )
-        return move_points(self._echoes[heard], odometry.between(Pose(0.0, 0.0, 0.0)))
+        return move_points(self._echoes[fresh], odometry.between(Pose(0.0, 0.0, 0.0)))
 
     def _use_model(self, model: RobotModel) -> None:
         self._model = model

@@ -1,4 +1,4 @@
-"""What stands about the robot, for the gate: seen now or before, heard, or known to be there."""
+"""Obstacle points around the robot for the gate, from all sources."""
 
 from __future__ import annotations
 
@@ -26,13 +26,12 @@ from robot_agent.perception.track import Track
 from robot_agent.perception.unexplained import UnexplainedPoints
 from robot_agent.pose.odometry_history import OdometryHistory
 
-_JUST_SEEN = 0.6  # s since a teammate was seen that is taken to be there
-_NEAR = 2.5  # m; teammates farther off are no obstacle yet
+_JUST_SEEN = 0.6  # s since the last detection for which a teammate is an obstacle
+_NEAR = 2.5  # m; teammates farther away are no obstacle yet
 
 
 class Surroundings:
-    """Points in base_link from laser and sonars, of what it saw before it turned away, from the map
-    behind, and of teammates near by."""
+    """Joins the obstacle points of laser, sonars, recent scans, map walls and teammates nearby."""
 
     def __init__(
         self,
@@ -42,7 +41,11 @@ class Surroundings:
         occupancy: OccupancyMap,
         unexplained: UnexplainedPoints,
     ) -> None:
-        """Take base_from_laser; ``unexplained`` tells walls of the map from all else."""
+        """Start without measurements.
+
+        laser_mount: base_from_laser. gate: limits with the footprint. model: with the sonars'
+        geometry. occupancy: the map. unexplained: classifier of points the map does not explain.
+        """
         self._projector = ScanProjector(laser_mount)
         self._obstacles = Obstacles()
         self._recent_scans = RecentScanMemory(gate)
@@ -53,11 +56,14 @@ class Surroundings:
 
     @property
     def seen_at(self) -> float | None:
-        """When the latest scan was measured, s."""
+        """When the latest scan was measured; None before the first."""
         return self._obstacles.seen_at
 
     def on_scan(self, scan: Scan, odometry: Pose, history: OdometryHistory) -> NDArray[np.float64]:
-        """Take a scan where odometry was odom_from_base; return its points (n, 2), m, base_link."""
+        """Store a scan; return its deskewed points (n, 2), m, base_link at the scan.
+
+        odometry: odom_from_base at the scan; history: gives the base's speeds during the sweep.
+        """
         points = self._projector.points(scan, *history.twist_at(scan.t))
         self._recent_scans.update(
             scan.t, odometry, self._obstacles.around(odometry), self._projector.in_view
@@ -68,36 +74,38 @@ class Surroundings:
     def on_located_scan(
         self, odometry: Pose, localized: Pose | None, points: NDArray[np.float64]
     ) -> None:
-        """Keep what a scan's points (n, 2), m, base_link show of walls, for when they are behind.
+        """Store a scan's points on walls, for when these are out of view.
 
-        odometry: odom_from_base; localized: map_from_base while it is known, both at the scan.
+        odometry: odom_from_base; localized: map_from_base, None unless localized, both at the
+        scan. points: (n, 2), m, base_link. Without a pose all stored walls are dropped.
         """
         self._recent_scans.lasts = localized is None
         if localized is None:
-            self._wall_memory.forget()  # and nobody knows what is a wall
+            self._wall_memory.forget()  # without a pose walls cannot be told from other points
             return
         ranges = np.hypot(points[:, 0], points[:, 1])
         walls = points[~self._unexplained.mask(localized, points, ranges)]
         self._wall_memory.update(odometry, walls)
 
     def on_sonar(self, state: BaseState, odometry: Pose, model: RobotModel) -> None:
-        """Take the sonar echoes of a base report where odometry was odom_from_base."""
+        """Store the sonar echoes of a base report; odometry: odom_from_base at the report."""
         self._sonar_obstacles.update(state, odometry, model)
 
     def echoes(self, t: float, odometry: Pose) -> NDArray[np.float64]:
-        """Return (n, 2) m in base_link: what the sonars hear at t, s."""
+        """Return the fresh sonar echoes at t, (n, 2), m, base_link; odometry: odom_from_base."""
         return self._sonar_obstacles.around(t, odometry)
 
     def seen_around(self, odometry: Pose) -> NDArray[np.float64]:
-        """Return what the latest scan saw near the robot, (n, 2) m, in base_link."""
+        """Return the latest scan's points near the robot, (n, 2), m, base_link at odometry."""
         return self._obstacles.around(odometry)
 
     def around(
         self, t: float, odometry: Pose, localized: Pose | None, tracks: Sequence[Track]
     ) -> ObstaclePoints:
-        """Return what is seen about the robot, and what must be there.
+        """Return the obstacle points at t with their sources, m, base_link.
 
-        ``localized``: map_from_base while it is known; without it no sensor, no obstacle.
+        odometry: odom_from_base. localized: map_from_base, None unless localized; without it only
+        measured points are returned, no walls of the map and no teammates. tracks: in the map.
         """
         parts = [
             (ObstacleSource.LASER, self._obstacles.around(odometry)),
@@ -121,7 +129,7 @@ class Surroundings:
     def _unseen_walls(
         self, odometry: Pose, localized: Pose
     ) -> list[tuple[ObstacleSource, NDArray[np.float64]]]:
-        """Return walls of the map, and walls just passed, where the latest scan did not look."""
+        """Return walls of the map, and walls just passed, outside the latest scan's view."""
         mapped, passed = self._map_obstacles.around(localized), self._wall_memory.around(odometry)
         walls = np.concatenate((mapped, passed))
         if not len(walls):
@@ -133,16 +141,19 @@ class Surroundings:
         ]
 
     def _unseen(self, odometry: Pose, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return (n,) at which of points (n, 2), m, base_link, the latest scan did not look.
+        """Return (n,) which points (n, 2), m, base_link, were outside the latest scan's view.
 
-        A robot that turns looks elsewhere by now, but has not seen yet what is there.
+        The view is that of the scan's pose: a robot that turns has no measurement yet of what has
+        come into view since.
         """
         seen_from = self._obstacles.from_scan(odometry, points)
         return ~self._projector.in_view(seen_from)
 
     def _left(self, odometry: Pose, localized: Pose | None) -> NDArray[np.float64]:
-        """Return what was seen before it got out of sight, but for walls that the map tells of:
-        these are known, and better."""
+        """Return recent points out of view, m, base_link, without walls that the map has.
+
+        Those come from the map and the wall memory, more precisely.
+        """
         points = self._recent_scans.around(odometry)
         if localized is None or not len(points):
             return points

@@ -1,7 +1,7 @@
-"""Walls the robot has just passed, as its laser saw them: where the pose errs, they do not.
+"""Walls the robot has just passed, as measured by its laser and independent of the pose's error.
 
-The map tells of the walls behind as well, but no better than the pose is: in a door, 0.05 m are
-the difference between turning and touching its frame.
+The map has the walls behind the robot as well, but only as precisely as the pose: in a door, 0.05 m
+decide whether the robot can turn or touches its frame.
 """
 
 from __future__ import annotations
@@ -17,34 +17,34 @@ from robot_agent.motion.footprint import Footprint
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.perception.scan_points import move_points
 
-_NEAR = 0.8  # m about the robot; what is farther off is seen again, or does not matter
+_NEAR = 0.8  # m round the robot; points farther away are seen again or do not matter
 _STEP = 0.04  # m between two scans that are kept
-_KEPT_WAY = 1.5  # m driven until a scan is forgotten: odometry is that good
-_CELL = 0.05  # m; what was seen of a wall within it is taken together
-_LEAST = 3  # points in a cell; of fewer, noise is too much
-_SHARE = 0.5  # of the usual number in a cell: it holds more of a wall than its noise
-_MARGIN = 0.1  # m beyond what the corners reach in a turn on the spot
+_KEPT_WAY = 1.5  # m driven until a scan is dropped; odometry is precise enough up to here
+_CELL = 0.05  # m; the points of a wall within a cell are averaged
+_MIN_POINTS = 3  # in a cell; the mean of fewer is too noisy
+_SHARE = 0.5  # of the median number in a cell; cells with less hold mainly noise
+_MARGIN = 0.1  # m beyond the corners' reach in a turn in place
 _NOTHING = np.empty((0, 2))
 
 
 class WallMemory:
-    """Keeps what the last scans saw of walls near by, carried along by odometry.
+    """Keeps the walls near the robot of the last scans, transformed by odometry.
 
-    Of many points on a wall the nearest are too near by the laser's noise, and would pin a robot
-    in a narrow place: their means are kept.
+    The nearest of many points on a wall are too near by the laser's noise, and would pin a robot in
+    a narrow place; means over cells are kept instead.
     """
 
     def __init__(self, gate: GateLimits) -> None:
-        """Nothing has been passed yet."""
+        """Start without walls. gate: limits with the footprint."""
         self._footprint = Footprint(gate)
         self._reach = self._footprint.corner_reach + _MARGIN
         self._way = 0.0  # m driven so far
         self._kept_at: Pose | None = None  # odom_from_base of the last scan kept
         self._scans: deque[tuple[float, NDArray[np.float64]]] = deque()  # way, points in odom
-        self._walls = _NOTHING  # means of them all, in odom
+        self._walls = _NOTHING  # means over all scans, in odom
 
     def update(self, odometry: Pose, walls: NDArray[np.float64]) -> None:
-        """Take a scan's points on walls, (n, 2), m, base_link at odom_from_base."""
+        """Store a scan's points on walls, (n, 2), m, base_link; odometry: odom_from_base."""
         if self._kept_at is not None:
             driven = math.hypot(odometry.x - self._kept_at.x, odometry.y - self._kept_at.y)
             if driven < _STEP:
@@ -61,14 +61,14 @@ class WallMemory:
         self._walls = _means(np.concatenate(seen)) if seen else _NOTHING
 
     def forget(self) -> None:
-        """Know of none: the robot may have been carried off."""
+        """Drop all walls, as when the robot may have been carried."""
         self._scans.clear()
         self._kept_at, self._walls = None, _NOTHING
 
     def around(self, odometry: Pose) -> NDArray[np.float64]:
-        """Return points (n, 2), m, in base_link where odometry is odom_from_base.
+        """Return points (n, 2), m, in base_link at odometry, odom_from_base.
 
-        What the body would stand in is left out.
+        Points inside the footprint are left out.
         """
         if not len(self._walls):
             return _NOTHING  # the usual case
@@ -85,5 +85,5 @@ def _means(points: NDArray[np.float64]) -> NDArray[np.float64]:
         cells[:, 0] * 1_000_003 + cells[:, 1], return_inverse=True, return_counts=True
     )
     x, y = (np.bincount(which, weights=column) for column in points.T)
-    enough = counts >= max(_LEAST, _SHARE * float(np.median(counts)))
+    enough = counts >= max(_MIN_POINTS, _SHARE * float(np.median(counts)))
     return np.asarray(np.column_stack((x, y))[enough] / counts[enough, None])

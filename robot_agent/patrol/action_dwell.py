@@ -1,4 +1,4 @@
-"""The action in force, which lasts a minimum time whatever the supervisor would rather have."""
+"""Minimum dwell time of the selected action."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ import math
 from robot_agent.patrol.actions import Action
 
 MINIMUM_DWELL = 0.5
-"""s an action lasts, unless Avoid Teammate is called for."""
+"""s for which an action is kept, unless Avoid Teammate is selected."""
 _EQUAL = 1e-9  # s
 
 
 class ActionDwell:
-    """Remembers the present action, None before the first, and since when."""
+    """Holds the action in force for a minimum time; ``action`` is None before the first update."""
 
     def __init__(self, minimum_dwell: float) -> None:
         self.action: Action | None = None
@@ -20,7 +20,10 @@ class ActionDwell:
         self._since = 0.0
 
     def update(self, t: float, wanted: Action, distance_from_neighbor: float) -> Action:
-        """Return the action in force at t, s: the wanted one if the present one may end."""
+        """Return the action in force at t: ``wanted`` if the present one may end, else that.
+
+        distance_from_neighbor: m; infinite without a neighbor.
+        """
         if self.action is None or (
             wanted is not self.action and self._may_end(t, wanted, distance_from_neighbor)
         ):
@@ -28,7 +31,10 @@ class ActionDwell:
         return self.action
 
     def _may_end(self, t: float, wanted: Action, distance_from_neighbor: float) -> bool:
-        """Tell whether the present action may end: at once if danger begins or has vanished."""
+        """Return whether the present action may end.
+
+        It may at once if Avoid Teammate is to begin, or if it is in force and no teammate is left.
+        """
         if wanted is Action.AVOID_TEAMMATE:
             return True
         if self.action is Action.AVOID_TEAMMATE and distance_from_neighbor == math.inf:

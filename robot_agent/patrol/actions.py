@@ -1,4 +1,4 @@
-"""The five actions of the paper: behaviors in order of priority (eq. 9 to 12)."""
+"""The five actions of the paper: compositions of behaviors by priority (eq. 9 to 12)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from robot_agent.patrol.situation import Situation
 
 
 class Action(StrEnum):
-    """What a robot can be doing; one at a time."""
+    """An action of the patrol; one is in force at a time."""
 
     REACH_FRONTIER = "reach_frontier"
     KEEP_GOING = "keep_going"
@@ -120,7 +120,7 @@ def _reaching(situation: Situation, settings: PatrolSettings) -> Task:
 
 
 def _confined(onward: Task, direction: int, situation: Situation) -> Task:
-    """Cut off a tangential velocity that means nothing: beyond an open end, behind a wall."""
+    """Return the tangential task, with zero velocity beyond an open end or behind a wall."""
     left, right = situation.ends
     leaves = (right if direction > 0 else left) <= 0.0
     if leaves or situation.approach is not None:

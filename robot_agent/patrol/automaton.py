@@ -26,9 +26,9 @@ _GAMMA_HYSTERESIS = 0.1
 
 
 def require_safety_distance(safety_distance: float) -> None:
-    """Refuse a safety distance, m, at which robots would stop for good, as the rule file does.
+    """Raise RulesError for a safety distance, m, below the distance that Avoid Teammate reaches.
 
-    Raises RulesError.
+    Robots would stop there for good. Rule files are checked for the same.
     """
     farthest = _ENCOUNTER_DISTANCE + _HYSTERESIS / 2.0
     if safety_distance < farthest:
@@ -39,45 +39,45 @@ def require_safety_distance(safety_distance: float) -> None:
 
 
 class Automaton:
-    """States are the actions; remembers the present one and since when."""
+    """Finite state automaton whose states are the actions, with a minimum dwell in each."""
 
     def __init__(self, minimum_dwell: float) -> None:
         """minimum_dwell: s an action lasts."""
         self._present = ActionDwell(minimum_dwell)
 
     def choose(self, t: float, inputs: Mapping[str, float]) -> Choice:
-        """Choose the action at t, s, from the crisp inputs of the rule base by name.
+        """Choose the action at t from the crisp inputs of the rule base by name.
 
-        Degrees are 1 for the state called for (for both directions of a robot caught between an
-        end and a teammate) and 0 for the others.
+        Degrees are 1 for the candidate states (both patrol directions for a robot between an end
+        and a teammate) and 0 for the others.
         """
-        called = self._called_for(inputs)
-        degrees = {action: 1.0 if action in called else 0.0 for action in Action}
+        candidates = self._candidates(inputs)
+        degrees = {action: 1.0 if action in candidates else 0.0 for action in Action}
         present = self._present.action
-        wanted = present if present in called else called[0]
-        runner_up = next(a for a in (*called, *Action) if a is not wanted)
+        wanted = present if present in candidates else candidates[0]
+        runner_up = next(a for a in (*candidates, *Action) if a is not wanted)
         winner = self._present.update(t, wanted, inputs["distance_from_neighbor"])
         return Choice(degrees, wanted, runner_up, winner)
 
-    def _called_for(self, inputs: Mapping[str, float]) -> tuple[Action, ...]:
-        """Return the states the inputs call for: one, or both directions of a robot caught."""
+    def _candidates(self, inputs: Mapping[str, float]) -> tuple[Action, ...]:
+        """Return the states to go to: one, or both directions between an end and a teammate."""
         border, neighbor = inputs["distance_from_border"], inputs["distance_from_neighbor"]
-        # 1. Safety first, wherever the robot is.
+        # 1. A teammate within the avoidance distance comes first, wherever the robot is.
         if self._below(neighbor, _AVOID_DISTANCE, Action.AVOID_TEAMMATE):
             return (Action.AVOID_TEAMMATE,)
         # 2. Not at the border: reach it, but not through a teammate.
         if not self._below(border, _BORDER_DISTANCE, *PATROLLING):
             near = self._below(neighbor, _ENCOUNTER_DISTANCE, Action.AVOID_TEAMMATE)
             return (Action.AVOID_TEAMMATE,) if near else (Action.REACH_FRONTIER,)
-        # 3. At the border: turn away from what is met, else keep going.
+        # 3. At the border: turn away from a teammate or an end, else keep going.
         meeting = self._meeting(inputs)
         if meeting and not self._below(border, _ENCOUNTER_BORDER_DISTANCE, *PATROLLING):
-            return (Action.AVOID_TEAMMATE,)  # off the border it gives way
+            return (Action.AVOID_TEAMMATE,)  # off the border this robot gives way
         away = [action for action in (meeting, *self._at_ends(inputs)) if action]
         return tuple(dict.fromkeys(away)) or (Action.KEEP_GOING,)
 
     def _meeting(self, inputs: Mapping[str, float]) -> Action | None:
-        """Return the direction away from a patrolling teammate, if one is met."""
+        """Return the direction away from a patrolling teammate within range; None without one."""
         gamma = inputs["neighbor_state"]
         away = Action.PATROL_CLOCKWISE if gamma < 0.0 else Action.PATROL_COUNTER_CLOCKWISE
         states = (away, Action.AVOID_TEAMMATE)
@@ -95,6 +95,9 @@ class Automaton:
         return [back for end, back in ends.items() if self._below(inputs[end], _END_DISTANCE, back)]
 
     def _below(self, value: float, threshold: float, *states: Action) -> bool:
-        """Compare with a threshold that lies half a hysteresis higher while in one of states."""
+        """Return whether a value is below a threshold, with hysteresis.
+
+        The threshold is half a hysteresis higher while in one of ``states``, else as much lower.
+        """
         margin = _HYSTERESIS / 2.0
         return value < threshold + (margin if self._present.action in states else -margin)

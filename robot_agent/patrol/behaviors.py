@@ -13,21 +13,22 @@ import msgspec
 
 from maps.border import BorderProjection
 
-if TYPE_CHECKING:  # it brings scipy along
+if TYPE_CHECKING:  # importing it takes SciPy
     from maps.approach_field import Approach
 
 CLOCKWISE = 1  # growing abscissa
 COUNTER_CLOCKWISE = -1
 
-_ON_THE_SPOT = 1e-3  # m; nearer than this a direction between two points means nothing
+_COINCIDENT = 1e-3  # m; the direction between points nearer than this is undefined
 
 Vector = tuple[float, float]
 
 
 class Task(msgspec.Struct, frozen=True):
-    """What one behavior asks for.
+    """Task of one behavior.
 
-    velocity: n components; jacobian: m rows of n, the directions it claims.
+    velocity: n components, m/s in the map frame; jacobian: m rows of n, the directions in which
+    the task fixes the velocity.
     """
 
     velocity: Sequence[float]
@@ -35,9 +36,9 @@ class Task(msgspec.Struct, frozen=True):
 
 
 def reach_around_walls(approach: Approach, *, gain: float, speed_limit: float) -> Task:
-    """Follow the way to a border that a wall hides: eq. 6 along the way instead of the straight.
+    """Follow the shortest path round walls to the border: eq. 6 along that path.
 
-    Its distance is that along the way and r_rf the way's direction, which the Jacobian claims.
+    The distance of eq. 6 is the path's length and r_rf its first direction, which is the Jacobian.
     """
     dx, dy = approach.direction
     speed = min(gain * approach.distance, speed_limit)
@@ -47,14 +48,15 @@ def reach_around_walls(approach: Approach, *, gain: float, speed_limit: float) -
 def reach_frontier(
     position: Vector, foot: BorderProjection, *, gain: float, speed_limit: float, beyond_end: bool
 ) -> Task:
-    """Go straight to the border (eq. 6), at gain * distance up to speed_limit.
+    """Drive straight to the border (eq. 6), at gain * distance up to speed_limit.
 
-    foot: projection of the position. On the border itself r_rf is the border's normal; so is the
-    Jacobian of a robot beyond_end of an open border, which leaves the way back along it free.
+    foot: projection of the position on the border. On the border itself r_rf is the border's
+    normal. beyond_end: the robot is past the end of an open border; the Jacobian is the normal
+    then, so that tasks of lower priority may move it back along the tangent.
     """
     away = (position[0] - foot.x, position[1] - foot.y)
     distance = math.hypot(*away)
-    if distance < _ON_THE_SPOT:
+    if distance < _COINCIDENT:
         away, distance = foot.normal, 0.0
     else:
         away = (away[0] / distance, away[1] / distance)
@@ -64,12 +66,12 @@ def reach_frontier(
 
 
 def patrol_clockwise(foot: BorderProjection, *, speed: float) -> Task:
-    """Follow the border clockwise, that is towards growing abscissa (eq. 7)."""
+    """Follow the border clockwise, towards increasing abscissa (eq. 7), at speed m/s."""
     return patrol_onward(foot, CLOCKWISE, speed=speed)
 
 
 def patrol_counter_clockwise(foot: BorderProjection, *, speed: float) -> Task:
-    """Follow the border counter-clockwise, towards falling abscissa."""
+    """Follow the border counter-clockwise, towards decreasing abscissa, at speed m/s."""
     return patrol_onward(foot, COUNTER_CLOCKWISE, speed=speed)
 
 
@@ -91,11 +93,11 @@ def teammate_avoidance(
 ) -> Task:
     """Move away from a teammate nearer than safety_distance (eq. 8), up to speed_limit.
 
-    Beyond that distance it asks for nothing; eq. 8 would pull the robot back. fallback: unit
-    vector to leave along when both stand on one spot.
+    Beyond that distance the velocity is zero, where eq. 8 would attract. fallback: unit vector to
+    leave along when both positions coincide.
     """
     away = (position[0] - teammate[0], position[1] - teammate[1])
     distance = math.hypot(*away)
-    away = fallback if distance < _ON_THE_SPOT else (away[0] / distance, away[1] / distance)
+    away = fallback if distance < _COINCIDENT else (away[0] / distance, away[1] / distance)
     speed = min(max(gain * (safety_distance - distance), 0.0), speed_limit)
     return Task((speed * away[0], speed * away[1]), (away,))

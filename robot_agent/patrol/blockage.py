@@ -1,6 +1,6 @@
-"""An object on the border that is no teammate: after a while the robot stops waiting for it.
+"""Modifier ``blockage``: turn back before an object on the border that is no teammate.
 
-Not in the paper, whose border is free.
+Not in the paper, which has no obstacles on the border.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from robot_agent.patrol.situation import Situation
 from robot_agent.patrol.supervisor import Choice
 from robot_agent.patrol.turn_log import TurnCause
 
-_PATIENCE = 10.0  # s an object may hold the robot before it turns back
-_MOVED = 0.15  # m; a robot that got so far is not held at one place
-_PAUSE = 1.0  # s without being held that end it; the gate's noise is shorter
-_TEAMMATE_NEAR = 1.0  # m; a teammate so near may be the object, and is waited for
+_TIMEOUT = 10.0  # s an object may hold the robot before it turns back
+_MOVED = 0.15  # m; a robot that has moved farther is not held at one place
+_PAUSE = 1.0  # s without being held that reset the timeout; the gate flickers for less
+_TEAMMATE_NEAR = 1.0  # m; a teammate within this distance may be the object: wait
 
 
 class Blockage:
-    """Turns a robot that an object has held at one place for long."""
+    """Turns the robot back once an object has held it at one place for the timeout."""
 
     def __init__(self) -> None:
         self._held = HeldAtPlace(_MOVED, _PAUSE)
@@ -30,13 +30,13 @@ class Blockage:
         choice: Choice,  # noqa: ARG002 - waits whatever the rules choose
         action: Action,  # noqa: ARG002
     ) -> Override | None:
-        """Turn back once the patience is at an end, then wait anew."""
+        """Return a turn once the timeout has passed (it then starts again), else None."""
         if situation.neighbor.distance < _TEAMMATE_NEAR:
             self._held.forget()
             return None
         if not situation.held:
             return None
-        if self._held.update(situation.t, situation.position) < _PATIENCE:
+        if self._held.update(situation.t, situation.position) < _TIMEOUT:
             return None
         self._held.forget()
         return Override(OverrideReason.BLOCKAGE, turn=TurnCause.BLOCKAGE)

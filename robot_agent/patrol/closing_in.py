@@ -1,10 +1,10 @@
-"""Where robots always turn at each other nobody drives: now and then one comes closer there.
+"""Modifier ``closing_in``: vary the places at which robots turn back before each other.
 
-Not in the paper, whose robots turn back 1.9 m before each other and, equally fast, do so at the
-same places again: among many, most of all among wrecks, the gaps between stay undriven for good.
-A robot that teammates sent back at one place time after time stands for a moment, as chance has
-it, so that they no longer turn in step, and tosses a coin. On heads it comes on slowly next time,
-and turns closer to them: the rules are asked with a larger distance than there is.
+Not in the paper, whose robots turn back 1.9 m before each other. At equal speeds they do so at the
+same places every time, and with many robots, or with wrecks, the stretches between these places
+are never patrolled. A robot that teammates have turned back repeatedly at one place stops for a
+random time, which breaks the synchronization, and with some probability approaches slowly the next
+time and turns back closer to the teammate: the rules are evaluated with an enlarged distance.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ from robot_agent.patrol.situation import Situation
 from robot_agent.patrol.supervisor import ActionChooser, Choice
 from robot_agent.patrol.turn_log import TurnCause, TurnLog
 
-_TIMES = 3  # turns at one place before chance is asked
+_TIMES = 3  # turns at one place that trigger the modifier
 _ONE_PLACE = 0.5  # m of abscissa
-_PROBABILITY = 0.5  # of coming closer the next time
+_PROBABILITY = 0.5  # of approaching closer the next time
 _LONGEST_WAIT = 4.0  # s
 _SPEED = 0.2  # m/s
-_SLOW_FROM = 2.4  # m from a teammate; two that close in at 0.2 m/s stand 1.15 m apart in the end
-CLOSEST = 1.4  # m from a teammate, where one that closes in turns
-# Distances, m, and what the rules are told instead. They avoid from 1.1 m and turn from 1.9 m on.
-_IS = (0.0, 1.1, CLOSEST, _SLOW_FROM)
-_TOLD = (0.0, 1.1, 1.9, _SLOW_FROM)
+_SLOW_FROM = 2.4  # m from a teammate; two robots that close in at 0.2 m/s end 1.15 m apart
+CLOSEST = 1.4  # m from a teammate at which a robot that closes in turns back
+# Distances, m, and those put into the rules instead, which avoid from 1.1 m and turn from 1.9 m on.
+_MEASURED = (0.0, 1.1, CLOSEST, _SLOW_FROM)
+_ENLARGED = (0.0, 1.1, 1.9, _SLOW_FROM)
 
 
 class ClosingIn:
-    """Lets a robot turn closer to teammates that sent it back thrice at one place.
+    """Moves the turning point closer to a teammate after three turns at one place.
 
-    The rules are asked a second time, with the distance changed; ``rules`` must be a chooser of
-    its own, as it remembers its action.
+    ``rules`` is evaluated with the enlarged distance. It must be a separate instance, as a chooser
+    keeps state (its action).
     """
 
     def __init__(
@@ -53,50 +53,62 @@ class ClosingIn:
         self._turns = turns
         self._rng = rng
         self._probability = probability
-        self._closes_in = {-1: False, 1: False}  # by direction of patrol
-        self._waits_until = -math.inf  # s
+        self._closing_in = {-1: False, 1: False}  # by direction of patrol
+        self._wait_until = -math.inf
 
     def propose(
         self,
         situation: Situation,
         choice: Choice,
-        action: Action,  # noqa: ARG002 - the rules as told decide
+        action: Action,  # noqa: ARG002 - replaced by the winner of the rules evaluated here
     ) -> Override | None:
-        """Stand for a moment after such a turn; come on slowly the next time."""
-        told = self._told(situation.neighbor, situation.direction)
-        winner = self._rules.choose(situation.t, situation.inputs(told)).winner
-        self._notice_turn(situation, winner)
-        if situation.t < self._waits_until and winner is not Action.AVOID_TEAMMATE:
+        """Return a stop during the random wait, a speed limit while closing in, else None."""
+        view = self._view_for_rules(situation.neighbor, situation.direction)
+        winner = self._rules.choose(situation.t, situation.inputs(view)).winner
+        self._on_turn(situation, winner)
+        if situation.t < self._wait_until and winner is not Action.AVOID_TEAMMATE:
             return Override(OverrideReason.WAIT, winner, speed_limit=0.0)
-        if told is not situation.neighbor:
+        if view is not situation.neighbor:
             return Override(OverrideReason.CLOSING_IN, winner, speed_limit=_SPEED)
-        if winner is not choice.winner:  # an action lasts its minimum time
+        if winner is not choice.winner:  # its action is still within its minimum dwell
             return Override(OverrideReason.CLOSING_IN, winner)
         return None
 
-    def _told(self, neighbor: NeighborView, direction: int | None) -> NeighborView:
-        """Return the view of the closest teammate to ask the rules with; itself if unchanged."""
+    def _view_for_rules(self, neighbor: NeighborView, direction: int | None) -> NeighborView:
+        """Return the view of the closest teammate to put into the rules.
+
+        It is ``neighbor`` itself (the same object) unless the robot closes in on a teammate ahead.
+        """
         if neighbor.distance >= _SLOW_FROM or direction is None:
             return neighbor
         ahead = neighbor.gamma * direction > 0.0
-        if not (ahead and self._closes_in[direction]):
+        if not (ahead and self._closing_in[direction]):
             return neighbor
-        return NeighborView(float(np.interp(neighbor.distance, _IS, _TOLD)), neighbor.gamma)
+        return NeighborView(
+            float(np.interp(neighbor.distance, _MEASURED, _ENLARGED)), neighbor.gamma
+        )
 
-    def _notice_turn(self, situation: Situation, winner: Action) -> None:
-        """Ask chance when a teammate ahead turns the robot in this step, where it often did."""
+    def _on_turn(self, situation: Situation, winner: Action) -> None:
+        """If a teammate ahead turns the robot in this step, draw whether to close in, and a wait.
+
+        Draws only at the third such turn in a row at one place, or a later one.
+        """
         direction = situation.direction
         if direction is None or PATROL_DIRECTION.get(winner) != -direction:
             return
         if situation.neighbor.gamma * direction <= 0.0:
             return
-        again = self._times_sent_back(situation.foot.abscissa, -direction) >= _TIMES
-        self._closes_in[direction] = again and float(self._rng.random()) < self._probability
+        again = self._turns_at_place(situation.foot.abscissa, -direction) >= _TIMES
+        self._closing_in[direction] = again and float(self._rng.random()) < self._probability
         if again:
-            self._waits_until = situation.t + float(self._rng.uniform(0.0, _LONGEST_WAIT))
+            self._wait_until = situation.t + float(self._rng.uniform(0.0, _LONGEST_WAIT))
 
-    def _times_sent_back(self, abscissa: float, to: int) -> int:
-        """Return how often in a row, with now, teammates turned it to a direction hereabouts."""
+    def _turns_at_place(self, abscissa: float, to: int) -> int:
+        """Return the number of turns in a row to a direction caused by teammates near an abscissa.
+
+        abscissa: m. The turn of this step, not in the log yet, counts; the result is at most the
+        number that triggers the modifier.
+        """
         times = 1
         for turn in self._turns.latest_first(TurnCause.TEAMMATE, to):
             if abs(self._border.difference(turn.abscissa, abscissa)) > _ONE_PLACE:

@@ -1,4 +1,4 @@
-"""A robot caught between an end of an open border and a teammate, and its way out."""
+"""A robot between an end of an open border and a teammate: detection, and ``hold_at_end``."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ _OTHERS = (Action.KEEP_GOING, Action.REACH_FRONTIER, Action.AVOID_TEAMMATE)
 
 
 def way_out(situation: Situation, choice: Choice) -> Action | None:
-    """Return the patrol that leads away from the nearer end, of a robot caught there; else None.
+    """Return the patrol action that leads away from the nearer end; None unless caught there.
 
-    Caught: the end and a teammate call for both directions at once.
+    Caught: end and teammate activate both patrol directions at once, above all other actions.
     """
     left, right = situation.ends
     if left == math.inf:
@@ -28,18 +28,18 @@ def way_out(situation: Situation, choice: Choice) -> Action | None:
 
 
 class HoldAtEnd:
-    """Stands while both directions are called for, rather than turn to and fro.
+    """Modifier ``hold_at_end``: stops the robot while both directions are activated at once.
 
-    Not in the paper, whose arbiter would take either.
+    Not in the paper, whose arbiter would select either, so that the robot would turn to and fro.
     """
 
     def propose(
         self,
         situation: Situation,
         choice: Choice,
-        action: Action,  # noqa: ARG002 - stands in whatever is in force
+        action: Action,  # noqa: ARG002 - stops whatever the action in force
     ) -> Override | None:
-        """Stand while caught."""
+        """Return a stop while caught, else None."""
         if way_out(situation, choice) is None:
             return None
         return Override(OverrideReason.HOLD_AT_END, speed_limit=0.0)

@@ -84,7 +84,7 @@ class MamdaniSystem:
             (tuple(inside[key] for key in rule.when), tuple(outside[key] for key in rule.then))
             for rule in rules
         ]
-        self._live_rules: list[_NumberedRule] | None = None  # that hold to a degree; not known yet
+        self._live_rules: list[_NumberedRule] | None = None  # of nonzero degree; None: outdated
         self._output_sets = len(outside)
         named: dict[tuple[Trapezoid, ...], list[tuple[str, int, int]]] = {}  # of equal sets
         first = 0
@@ -100,8 +100,8 @@ class MamdaniSystem:
     def evaluate(self, values: Mapping[str, float]) -> Mapping[str, float]:
         """Return the centroid of every output, for a value of every input (may be infinite).
 
-        An output about which no rule says anything is 0. While no degree changes (a robot alone
-        on its border) the very same mapping is returned.
+        An output that no active rule names is 0. While no degree changes (a robot alone on its
+        border) the same mapping object is returned. Raises KeyError if an input is missing.
         """
         changed = False
         for name, first, sets in self._input_sets:
@@ -120,7 +120,7 @@ class MamdaniSystem:
         return self._last
 
     def _set_strengths(self, degrees: Sequence[float]) -> list[float]:
-        """Greatest degree (output sets,) to which a rule that names the output set holds."""
+        """Return (output sets,) the greatest degree of a rule that names the output set."""
         if self._live_rules is None:
             self._live_rules = [
                 (when, then) for when, then in self._rules if all(degrees[index] for index in when)
@@ -138,7 +138,7 @@ class MamdaniSystem:
         return strengths
 
     def _levels(self, strengths: Sequence[float]) -> dict[str, float]:
-        """Centroid of each output; most outputs share their strengths with another."""
+        """Return the centroid of each output; equal strengths are evaluated once."""
         levels: dict[str, float] = {}
         for centroid, outputs in self._outputs:
             found: dict[tuple[float, ...], float] = {}

@@ -1,4 +1,4 @@
-"""How long a robot has been held at one place."""
+"""Timer of how long a robot has been held at one place."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import math
 
 
 class HeldAtPlace:
-    """Counts the time a robot has got no farther than a radius from where it was first held."""
+    """Measures for how long a robot has stayed within a radius of where it was first held."""
 
     def __init__(self, radius: float, pause: float = math.inf) -> None:
-        """radius: m. pause: s without an update after which the count starts anew."""
+        """radius: m. pause: s without an update after which the timer starts again."""
         self._radius = radius
         self._pause = pause
         self._place = (math.inf, math.inf)
@@ -17,7 +17,7 @@ class HeldAtPlace:
         self._latest = -math.inf
 
     def update(self, t: float, position: tuple[float, float]) -> float:
-        """Return how long, s, the robot has been held at t, s, at a position, m in the map."""
+        """Return for how long, s, the robot has been held, at t and a position, m, map frame."""
         moved = math.dist(position, self._place) > self._radius
         if moved or t - self._latest > self._pause:
             self.restart(t, position)
@@ -25,9 +25,9 @@ class HeldAtPlace:
         return t - self._since
 
     def restart(self, t: float, position: tuple[float, float]) -> None:
-        """Count from t, s, which may lie ahead, at a position."""
+        """Start the timer at t, which may lie in the future, at a position, m, map frame."""
         self._since, self._place = t, position
 
     def forget(self) -> None:
-        """Start anew at the next update."""
+        """Reset: the timer starts at the next update."""
         self._place = (math.inf, math.inf)

@@ -1,7 +1,8 @@
-"""Modifiers: what may be put in place of the paper's choice, each by one small class.
+"""Modifiers: optional changes of the paper's choice, one small class each.
 
-Every modifier proposes at most one override a step. They are asked from the last of the list to
-the first, each told the action in force below it; the first in the list that proposes one wins.
+Every modifier proposes at most one override a step. They are evaluated from the last in the list
+to the first, each with the action that results from those after it; the first in the list that
+proposes one wins.
 """
 
 from __future__ import annotations
@@ -18,21 +19,22 @@ from robot_agent.patrol.turn_log import TurnCause
 
 
 class OverrideReason(StrEnum):
-    """Why a step did not go by the paper's choice alone."""
+    """Why a step differs from the paper's choice."""
 
-    STANDOFF = "standoff"  # kept from its way for long, it insists on it
+    STANDOFF = "standoff"  # held back for long: takes the way to the border, along it, or out
     HOLD_AT_END = "hold_at_end"  # stands, caught between an end and a teammate
-    BLOCKAGE = "blockage"  # gave up waiting for an object on its way
-    WAIT = "wait"  # stands for a moment, not to turn in step with the others
-    CLOSING_IN = "closing_in"  # comes on slowly past the place where it always turned
-    EVEN_GAPS = "even_gaps"  # turns, or does not turn by chance, to space the team evenly
+    BLOCKAGE = "blockage"  # turns back after waiting for an object on its way
+    WAIT = "wait"  # stands for a random time, to break the synchronization of turns
+    CLOSING_IN = "closing_in"  # drives slowly past the place where it turned repeatedly
+    EVEN_GAPS = "even_gaps"  # turns, or skips a random reversal, to space the team evenly
 
 
 class Override(msgspec.Struct, frozen=True):
-    """What takes the place of the paper's choice for one step.
+    """Replacement of parts of the paper's choice for one step.
 
-    action: None leaves it. turn: a cause turns a robot that keeps going; ``may_turn`` False keeps
-    the random reversal from turning it. speed_limit: of patrol, m/s; 0 stands, None leaves it.
+    action: None keeps the paper's. turn: a cause turns the robot back if its action is Keep Going;
+    None does not. may_turn: False suppresses the random reversal. speed_limit: of patrol, m/s; 0
+    stops the robot, None sets no limit.
     """
 
     reason: OverrideReason
@@ -43,10 +45,11 @@ class Override(msgspec.Struct, frozen=True):
 
 
 class Modifier(Protocol):
-    """One thing beyond the paper."""
+    """A change of the paper's choice beyond the paper."""
 
     def propose(self, situation: Situation, choice: Choice, action: Action) -> Override | None:
-        """Return an override of this step, or None.
+        """Return an override of this step, or None to change nothing.
 
-        choice: the paper's, as it is. action: in force so far, by modifiers later in the list.
+        choice: the paper's, unchanged. action: the one that modifiers later in the list lead to.
+        Called in every step, so that a modifier can keep state.
         """

@@ -1,4 +1,4 @@
-"""How the closest teammate stands to the border and to this robot: eq. 13 and its corrections.
+"""Neighbor state: the closest teammate relative to border and robot (eq. 13, corrected).
 
 Corrections: the third case of eq. 13 is lambda, not 1; abscissae are compared round the seam of a
 closed border; at equal abscissa the last side is kept; and a teammate near in space but far along
@@ -19,7 +19,7 @@ _SAME_PLACE = 0.05  # m of abscissa within which left and right keep their last 
 # on another stretch.
 _DETOUR_RATIO = 1.6
 _DETOUR_ALLOWANCE = 1.0  # m
-LEFT, RIGHT = -1, 1  # lambda of eq. 13: lower or higher abscissa; a guard looks outwards
+LEFT, RIGHT = -1, 1  # lambda of eq. 13: lower or higher abscissa, seen by a robot facing outwards
 
 
 class NeighborView(msgspec.Struct, frozen=True):
@@ -29,11 +29,11 @@ class NeighborView(msgspec.Struct, frozen=True):
     gamma: float
 
 
-NOBODY = NeighborView(math.inf, 0.0)
+NO_NEIGHBOR = NeighborView(math.inf, 0.0)
 
 
 class NeighborState:
-    """Judges the closest teammate; remembers on which side it was last."""
+    """Computes the view of the closest teammate; keeps the side it was last on."""
 
     def __init__(self, settings: PatrolSettings, border: Border) -> None:
         self._settings = settings
@@ -46,10 +46,13 @@ class NeighborState:
         foot: BorderProjection,
         teammate: tuple[float, float] | None,
     ) -> NeighborView:
-        """Return the view of a teammate (x, y) or None from a position with its projection."""
+        """Return the view of a teammate from a position; NO_NEIGHBOR if the teammate is None.
+
+        position, teammate: (x, y), m, map frame. foot: projection of the position on the border.
+        """
         if teammate is None:
             self._side = None
-            return NOBODY
+            return NO_NEIGHBOR
         distance = math.dist(position, teammate)
         from_border, abscissa = self._border.nearest(*teammate)
         delta = self._border.difference(abscissa, foot.abscissa)
@@ -69,5 +72,5 @@ class NeighborState:
         if self._side is not None:
             return self._side
         other = self._border.project(*teammate)
-        # Of two robots at one place the outer one (left of a clockwise tangent) goes clockwise.
+        # Of two robots at one abscissa the outer one (left of a clockwise tangent) goes clockwise.
         return LEFT if own.side * own.distance > other.side * other.distance else RIGHT

@@ -1,7 +1,7 @@
-"""Null-space-based composition of any number of tasks, first the most important (eq. 4, 5).
+"""Null-space-based composition of any number of tasks, by descending priority (eq. 4, 5).
 
-Plain numbers: for the two or three dimensions of a robot this is several times faster than arrays,
-and two, the usual case, are written out, the same to the last bit.
+Computed in plain Python numbers: for two or three dimensions several times faster than arrays. The
+usual case of two is written out, with bit-identical results.
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ Numbers = Sequence[float]
 def compose(tasks: Sequence[Task], speed_limit: float = math.inf) -> tuple[float, ...]:
     """Return v = v1 + N1 v2 + N12 v3 + ..., n components, no faster than speed_limit.
 
-    N12... projects on the null space of the Jacobians of all tasks before, so a task never
-    changes the velocity of a more important one. The limit is dealt out in the same order: each
-    projected task is scaled to what those before it have left, which keeps its direction.
+    tasks: by descending priority; velocities of n components each, m/s. N12... projects on the
+    null space of the Jacobians of all tasks before, so a task never changes the velocity of one of
+    higher priority. speed_limit, m/s, is allotted in the same order: each projected task is scaled
+    to what those before it leave, which keeps its direction.
     """
     velocity: Numbers = (0.0,) * len(tasks[0].velocity)
     claimed: list[Numbers] = []  # directions of the tasks so far, orthonormal
@@ -57,16 +58,16 @@ def _divided(a: Numbers, divisor: float) -> Numbers:
 
 
 def _projected(vector: Numbers, claimed: Sequence[Numbers]) -> Numbers:
-    """Return what of a vector lies along none of the claimed directions."""
+    """Return the component of a vector orthogonal to all claimed directions (orthonormal)."""
     for direction in claimed:
         vector = _sum(vector, -_dot(vector, direction), direction)
     return vector
 
 
 def _share_within(velocity: Numbers, part: Numbers, limit: float) -> float:
-    """Largest share k in 0..1 with norm(velocity + k part) <= limit."""
+    """Return the largest share k in 0..1 with norm(velocity + k part) <= limit."""
     a = _dot(part, part)
-    if a == 0.0:  # so short that its square vanishes
+    if a == 0.0:  # the square underflows
         return 1.0
     b, c = _dot(velocity, part), _dot(velocity, velocity) - limit**2
     if a + 2.0 * b + c <= 0.0:
@@ -80,6 +81,6 @@ def _claim(jacobian: Sequence[Numbers], claimed: list[Numbers]) -> None:
         free = _projected(row, claimed)
         length = math.sqrt(_dot(free, free))
         if length > _DEPENDENT:
-            # Once more: what cancellation left of the claimed directions would be scaled up.
+            # Project again: the division scales up the rounding error along claimed directions.
             free = _projected(_divided(free, length), claimed)
             claimed.append(_divided(free, math.sqrt(_dot(free, free))))

@@ -1,7 +1,7 @@
-"""One robot's patrol: pose and closest teammate in, action and velocity out.
+"""The patrol of one robot: from pose and closest teammate to action and velocity.
 
-Each step has the same parts: the situation, looked up once; the paper's choice; at most one
-override by a modifier; at most one turn; the velocity of the action.
+Each step computes in order: the situation; the paper's choice; at most one override by a modifier;
+at most one turn; the velocity of the action.
 """
 
 from __future__ import annotations
@@ -50,10 +50,10 @@ _REVERSAL_END_DISTANCE = 0.8  # m from an end of an open border without random r
 
 
 class PatrolDecision(msgspec.Struct, frozen=True):
-    """Everything about one decision, in the map frame, SI units.
+    """Result of one patrol step with its intermediate values; map frame, SI units.
 
-    Distances that do not exist (nobody seen, a border without ends, no way to the border) are
-    infinite.
+    Distances that do not exist (no teammate in range, a closed border's ends, no path to the
+    border) are infinite.
     """
 
     t: float
@@ -63,26 +63,26 @@ class PatrolDecision(msgspec.Struct, frozen=True):
     degrees: Mapping[Action, float]
     direction: int  # +1 clockwise, -1 counter-clockwise
     velocity: tuple[float, float]  # m/s
-    distance_from_border: float  # straight
-    way_to_border: float  # round walls; the same as the straight one in sight of the border
+    distance_from_border: float  # in a straight line
+    way_to_border: float  # path length round walls; the straight distance where none is between
     distance_from_neighbor: float
     gamma: float  # neighbor state, eq. 13
     distance_from_left_end: float
     distance_from_right_end: float
     abscissa: float
     tangent: tuple[float, float]  # unit vector along +s at the border's nearest point
-    curvature: float  # 1/m of the way ahead in the direction of patrol, + turns left; 0 off it
-    override: OverrideReason | None  # why the step is not the paper's choice alone
-    turn: TurnCause | None  # why the robot turned back in this step
+    curvature: float  # 1/m of the border ahead in the direction of patrol, + left; else 0
+    override: OverrideReason | None  # None: the paper's choice alone
+    turn: TurnCause | None  # cause if the robot turned back in this step, else None
 
     @property
     def blocked(self) -> bool:
-        """Whether it gave up waiting for an object on its way, just now."""
+        """Whether the robot turns back before an object in this step."""
         return self.override is OverrideReason.BLOCKAGE
 
     @property
     def holding(self) -> bool:
-        """Whether it stands still, caught at an end or for a moment in a crowd."""
+        """Whether the robot stands, caught at an end or in the random wait of closing_in."""
         return self.override in (OverrideReason.HOLD_AT_END, OverrideReason.WAIT)
 
 
@@ -96,9 +96,10 @@ class Patrol:
         rng: np.random.Generator,
         approach_field: ApproachField | None = None,
     ) -> None:
-        """Load the rules; without an approach_field there are no walls.
+        """Load the rules; without an approach_field no walls are taken into account.
 
-        Raises RulesError, and BorderError for a border that turns tighter than robots can follow.
+        rng: for random reversals and modifiers. Raises RulesError for an unusable rule file, and
+        BorderError for a border that turns tighter than settings.turning_radius.
         """
         border.require_radius(settings.turning_radius)
         self._settings = settings
@@ -116,9 +117,9 @@ class Patrol:
         self._turns = TurnLog()
         modifiers = _make_modifiers(settings, border, make_chooser, self._turns, rng)
         self._last_to_first = tuple(reversed(modifiers))
-        self._slower: dict[float, PatrolSettings] = {}
-        self._abscissa: float | None = None
-        self._direction: int | None = None  # of the last patrol; none before the first
+        self._slower: dict[float, PatrolSettings] = {}  # by speed limit, m/s
+        self._abscissa: float | None = None  # of the last step, m
+        self._direction: int | None = None  # of the last patrol; None before the first
 
     def step(
         self,
@@ -128,16 +129,17 @@ class Patrol:
         *,
         held: bool = False,
     ) -> PatrolDecision:
-        """Decide at t, s, from map_from_base and the closest teammate (x, y) in the map, if any.
+        """Return the decision at t. Changes the patrol's state: call it once per control step.
 
-        held: an obstacle kept the robot from driving since the last step.
+        pose: map_from_base. teammate: (x, y) of the closest one, m, map frame; None if none is in
+        range. held: an obstacle kept the robot from driving since the last step.
         """
-        # 1. The situation, once.
+        # 1. The situation.
         situation = self._look_up(t, pose, teammate, held=held)
         neighbor, foot, ends = situation.neighbor, situation.foot, situation.ends
         # 2. The paper's choice: rules and arbiter.
         choice = self._supervisor.choose(t, situation.inputs(neighbor))
-        # 3. At most one override; the first modifier that has one wins.
+        # 3. At most one override, by the first modifier in the list that proposes one.
         override, action = self._modify(situation, choice)
         # 4. The direction, with at most one turn.
         direction, turn = self._turn(situation, action, override)
@@ -198,10 +200,10 @@ class Patrol:
     # ---- 3. override --------------------------------------------------------------------------
 
     def _modify(self, situation: Situation, choice: Choice) -> tuple[Override | None, Action]:
-        """Return the override of this step, if any, and the action in force.
+        """Return the override of this step, None if there is none, and the action in force.
 
-        All modifiers are asked, as they follow what happens; each is told what those after it in
-        the list have made of the choice.
+        All modifiers are called, as they keep state; each gets the action that results from those
+        after it in the list.
         """
         override, action = None, choice.winner
         for modifier in self._last_to_first:
@@ -216,10 +218,10 @@ class Patrol:
     def _turn(
         self, situation: Situation, action: Action, override: Override | None
     ) -> tuple[int, TurnCause | None]:
-        """Return the direction of patrol and why the robot turned back, None if it did not.
+        """Return the direction of patrol and the cause of a turn, None if there is no turn.
 
-        The direction is that of the last Patrol CW or CCW, at first that of the heading; only a
-        robot that keeps going turns by its own choice.
+        The direction is that of the last Patrol CW or CCW, at first that of the heading. Reversals
+        by chance or by a modifier happen only during Keep Going.
         """
         before = situation.direction
         chosen = self._chosen_turn(situation, action, override)
@@ -239,9 +241,9 @@ class Patrol:
     def _chosen_turn(
         self, situation: Situation, action: Action, override: Override | None
     ) -> TurnCause | None:
-        """Return why a robot that keeps going turns: a modifier, or the paper's chance."""
+        """Return the cause of a reversal during Keep Going: a modifier, or chance; None if none."""
         keeps_going = action is Action.KEEP_GOING and situation.direction is not None
-        asked = None if override is None else override.turn
+        proposed = None if override is None else override.turn
         by_chance = self._reversal.due(
             situation.t,
             permitted=keeps_going
@@ -250,10 +252,10 @@ class Patrol:
         )
         if not keeps_going:
             return None
-        return asked or (TurnCause.CHANCE if by_chance else None)
+        return proposed or (TurnCause.CHANCE if by_chance else None)
 
     def _first_direction(self, situation: Situation, action: Action) -> int:
-        """Return the direction the robot faces, and keep it once it keeps going."""
+        """Return the direction nearest the heading; store it if the action is Keep Going."""
         tx, ty = situation.foot.tangent
         ahead = tx * math.cos(situation.theta) + ty * math.sin(situation.theta) >= 0.0
         direction = CLOCKWISE if ahead else COUNTER_CLOCKWISE
@@ -273,7 +275,7 @@ class Patrol:
         return action_velocity(action, situation, direction, settings)
 
     def _slowed_to(self, speed: float) -> PatrolSettings:
-        """Return the settings with a limit, m/s, on the speed of patrol."""
+        """Return the settings with patrol_speed limited to a speed, m/s."""
         if speed not in self._slower:
             patrol_speed = min(self._settings.patrol_speed, speed)
             self._slower[speed] = msgspec.structs.replace(self._settings, patrol_speed=patrol_speed)
@@ -287,7 +289,7 @@ def _make_modifiers(
     turns: TurnLog,
     rng: np.random.Generator,
 ) -> list[Modifier]:
-    """Return the modifiers the settings name, in their order."""
+    """Return the modifiers that the settings name, in that order."""
     makers: dict[str, Callable[[], Modifier]] = {
         STANDOFF: Standoff,
         HOLD_AT_END: HoldAtEnd,
@@ -297,12 +299,12 @@ def _make_modifiers(
     }
     names = [name for name in settings.modifiers if name in makers]
     if not border.closed:
-        names = [name for name in names if name != EVEN_GAPS]  # there is no way round
+        names = [name for name in names if name != EVEN_GAPS]  # an open border has no way round
     return [makers[name]() for name in names]
 
 
 def _choosers(settings: PatrolSettings, border: Border) -> Callable[[], ActionChooser]:
-    """Return what makes choosers by the settings; each remembers its own action.
+    """Return a factory of choosers by the settings; each one keeps its own state.
 
     Raises RulesError.
     """

@@ -1,4 +1,4 @@
-"""The random reversal of Keep Going, which makes a patrol less predictable."""
+"""Random reversal during Keep Going, which makes a patrol less predictable."""
 
 from __future__ import annotations
 
@@ -10,12 +10,11 @@ Distribution = Literal["fixed", "uniform", "exponential"]
 
 
 class RandomReversal:
-    """Now and then, with some probability, asks a robot that keeps going to turn back.
+    """Schedules times at which to turn back, each with some probability.
 
-    The times between lie a period, s, apart (fixed, as in the paper), between 0 and two periods
-    (uniform), or as far as chance has it (exponential: nobody can tell how soon the next will
-    be); the mean is the period. The first comes after a random part of one, so that a team is
-    not in step.
+    The intervals between them are one period, s (fixed, as in the paper), uniform between 0 and
+    two periods, or exponential (memoryless, so that the next time cannot be predicted); the mean
+    is the period. The first interval is a random part of one, so that a team is not synchronized.
     """
 
     def __init__(
@@ -32,17 +31,17 @@ class RandomReversal:
         self._next: float | None = None
 
     def due(self, t: float, *, permitted: bool) -> bool:
-        """Tell whether to turn back at t, s. A time that passes while not permitted is lost."""
+        """Return whether to turn back at t. A scheduled time that passes unpermitted is lost."""
         if self._next is None:
             self._next = t + float(self._rng.uniform(0.0, self._period))
         if t < self._next:
             return False
         while self._next <= t:
-            self._next += self._pause()
+            self._next += self._interval()
         return permitted and float(self._rng.random()) < self._probability
 
-    def _pause(self) -> float:
-        """Draw the time to the next one, s."""
+    def _interval(self) -> float:
+        """Draw the time from one scheduled time to the next, s."""
         match self._distribution:
             case "fixed":
                 return self._period

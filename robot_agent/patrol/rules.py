@@ -1,9 +1,9 @@
-"""The rule file: fuzzy sets and the paper's Table I in TOML, checked and made a fuzzy system.
+"""The rule file: fuzzy sets and the paper's Table I in TOML, checked and built into a fuzzy system.
 
-A set is what scikit-fuzzy's membership functions make of its break points; it is evaluated exactly
-by ``fuzzy.Trapezoid``, and a file on which the two differ is refused. Of skfuzzy its submodule
-``membership`` is imported. That takes 0.25 MB and 4 ms in an agent, which has loaded the SciPy that
-skfuzzy's package imports for other ends (34 MB and 0.45 s where nothing else has).
+A set is defined by scikit-fuzzy's membership functions of its break points. It is evaluated exactly
+by ``fuzzy.Trapezoid``; a file on which the two differ is refused. Only the submodule ``membership``
+of skfuzzy is imported. In an agent, which needs SciPy anyway, that takes 0.25 MB and 4 ms (34 MB
+and 0.45 s where SciPy is not loaded yet).
 """
 
 from __future__ import annotations
@@ -58,13 +58,13 @@ _Levels = dict[Action, str]  # the outputs a cell names, the others are low
 
 
 class RulesError(ValueError):
-    """A rule file that cannot be used; one line naming file, place and remedy."""
+    """An unusable rule file; the message is one line that names file, place and remedy."""
 
 
 def check_rules(path: Path, *, safety_distance: float) -> None:
     """Check a rule file in every reading it has, for closed and open borders.
 
-    Raises RulesError.
+    safety_distance: d_s, m. Raises RulesError.
     """
     file = _RuleFile(path)
     for reading, open_border in product(file.readings(), (False, True)):
@@ -113,7 +113,7 @@ class _RuleFile:
         return MamdaniSystem([variables[name] for name in names], outputs, rules)
 
     def readings(self) -> tuple[str, ...]:
-        """Return the readings the file tells apart; one that it does not need, if none."""
+        """Return the readings the file defines; the first known one if it defines none."""
         return tuple(self._table("reading", self._content, {})) or _READINGS[:1]
 
     # ---- fuzzy sets ---------------------------------------------------------------------------
@@ -169,7 +169,7 @@ class _RuleFile:
     def _check_cell(
         self, place: str, cell: _Cell, named: _Levels, variables: Mapping[str, Variable]
     ) -> None:
-        """Refuse a rule that never fires, that chooses nothing, or that avoids who is far."""
+        """Refuse a rule that never fires, selects no action, or avoids a teammate however far."""
         for variable, key in zip((_BORDER, _STATE, _NEIGHBOR), cell, strict=True):
             self._check_reachable(place, variables[variable], key)
         if all(level == "low" for level in named.values()):
@@ -194,7 +194,7 @@ class _RuleFile:
     # ---- table of rules -----------------------------------------------------------------------
 
     def _cells(self, reading: str) -> dict[_Cell, _Levels]:
-        """Every cell of the table, with those of the reading put in."""
+        """Return every cell of the table, with the overrides of the reading applied."""
         readings = self._table("reading", self._content, {})
         self._check_names("[reading]", readings, set(), set(_READINGS))
         if readings and reading not in readings:
@@ -228,7 +228,7 @@ class _RuleFile:
                     yield (_last(table), state, _last(cell)), levels
 
     def _levels(self, place: str, text: Any) -> _Levels:
-        """Read "ATL high, PCWL medium"."""
+        """Parse the outputs of a cell, such as "ATL high, PCWL medium"."""
         levels: _Levels = {}
         for part in text.split(",") if isinstance(text, str) else [""]:
             words = part.split()
@@ -244,7 +244,7 @@ class _RuleFile:
         return levels
 
     def _end_rules(self, variables: Mapping[str, Variable]) -> Iterator[Rule]:
-        """Rules for the ends of an open border, for each border and neighbor they name."""
+        """Yield the rules for the ends of an open border, for each border and neighbor set."""
         table = self._table("open_border", self._content, {})
         self._check_names("[open_border]", table, {"border", "neighbor", *_END_INPUTS})
         for key in ("border", "neighbor"):
@@ -297,8 +297,8 @@ def _cell_place(cell: _Cell) -> str:
 def _fuzzy_set(points: Sequence[float]) -> Trapezoid:
     """Return the set of skfuzzy's triangle of 3 points or trapezoid of 4.
 
-    Raises ValueError where they do not ascend, or where skfuzzy has another degree than the exact
-    evaluation, or none, at one of them, between two, or beside them.
+    Raises ValueError if the points do not ascend, or if skfuzzy's degree is undefined or differs
+    from the exact evaluation at a point, between two, or beside them.
     """
     a, b, *c, d = points
     try:
@@ -308,7 +308,7 @@ def _fuzzy_set(points: Sequence[float]) -> Trapezoid:
     corners = sorted({x for x in points if math.isfinite(x)} or {0.0})
     between = [(x + y) / 2.0 for x, y in pairwise(corners)]
     places = [corners[0] - 1.0, *corners, *between, corners[-1] + 1.0]
-    with np.errstate(invalid="ignore"):  # infinity less infinity: no degree, as is found below
+    with np.errstate(invalid="ignore"):  # infinity minus infinity is NaN, detected below
         degrees = (trapmf if c else trimf)(np.array(places), np.array(points)).tolist()
     for x, degree in zip(places, degrees, strict=True):
         if degree != exact(x):
@@ -317,9 +317,9 @@ def _fuzzy_set(points: Sequence[float]) -> Trapezoid:
 
 
 def _probes(sets: Sequence[Trapezoid], lowest: float, highest: float) -> list[float]:
-    """Return where to look for gaps between sets: their corners, and once between any two.
+    """Return the values at which to look for gaps between sets: corners, and one between any two.
 
-    Between two corners every set is linear, so a gap that misses both spans all between them.
+    Between two corners every set is linear, so a gap that contains neither spans the interval.
     """
     corners = {lowest, highest} | {x for s in sets for x in (s.a, s.b, s.c, s.d)}
     inside = sorted(x for x in corners if lowest <= x <= highest)
@@ -338,7 +338,10 @@ def _consequents(named: _Levels) -> tuple[tuple[str, str], ...]:
 
 
 def _at_ends(rule: Rule) -> Sequence[Rule]:
-    """On an open border a rule for Keep Going holds far from both ends, near one without it."""
+    """Return a rule split for an open border: Keep Going only far from both ends.
+
+    A rule without Keep Going is returned as it is; near an end the others lose that output.
+    """
     keep_going = Action.KEEP_GOING.value
     if (keep_going, "low") in rule.then:
         return (rule,)
@@ -351,7 +354,7 @@ def _at_ends(rule: Rule) -> Sequence[Rule]:
 
 
 def _crossing(falling: Trapezoid, rising: Trapezoid) -> float:
-    """Where the falling side of one set meets the rising side of the next."""
+    """Return the value at which the falling side of one set meets the rising side of the next."""
     fall, rise = falling.d - falling.c, rising.b - rising.a
     if fall + rise == 0.0:
         return rising.a

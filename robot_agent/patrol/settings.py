@@ -1,4 +1,4 @@
-"""What can be set about patrolling: gains, speeds, distances, reversal, rules, modifiers."""
+"""Settings of the patrol: gains, speeds, distances, reversal, rules, modifiers."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     ] = DEFAULT_MODIFIERS
 
     def __post_init__(self) -> None:
-        """Refuse thresholds out of order and modifiers named twice."""
+        """Raise ValueError for thresholds or speeds out of order and modifiers named twice."""
         if self.patrolling_distance >= self.passing_distance:
             raise ValueError(
                 f"patrolling_distance {self.patrolling_distance} m must be below "

@@ -1,4 +1,4 @@
-"""What one decision rests on, looked up once: pose, border, closest teammate, ends, walls."""
+"""Inputs of one patrol step: pose, border, closest teammate, ends, walls."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from maps.border import BorderProjection
 from robot_agent.patrol.behaviors import Vector
 from robot_agent.patrol.neighbor_state import NeighborView
 
-if TYPE_CHECKING:  # it brings scipy along
+if TYPE_CHECKING:  # importing it takes SciPy
     from maps.approach_field import Approach
 
 
 class Situation(msgspec.Struct, frozen=True):
-    """The situation of one control step: map frame, m, s, rad."""
+    """Inputs of one patrol step; map frame, m, rad."""
 
     t: float
     position: Vector
     theta: float
     foot: BorderProjection  # of the position
     teammate: Vector | None  # the closest one
-    neighbor: NeighborView  # what eq. 13 makes of it
+    neighbor: NeighborView  # its distance and eq. 13
     ends: tuple[float, float]  # along the border to left and right end; infinite if closed
-    approach: Approach | None  # the way to the border while a wall hides it
+    approach: Approach | None  # path to the border round walls; None with a straight line to it
     direction: int | None  # of patrol before this step, +1 clockwise; None before the first
     held: bool  # an obstacle kept the robot from driving since the last step
 
     @property
     def way_to_border(self) -> float:
-        """Distance to the border, m: round walls where one hides it, else straight."""
+        """Distance to the border, m: path length round walls, else the straight distance."""
         return self.foot.distance if self.approach is None else self.approach.distance
 
     def inputs(self, neighbor: NeighborView) -> dict[str, float]:

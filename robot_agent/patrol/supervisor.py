@@ -1,4 +1,4 @@
-"""The arbiter: the action with the largest degree of activation, held for a minimum time."""
+"""The arbiter: selects the action with the largest degree of activation, with a minimum dwell."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ _EQUAL = 1e-9  # degrees nearer than this are tied
 
 
 class Choice(msgspec.Struct, frozen=True):
-    """Degrees of activation of all actions, and what the arbiter made of them.
+    """Degrees of activation of all actions, 0 to 1, and the arbiter's result.
 
-    raw_winner has the largest degree; winner is the action taken, which differs from it while the
-    one before has not lasted its minimum time.
+    raw_winner has the largest degree, runner_up the next; winner is the action selected, which
+    differs from raw_winner while the one before is within its minimum dwell.
     """
 
     degrees: Mapping[Action, float]
@@ -36,11 +36,11 @@ class ActionChooser(Protocol):
     """A supervisor: chooses the action from the crisp inputs of the rule base."""
 
     def choose(self, t: float, inputs: Mapping[str, float]) -> Choice:
-        """Choose the action at t, s, from the inputs by name."""
+        """Choose the action at t from the inputs by name (``Situation.inputs``)."""
 
 
 class Supervisor:
-    """Fuzzy inference and arbiter; remembers the present action and since when."""
+    """Fuzzy inference and arbiter; keeps the present action for a minimum dwell, s."""
 
     def __init__(self, system: MamdaniSystem, minimum_dwell: float) -> None:
         self._system = system
@@ -49,14 +49,17 @@ class Supervisor:
         self._rank: _Ranking = {}, Action.KEEP_GOING, Action.KEEP_GOING
 
     def choose(self, t: float, inputs: Mapping[str, float]) -> Choice:
-        """Choose the action at t, s, from the crisp inputs of the rule base by name."""
+        """Choose the action at t from the crisp inputs of the rule base by name."""
         levels = self._system.evaluate(inputs)
         degrees, raw_winner, runner_up = self._ranking(levels, inputs["neighbor_state"] <= 0.0)
         winner = self._present.update(t, raw_winner, inputs["distance_from_neighbor"])
         return Choice(degrees, raw_winner, runner_up, winner)
 
     def _ranking(self, levels: Mapping[str, float], left: bool) -> _Ranking:
-        """Return the degrees and the two best actions: as in the last step if nothing changed."""
+        """Return the degrees and the two best actions; cached while the degrees do not change.
+
+        left: the neighbor, if any, is on the left.
+        """
         last, present = self._rank_inputs, self._present.action
         if last is None or last[0] is not levels or last[1:] != (left, present):
             self._rank_inputs = levels, left, present
@@ -65,7 +68,10 @@ class Supervisor:
         return self._rank
 
     def _two_best(self, degrees: Mapping[Action, float], left: bool) -> tuple[Action, Action]:
-        """The two of highest degree; of those tied with the best the present, else the safest."""
+        """Return the two actions of highest degree.
+
+        Of those tied with the best the present action comes first, else the safest.
+        """
         best = max(degrees.values())
         safest = _SAFEST_LEFT if left else _SAFEST_RIGHT
         tied = [action for action in safest if degrees[action] >= best - _EQUAL]

@@ -1,4 +1,4 @@
-"""The turns a robot has made on its border: one log for everything that depends on them."""
+"""Log of a robot's turns on its border, shared by all modifiers that depend on them."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ _KEPT = 256  # turns
 class TurnCause(StrEnum):
     """Why a robot turned back."""
 
-    TEAMMATE = "teammate"  # the rules sent it back from one ahead
-    RULES = "rules"  # sent back otherwise: by an end of the border, or a teammate behind
+    TEAMMATE = "teammate"  # by the rules, away from a teammate ahead
+    RULES = "rules"  # by the rules otherwise: at an end of the border, or a teammate behind
     CHANCE = "chance"  # the paper's random reversal
     BLOCKAGE = "blockage"  # an object on its way that did not move
     EVEN_GAPS = "even_gaps"  # to leave the team evenly spaced
 
 
 class Turn(msgspec.Struct, frozen=True):
-    """A turn at t, s, at an abscissa, m, to a direction (+1 clockwise, -1), and why."""
+    """A turn at t at an abscissa, m, to a direction (+1 clockwise, -1), with its cause."""
 
     t: float
     abscissa: float

@@ -5,7 +5,7 @@ import math
 from maps.border import Border
 from maps.border_primitives import Segment
 from robot_agent.patrol.actions import Action
-from robot_agent.patrol.neighbor_state import NOBODY
+from robot_agent.patrol.neighbor_state import NO_NEIGHBOR
 from robot_agent.patrol.situation import Situation
 from robot_agent.patrol.supervisor import Choice
 
@@ -17,7 +17,7 @@ def situation(
     position=(10.0, 0.0),
     *,
     border=LINE,
-    neighbor=NOBODY,
+    neighbor=NO_NEIGHBOR,
     ends=(math.inf, math.inf),
     direction=1,
     held=False,

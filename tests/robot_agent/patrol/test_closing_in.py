@@ -14,7 +14,7 @@ from robot_agent.config import parse_config
 from robot_agent.patrol.actions import PATROL_DIRECTION, Action
 from robot_agent.patrol.closing_in import ClosingIn
 from robot_agent.patrol.modifier import OverrideReason
-from robot_agent.patrol.neighbor_state import NOBODY, NeighborView
+from robot_agent.patrol.neighbor_state import NO_NEIGHBOR, NeighborView
 from robot_agent.patrol.patrol import Patrol
 from robot_agent.patrol.rules import RULES_FILE, load_rules
 from robot_agent.patrol.settings import DEFAULT_MODIFIERS, PatrolSettings
@@ -44,7 +44,7 @@ class Robot:
         rng = np.random.default_rng(seed)
         self.modifier = ClosingIn(border, rules(), self.turns, rng, probability)
 
-    def step(self, neighbor=NOBODY, *, at=10.0, direction=1):
+    def step(self, neighbor=NO_NEIGHBOR, *, at=10.0, direction=1):
         """Propose beside a teammate at an abscissa, m; the rules' turns are logged."""
         self.t += 10.0
         at_border = self.border.at(at)
@@ -114,7 +114,7 @@ def test_who_was_sent_back_thrice_waits_as_long_as_chance_has_it_but_avoids_at_o
         begun, waited = robot.t, 0.0
         for k in range(50):
             robot.t = begun - 10.0 + k / 10.0
-            override = robot.step(NOBODY, direction=-1)
+            override = robot.step(NO_NEIGHBOR, direction=-1)
             waiting = override is not None and override.reason is OverrideReason.WAIT
             assert not waiting or override.speed_limit == 0.0
             waited += 0.1 * waiting

@@ -6,7 +6,7 @@ import pytest
 
 from maps.border import Border
 from maps.border_primitives import Arc, Segment
-from robot_agent.patrol.neighbor_state import NOBODY, NeighborState
+from robot_agent.patrol.neighbor_state import NO_NEIGHBOR, NeighborState
 from robot_agent.patrol.settings import PatrolSettings
 
 LINE = Border([Segment((0.0, 0.0), (20.0, 0.0))], closed=False)
@@ -44,9 +44,9 @@ def test_gamma(distance, magnitude, x, side):
 
 
 def test_nobody():
-    assert view((10.0, 0.0), None) == NOBODY
-    assert math.isinf(NOBODY.distance)
-    assert NOBODY.gamma == 0.0
+    assert view((10.0, 0.0), None) == NO_NEIGHBOR
+    assert math.isinf(NO_NEIGHBOR.distance)
+    assert NO_NEIGHBOR.gamma == 0.0
 
 
 def test_wraps_at_the_seam():

@@ -11,7 +11,7 @@ from maps.border_primitives import Arc, Segment
 from maps.pose import Pose
 from robot_agent.patrol.actions import Action, action_velocity
 from robot_agent.patrol.modifier import OverrideReason
-from robot_agent.patrol.neighbor_state import NOBODY
+from robot_agent.patrol.neighbor_state import NO_NEIGHBOR
 from robot_agent.patrol.patrol import Patrol
 from robot_agent.patrol.rules import RulesError
 from robot_agent.patrol.settings import DEFAULT_MODIFIERS, PatrolSettings
@@ -100,7 +100,7 @@ def test_avoid_teammate_is_equation_12():
 def test_avoid_teammate_without_one_reaches_the_border():
     foot = LINE.project(10.0, 1.0)
     situation = Situation(
-        0.0, (10.0, 1.0), 0.0, foot, None, NOBODY, (10.0, 10.0), None, None, held=False
+        0.0, (10.0, 1.0), 0.0, foot, None, NO_NEIGHBOR, (10.0, 10.0), None, None, held=False
     )
     velocity = action_velocity(Action.AVOID_TEAMMATE, situation, 1, PatrolSettings())
     assert velocity == pytest.approx((0.0, -0.3))
