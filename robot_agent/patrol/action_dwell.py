@@ -19,6 +19,14 @@ class ActionDwell:
         self._minimum_dwell = minimum_dwell
         self._since = 0.0
 
+    def copy(self, other: ActionDwell) -> None:
+        """Take over the action of another, and since when it is in force."""
+        self.action, self._since = other.action, other._since
+
+    def same_as(self, other: ActionDwell) -> bool:
+        """Return whether another has the same action in force since the same time."""
+        return self.action is other.action and self._since == other._since
+
     def update(self, t: float, wanted: Action, distance_from_neighbor: float) -> Action:
         """Return the action in force at t: ``wanted`` if the present one may end, else that.
 

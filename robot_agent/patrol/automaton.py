@@ -43,7 +43,7 @@ class Automaton:
 
     def __init__(self, minimum_dwell: float) -> None:
         """minimum_dwell: s an action lasts."""
-        self._present = ActionDwell(minimum_dwell)
+        self.present = ActionDwell(minimum_dwell)
 
     def choose(self, t: float, inputs: Mapping[str, float]) -> Choice:
         """Choose the action at t from the crisp inputs of the rule base by name.
@@ -53,10 +53,10 @@ class Automaton:
         """
         candidates = self._candidates(inputs)
         degrees = {action: 1.0 if action in candidates else 0.0 for action in Action}
-        present = self._present.action
+        present = self.present.action
         wanted = present if present in candidates else candidates[0]
         runner_up = next(a for a in (*candidates, *Action) if a is not wanted)
-        winner = self._present.update(t, wanted, inputs["distance_from_neighbor"])
+        winner = self.present.update(t, wanted, inputs["distance_from_neighbor"])
         return Choice(degrees, wanted, runner_up, winner)
 
     def _candidates(self, inputs: Mapping[str, float]) -> tuple[Action, ...]:
@@ -84,7 +84,7 @@ class Automaton:
         if not self._below(inputs["distance_from_neighbor"], _ENCOUNTER_DISTANCE, *states):
             return None
         margin = _GAMMA_HYSTERESIS / 2.0
-        margin = -margin if self._present.action in states else margin
+        margin = -margin if self.present.action in states else margin
         return away if abs(gamma) >= _ENCOUNTER_GAMMA + margin else None
 
     def _at_ends(self, inputs: Mapping[str, float]) -> list[Action]:
@@ -100,4 +100,4 @@ class Automaton:
         The threshold is half a hysteresis higher while in one of ``states``, else as much lower.
         """
         margin = _HYSTERESIS / 2.0
-        return value < threshold + (margin if self._present.action in states else -margin)
+        return value < threshold + (margin if self.present.action in states else -margin)

@@ -43,13 +43,16 @@ class ClosingIn:
     def __init__(
         self,
         border: Border,
+        paper: ActionChooser,
         rules: ActionChooser,
         turns: TurnLog,
         rng: np.random.Generator,
         probability: float = _PROBABILITY,
     ) -> None:
         self._border = border
+        self._paper = paper
         self._rules = rules
+        self._diverged = False
         self._turns = turns
         self._rng = rng
         self._probability = probability
@@ -64,7 +67,7 @@ class ClosingIn:
     ) -> Override | None:
         """Return a stop during the random wait, a speed limit while closing in, else None."""
         view = self._view_for_rules(situation.neighbor, situation.direction)
-        winner = self._rules.choose(situation.t, situation.inputs(view)).winner
+        winner = self._winner(situation, choice, view)
         self._on_turn(situation, winner)
         if situation.t < self._wait_until and winner is not Action.AVOID_TEAMMATE:
             return Override(OverrideReason.WAIT, winner, speed_limit=0.0)
@@ -73,6 +76,15 @@ class ClosingIn:
         if winner is not choice.winner:  # its action is still within its minimum dwell
             return Override(OverrideReason.CLOSING_IN, winner)
         return None
+
+    def _winner(self, situation: Situation, choice: Choice, view: NeighborView) -> Action:
+        """Return the winner of the rules for a view; the paper's while theirs cannot differ."""
+        if not self._diverged:
+            return choice.winner
+        winner = self._rules.choose(situation.t, situation.inputs(view)).winner
+        if not any(self._closing_in.values()):
+            self._diverged = not self._rules.present.same_as(self._paper.present)
+        return winner
 
     def _view_for_rules(self, neighbor: NeighborView, direction: int | None) -> NeighborView:
         """Return the view of the closest teammate to put into the rules.
@@ -100,6 +112,9 @@ class ClosingIn:
             return
         again = self._turns_at_place(situation.foot.abscissa, -direction) >= _TIMES
         self._closing_in[direction] = again and float(self._rng.random()) < self._probability
+        if self._closing_in[direction] and not self._diverged:
+            self._rules.present.copy(self._paper.present)
+            self._diverged = True
         if again:
             self._wait_until = situation.t + float(self._rng.uniform(0.0, _LONGEST_WAIT))
 

@@ -115,7 +115,9 @@ class Patrol:
             settings.reversal_distribution,
         )
         self._turns = TurnLog()
-        modifiers = _make_modifiers(settings, border, make_chooser, self._turns, rng)
+        modifiers = _make_modifiers(
+            settings, border, self._supervisor, make_chooser, self._turns, rng
+        )
         self._last_to_first = tuple(reversed(modifiers))
         self._slower: dict[float, PatrolSettings] = {}  # by speed limit, m/s
         self._abscissa: float | None = None  # of the last step, m
@@ -285,6 +287,7 @@ class Patrol:
 def _make_modifiers(
     settings: PatrolSettings,
     border: Border,
+    supervisor: ActionChooser,
     make_chooser: Callable[[], ActionChooser],
     turns: TurnLog,
     rng: np.random.Generator,
@@ -294,7 +297,7 @@ def _make_modifiers(
         STANDOFF: Standoff,
         HOLD_AT_END: HoldAtEnd,
         BLOCKAGE: Blockage,
-        CLOSING_IN: lambda: ClosingIn(border, make_chooser(), turns, rng),
+        CLOSING_IN: lambda: ClosingIn(border, supervisor, make_chooser(), turns, rng),
         EVEN_GAPS: lambda: EvenGaps(border, settings.patrol_speed, turns, rng),
     }
     names = [name for name in settings.modifiers if name in makers]

@@ -35,6 +35,9 @@ _Ranking = tuple[dict[Action, float], Action, Action]
 class ActionChooser(Protocol):
     """A supervisor: chooses the action from the crisp inputs of the rule base."""
 
+    present: ActionDwell
+    """The action in force: all that a choice depends on besides the inputs."""
+
     def choose(self, t: float, inputs: Mapping[str, float]) -> Choice:
         """Choose the action at t from the inputs by name (``Situation.inputs``)."""
 
@@ -44,7 +47,7 @@ class Supervisor:
 
     def __init__(self, system: MamdaniSystem, minimum_dwell: float) -> None:
         self._system = system
-        self._present = ActionDwell(minimum_dwell)
+        self.present = ActionDwell(minimum_dwell)
         self._rank_inputs: tuple[Mapping[str, float], bool, Action | None] | None = None
         self._rank: _Ranking = {}, Action.KEEP_GOING, Action.KEEP_GOING
 
@@ -52,7 +55,7 @@ class Supervisor:
         """Choose the action at t from the crisp inputs of the rule base by name."""
         levels = self._system.evaluate(inputs)
         degrees, raw_winner, runner_up = self._ranking(levels, inputs["neighbor_state"] <= 0.0)
-        winner = self._present.update(t, raw_winner, inputs["distance_from_neighbor"])
+        winner = self.present.update(t, raw_winner, inputs["distance_from_neighbor"])
         return Choice(degrees, raw_winner, runner_up, winner)
 
     def _ranking(self, levels: Mapping[str, float], left: bool) -> _Ranking:
@@ -60,7 +63,7 @@ class Supervisor:
 
         left: the neighbor, if any, is on the left.
         """
-        last, present = self._rank_inputs, self._present.action
+        last, present = self._rank_inputs, self.present.action
         if last is None or last[0] is not levels or last[1:] != (left, present):
             self._rank_inputs = levels, left, present
             degrees = {action: levels[action] for action in _ACTIONS}
@@ -78,8 +81,8 @@ class Supervisor:
         if len(tied) == 1:
             rest = [action for action in safest if action is not tied[0]]
             return tied[0], max(rest, key=degrees.__getitem__)
-        if self._present.action in tied:
-            tied.sort(key=lambda action: action is not self._present.action)
+        if self.present.action in tied:
+            tied.sort(key=lambda action: action is not self.present.action)
         return tied[0], tied[1]
 
 

@@ -42,7 +42,7 @@ class Robot:
     def __init__(self, probability=1.0, seed=1, border=CIRCLE):
         self.turns, self.t, self.border = TurnLog(), 0.0, border
         rng = np.random.default_rng(seed)
-        self.modifier = ClosingIn(border, rules(), self.turns, rng, probability)
+        self.modifier = ClosingIn(border, rules(), rules(), self.turns, rng, probability)
 
     def step(self, neighbor=NO_NEIGHBOR, *, at=10.0, direction=1):
         """Propose beside a teammate at an abscissa, m; the rules' turns are logged."""
