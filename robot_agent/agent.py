@@ -14,13 +14,12 @@ from drivers.p2os.base_state import BaseState
 from drivers.p2os.model import load_model
 from drivers.p2os.motor_watch import MotorState
 from drivers.p2os.session import P2osSession
-from drivers.requests import Request, Write
 from localization.health import Health
 from localization.localizer import Localizer
 from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
-from robot_agent.messages.effects import ChangeBaud, Effect, Publish, Send, TakePicture
+from robot_agent.messages.effects import Effect, TakePicture
 from robot_agent.messages.events import (
     BlobsSeen,
     BytesReceived,
@@ -36,16 +35,14 @@ from robot_agent.messages.events import (
 )
 from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.notice import Notice
-from robot_agent.messages.outbox import Outbox
-from robot_agent.messages.streams import Payload, encode
+from robot_agent.messages.outbox import Outbox, published
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
 from robot_agent.motion.gate_hold import (
-    STOPPING,
     begins_hold,
     held_by_obstacle,
     pinned_by_obstacle,
 )
-from robot_agent.motion.gate_reason import LATCHED, GateReason
+from robot_agent.motion.gate_reason import GateReason
 from robot_agent.motion.gate_settings import gate_limits
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.motion.holding_obstacle import HoldingObstacle, holding_obstacle
@@ -55,15 +52,12 @@ from robot_agent.motion.sensor_freshness import SensorFreshness
 from robot_agent.motion.teleop import Teleop
 from robot_agent.obstacles.surroundings import Surroundings
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
-from robot_agent.perception.intruders import Intruder
 from robot_agent.perception.perception import NewIntruder, Perception
 from robot_agent.pose.pose_memory import PoseMemory
 from robot_agent.pose.pose_tracker import PoseTracker
 from robot_agent.report.health_summary import HealthSummary
-from robot_agent.report.override_words import override_notice
+from robot_agent.report.notices import gate_notice, intruder_notice, override_notice
 from robot_agent.report.telemetry_builder import TelemetryBuilder
-
-_REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
 
 
 class Agent:
@@ -114,10 +108,11 @@ class Agent:
         )
         self.odometry = self.pose_tracker.odometry
         self.perception = Perception(config.perception, config.camera, folder)
+        self._limits = gate_limits(config.gate, config.laser.scan_period)
         model = load_model(config.base.model)
         self.surroundings = Surroundings(
             Pose(*(config.laser.mount or model.laser_mount)),
-            gate_limits(config.gate),
+            self._limits,
             model,
             folder.map,
             self.perception.tracker.unexplained,
@@ -131,8 +126,7 @@ class Agent:
         self.heading_loop = HeadingLoop()
         self.teleop = Teleop() if config.teleop.enabled else None
         self.recovery = RecoveryTurn()
-        limits = gate_limits(config.gate, config.laser.scan_period)
-        self.gate = SafetyGate(limits)
+        self.gate = SafetyGate(self._limits)
         self.decision: PatrolDecision | None = None
         self.gate_decision: GateDecision | None = None
         self.gate_stops = 0
@@ -163,8 +157,8 @@ class Agent:
                 self.teleop.press(event)
             case Shutdown(t):
                 self._shut_down(t)
-        self.outbox.add(*_effects_of("base", self.base.pop_requests()))
-        self.outbox.add(*_effects_of("laser", self.laser.pop_requests()))
+        self.outbox.request("base", self.base.pop_requests())
+        self.outbox.request("laser", self.laser.pop_requests())
         return self._pop_effects()
 
     @property
@@ -179,11 +173,8 @@ class Agent:
             if not isinstance(item, Notice):
                 effects.append(item)
             elif self.publishes:
-                effects += _published(self.telemetry.on_notice(item))
+                effects += published(self.telemetry.on_notice(item))
         return effects
-
-    def _publish(self, payloads: list[tuple[str, Payload]]) -> None:
-        self.outbox.add(*_published(payloads))
 
     # --- input -------------------------------------------------------------------------------
 
@@ -194,17 +185,17 @@ class Agent:
         self.laser.tick(t)
         self._expire(t)
         for part, words, level in self.freshness.changes(t):
-            self.outbox.log(t, part, words, level)
+            self.outbox.add(Notice(t, part, words, level))
         self._log_degraded(t)
         if self.publishes:
-            self._publish(self.telemetry.on_time(t))
+            self.outbox.publish(self.telemetry.on_time(t))
 
     def _log_degraded(self, t: float) -> None:
         words = "; ".join(self.health_summary.degraded(t))
         level = LogLevel.WARNING if words else LogLevel.INFO
         self._was_degraded = self._was_degraded or bool(words)
         if self._was_degraded:
-            self.outbox.log(t, "perception", words or "all senses work", level)
+            self.outbox.add(Notice(t, "perception", words or "all senses work", level))
 
     def _on_picture(self, event: PictureTaken) -> None:
         """Publish a picture of an intruder as evidence."""
@@ -212,7 +203,7 @@ class Agent:
         evidence = self.perception.on_picture(event, pose)
         if evidence is not None and self.publishes:
             intruder, picture = evidence
-            self._publish(self.telemetry.on_intruder(event.t, intruder, picture=picture))
+            self.outbox.publish(self.telemetry.on_intruder(event.t, intruder, picture=picture))
 
     def _on_base_bytes(self, t: float, data: bytes) -> None:
         """Decode base reports and run one control step for each."""
@@ -273,18 +264,18 @@ class Agent:
                 self._report_intruders(t, new)
         # 4. Tell.
         if self.publishes:
-            self._publish(self.telemetry.on_scan(t, scan))
+            self.outbox.publish(self.telemetry.on_scan(t, scan))
 
     def _report_intruders(self, t: float, new: list[NewIntruder]) -> None:
         """Publish each new intruder with its evidence, then updates of the known ones."""
         for each in new:
-            self.outbox.log(t, "intruder", _intruder_words(each.intruder), LogLevel.WARNING)
+            self.outbox.add(intruder_notice(t, each.intruder))
             if self.publishes:
-                self._publish(self.telemetry.on_intruder(t, each.intruder, scan=each.scan))
+                self.outbox.publish(self.telemetry.on_intruder(t, each.intruder, scan=each.scan))
             if each.wants_picture:
                 self.outbox.add(TakePicture())
         if self.publishes and self.perception.intruders is not None:
-            self._publish(self.telemetry.on_intruders(t, self.perception.intruders.known))
+            self.outbox.publish(self.telemetry.on_intruders(t, self.perception.intruders.known))
 
     # --- one control step ----------------------------------------------------------------------
 
@@ -305,7 +296,7 @@ class Agent:
             self._look_around(t, state)
             return
         if self.recovery.end():
-            self.outbox.log(t, "recovery", "goes on: the pose is known", LogLevel.INFO)
+            self.outbox.add(Notice(t, "recovery", "goes on: the pose is known", LogLevel.INFO))
         # 1. Decide: closest teammate, action, velocity in the map.
         track = self.perception.tracker.closest(t, pose)
         teammate = None if track is None else (track.x, track.y)
@@ -322,14 +313,14 @@ class Agent:
         gate = self._drive(t, requested, self._gate_inputs(t, state))
         # 4. Tell.
         self._on_gate_decision(t, gate)
-        notice = override_notice(decision, self.decision)
+        notice = override_notice(t, decision, self.decision)
         if notice is not None:
-            self.outbox.log(t, *notice)
+            self.outbox.add(notice)
         self.decision = decision
         if self.publishes:
             held_by = self._held_by(requested, gate)
             told = self.telemetry.on_decision(t, pose, decision, requested, gate, track, held_by)
-            self._publish(told)
+            self.outbox.publish(told)
 
     def _held_by(
         self, requested: tuple[float, float], gate: GateDecision
@@ -340,7 +331,7 @@ class Agent:
         """
         if gate.reason is not GateReason.OBSTACLE:
             return None
-        return holding_obstacle(gate_limits(self.config.gate), requested, self._obstacles)
+        return holding_obstacle(self._limits, requested, self._obstacles)
 
     def _look_around(self, t: float, state: BaseState) -> None:
         """Run the recovery behavior (wait, then turn in place) until the pose is known."""
@@ -348,7 +339,7 @@ class Agent:
         gate = self._drive(t, requested, self._gate_inputs(t, state, limited=True))
         if requested != (0.0, 0.0):
             self._on_gate_decision(t, gate)
-            self.outbox.log(t, "recovery", "turns to look around", LogLevel.WARNING)
+            self.outbox.add(Notice(t, "recovery", "turns to look around", LogLevel.WARNING))
 
     def _drive(self, t: float, requested: tuple[float, float], inputs: GateInputs) -> GateDecision:
         """Send the base what the gate permits of requested (v m/s, w rad/s); return that."""
@@ -396,12 +387,7 @@ class Agent:
     def _on_gate_decision(self, t: float, gate: GateDecision) -> None:
         """Count and log the moment when the gate begins or ceases to hold the robot."""
         self.gate_stops += begins_hold(self.gate_decision, gate)
-        if gate.reason in STOPPING:
-            remedy = f" ({_REMEDY})" if gate.reason in LATCHED else ""
-            words = f"holds the robot: {gate.reason}{remedy}"
-            self.outbox.log(t, "gate", words, LogLevel.WARNING)
-        else:
-            self.outbox.log(t, "gate", "lets the robot move", LogLevel.INFO)
+        self.outbox.add(gate_notice(t, gate))
         self.gate_decision = gate
 
     # --- links and end -------------------------------------------------------------------------
@@ -409,11 +395,11 @@ class Agent:
     def _link_up(self, t: float, link: DeviceName) -> None:
         if link == "camera":
             self.perception.camera.opened(t)
-            self.outbox.log(t, "camera", "pictures come", LogLevel.INFO)
+            self.outbox.add(Notice(t, "camera", "pictures come", LogLevel.INFO))
             return
         self.telemetry.links[link].opened()
         self._session(link).link_up(t)
-        self.outbox.log(t, link, "port open", LogLevel.INFO)
+        self.outbox.add(Notice(t, link, "port open", LogLevel.INFO))
 
     def _link_down(self, t: float, link: DeviceName, reason: str) -> None:
         if link == "camera":
@@ -421,7 +407,7 @@ class Agent:
         else:
             self.telemetry.links[link].lost(reason)
             self._session(link).link_down(t)
-        self.outbox.log(t, link, reason, LogLevel.ERROR)
+        self.outbox.add(Notice(t, link, reason, LogLevel.ERROR))
 
     def _session(self, link: LinkName) -> P2osSession | Lms200Session:
         return self.base if link == "base" else self.laser
@@ -432,22 +418,3 @@ class Agent:
         self.pose_tracker.remember(t, at_once=True)
         self.base.shut_down(t)
         self.laser.shut_down(t)
-
-
-def _effects_of(link: LinkName, requests: list[Request]) -> list[Effect]:
-    """Return a session's requests to its link as effects."""
-    return [
-        Send(link, request.data) if isinstance(request, Write) else ChangeBaud(link, request.baud)
-        for request in requests
-    ]
-
-
-def _published(payloads: list[tuple[str, Payload]]) -> list[Publish]:
-    return [Publish(stream, encode(payload)) for stream, payload in payloads]
-
-
-def _intruder_words(intruder: Intruder) -> str:
-    return (
-        f"intruder {intruder.number} at ({intruder.x:.1f}, {intruder.y:.1f}), "
-        f"{intruder.distance:.1f} m from the border at s = {intruder.abscissa:.1f} m"
-    )

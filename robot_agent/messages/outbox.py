@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from robot_agent.messages.effects import Effect
-from robot_agent.messages.log_level import LogLevel
+from collections.abc import Sequence
+
+from drivers.requests import Request, Write
+from robot_agent.messages.effects import ChangeBaud, Effect, Publish, Send
+from robot_agent.messages.events import LinkName
 from robot_agent.messages.notice import Notice
+from robot_agent.messages.streams import Payload, encode
 
 
 class Outbox:
@@ -13,15 +17,28 @@ class Outbox:
     def __init__(self) -> None:
         self._items: list[Effect | Notice] = []
 
-    def add(self, *effects: Effect) -> None:
-        """Append effects."""
-        self._items += effects
+    def add(self, *items: Effect | Notice) -> None:
+        """Append effects and notices."""
+        self._items += items
 
-    def log(self, t: float, part: str, words: str, level: LogLevel) -> None:
-        """Append a notice of a part of the agent."""
-        self._items.append(Notice(t, part, words, level))
+    def request(self, link: LinkName, requests: Sequence[Request]) -> None:
+        """Append what a device session asks of its link."""
+        for request in requests:
+            if isinstance(request, Write):
+                self._items.append(Send(link, request.data))
+            else:
+                self._items.append(ChangeBaud(link, request.baud))
+
+    def publish(self, payloads: Sequence[tuple[str, Payload]]) -> None:
+        """Append payloads, each with the name of its stream."""
+        self._items += published(payloads)
 
     def pop_all(self) -> list[Effect | Notice]:
         """Return what has been collected, in order, and forget it."""
         items, self._items = self._items, []
         return items
+
+
+def published(payloads: Sequence[tuple[str, Payload]]) -> list[Publish]:
+    """Return the effects that publish payloads, each with the name of its stream."""
+    return [Publish(stream, encode(payload)) for stream, payload in payloads]

@@ -11,6 +11,7 @@ from localization.health import Health
 from localization.localizer import Localizer
 from maps.pose import Pose, wrap_angle
 from robot_agent.messages.log_level import LogLevel
+from robot_agent.messages.notice import Notice
 from robot_agent.messages.outbox import Outbox
 from robot_agent.pose.odometry_history import OdometryHistory
 from robot_agent.pose.pose_memory import PoseMemory, RememberedPose
@@ -77,7 +78,7 @@ class PoseTracker:
         self.trusted = estimate.health is not Health.LOST and (
             self.trusted or estimate.health is Health.LOCALIZED
         )
-        self._outbox.log(t, "localization", estimate.health, _LEVELS[estimate.health])
+        self._outbox.add(Notice(t, "localization", estimate.health, _LEVELS[estimate.health]))
         return estimate
 
     def localized_pose_at(self, t: float) -> Pose | None:
@@ -106,10 +107,10 @@ class PoseTracker:
         start = remembered.carried_to(counters, scale)
         if start is None:
             words = "not believed: the odometer does not go on from it"
-            self._outbox.log(t, "memory", f"remembered pose {words}", LogLevel.WARNING)
+            self._outbox.add(Notice(t, "memory", f"remembered pose {words}", LogLevel.WARNING))
             return
         self.localizer.start_at(*start)
-        self._outbox.log(t, "memory", "starts from the remembered pose", LogLevel.INFO)
+        self._outbox.add(Notice(t, "memory", "starts from the remembered pose", LogLevel.INFO))
 
     def remember(self, t: float, *, at_once: bool = False) -> None:
         """Keep the pose for the next start, when it is time or at once."""

@@ -1,0 +1,64 @@
+"""What happens in a robot, in words for people: one notice a thing."""
+
+from __future__ import annotations
+
+from robot_agent.messages.log_level import LogLevel
+from robot_agent.messages.notice import Notice
+from robot_agent.motion.gate import GateDecision
+from robot_agent.motion.gate_hold import STOPPING
+from robot_agent.motion.gate_reason import LATCHED
+from robot_agent.patrol.actions import Action
+from robot_agent.patrol.modifier import OverrideReason
+from robot_agent.patrol.patrol import PatrolDecision
+from robot_agent.perception.intruders import Intruder
+
+_REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
+
+
+def override_notice(
+    t: float, decision: PatrolDecision, before: PatrolDecision | None
+) -> Notice | None:
+    """Return a notice if an override begins in a decision that is worth one."""
+    reason = decision.override
+    if reason is None or (before is not None and before.override is reason):
+        return None
+    place = f"near s = {decision.abscissa:.1f} m"
+    match reason:
+        case OverrideReason.BLOCKAGE:
+            turned = "" if decision.turn is None else ", turns back"
+            words = f"unknown object {place} holds the robot{turned}"
+            return Notice(t, "patrol", words, LogLevel.WARNING)
+        case OverrideReason.CLOSING_IN:
+            words = f"comes closer to a teammate {place} that always sent it back there"
+            return Notice(t, "patrol", words, LogLevel.INFO)
+        case OverrideReason.STANDOFF:
+            return Notice(t, "standoff", _standoff_words(decision, place), LogLevel.INFO)
+        case _:
+            return None
+
+
+def _standoff_words(decision: PatrolDecision, place: str) -> str:
+    match decision.action:
+        case Action.REACH_FRONTIER:
+            return f"kept from the border {place} for too long, drives to it"
+        case Action.KEEP_GOING:
+            return f"avoided teammates {place} for too long, goes on"
+        case _:
+            return f"caught at the border's end {place} for too long, leaves it"
+
+
+def gate_notice(t: float, gate: GateDecision) -> Notice:
+    """Return a notice of whether the gate holds the robot, and what releases it."""
+    if gate.reason not in STOPPING:
+        return Notice(t, "gate", "lets the robot move", LogLevel.INFO)
+    remedy = f" ({_REMEDY})" if gate.reason in LATCHED else ""
+    return Notice(t, "gate", f"holds the robot: {gate.reason}{remedy}", LogLevel.WARNING)
+
+
+def intruder_notice(t: float, intruder: Intruder) -> Notice:
+    """Return a notice of a new intruder and its place."""
+    words = (
+        f"intruder {intruder.number} at ({intruder.x:.1f}, {intruder.y:.1f}), "
+        f"{intruder.distance:.1f} m from the border at s = {intruder.abscissa:.1f} m"
+    )
+    return Notice(t, "intruder", words, LogLevel.WARNING)
