@@ -11,7 +11,7 @@ from pathlib import Path
 
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
-from tools.monitor.monitor import Beat, Monitor, MonitorOptions, until
+from tools.monitor.monitor import Monitor, MonitorOptions, PeriodicCall, until
 from tools.monitor.playback import Playback
 from tools.monitor.site import Site
 from tools.monitor.team_state import TeamState
@@ -97,7 +97,7 @@ def play(options: argparse.Namespace, going_on: Callable[[], bool]) -> int:
     site = chosen if chosen.folder else Site(playback.site_folder())
     watch = Watch(TeamState(), site)
     if options.text:
-        with closing(Beat(lambda: playback.advance(watch))):
+        with closing(PeriodicCall(lambda: playback.advance(watch))):
             show_team(watch, going_on)
         return 0
     with closing(WebServer(watch, playback, options.http)) as server:

@@ -1,4 +1,4 @@
-"""Telemetry as robots send it, for tests: a well robot's payloads, to be changed at will."""
+"""Payloads of a robot without faults, for tests; keyword arguments change their fields."""
 
 from __future__ import annotations
 
