@@ -16,7 +16,7 @@ from robot_agent.config import find_map, parse_config
 from tools.localize.localize import LocalizeOptions, localize_steps, log_steps, map_of_log
 from tools.localize.localize_report import STUDIES, format_table, run_count, run_study
 from tools.localize.localize_study import RESOLUTION, read_study_log
-from tools.localize.localize_trials import carried_away, outcome
+from tools.localize.localize_trials import kidnapped_steps, outcome
 from tools.logs.carmen import LogError, read_carmen
 from tools.logs.log_step import LogStep
 from tools.logs.recorded_scans import recorded_scans
@@ -98,7 +98,7 @@ def _localize(path: Path, first_scan: int, options: argparse.Namespace) -> int:
     if options.kidnap is not None:
         event = _scans_before(steps, options.kidnap)
         rng = np.random.default_rng(options.seed)
-        steps = carried_away(steps[:event], steps, rng)
+        steps = kidnapped_steps(steps[:event], steps, rng)
     choices = LocalizeOptions(
         particles=options.particles,
         beams=options.beams,

@@ -23,7 +23,7 @@ class Site:
     folder: MapFolder | None
 
     def picture(self) -> bytes | None:
-        """Return the map as a PNG: grey 0 free, 128 unknown, 255 wall, top row first; None: no map."""
+        """Return the map as a PNG, top row first: 0 free, 128 unknown, 255 wall; None: no map."""
         if self.folder is None:
             return None
         grey = np.array([0, 255, 128], dtype=np.uint8)[self.folder.map.cells[::-1]]
