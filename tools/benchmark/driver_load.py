@@ -90,10 +90,10 @@ def driver_load(duration: float) -> tuple[float, float, float]:
 
     Return (share of one core of all driver threads and their ticks, scans/s, base reports/s).
     """
-    ours, theirs = START.Pipe()
-    process = START.Process(target=_emulate_devices, args=(theirs,), daemon=True)
+    pipe, child_end = START.Pipe()
+    process = START.Process(target=_emulate_devices, args=(child_end,), daemon=True)
     process.start()
-    laser_url, base_url = ours.recv()
+    laser_url, base_url = pipe.recv()
     laser = LaserSettings(baud=LASER_BAUD, resolution_deg=0.5)
     drivers = [
         LoadedDriver(laser_url, LASER_BAUD, Lms200Session(laser)),
@@ -102,25 +102,23 @@ def driver_load(duration: float) -> tuple[float, float, float]:
     try:
         for driver in drivers:
             driver.start()
-        _tick_until(drivers, time.monotonic() + _SET_UP_LIMIT, at_once_when_heard=True)
-        before, heard = _spent(drivers), [driver.results for driver in drivers]
+        _tick_until(drivers, time.monotonic() + _SET_UP_LIMIT, until_results=True)
+        before, before_count = _spent(drivers), [driver.results for driver in drivers]
         begin = time.monotonic()
         _tick_until(drivers, begin + duration)
         elapsed = time.monotonic() - begin
-        rates = [(d.results - h) / elapsed for d, h in zip(drivers, heard, strict=True)]
+        rates = [(d.results - h) / elapsed for d, h in zip(drivers, before_count, strict=True)]
         return (_spent(drivers) - before) / elapsed, rates[0], rates[1]
     finally:
         for driver in drivers:
             driver.close()
-        ours.send(None)
+        pipe.send(None)
         process.join()
 
 
-def _tick_until(
-    drivers: list[LoadedDriver], end: float, *, at_once_when_heard: bool = False
-) -> None:
+def _tick_until(drivers: list[LoadedDriver], end: float, *, until_results: bool = False) -> None:
     while time.monotonic() < end:
-        if at_once_when_heard and all(driver.results > 0 for driver in drivers):
+        if until_results and all(driver.results > 0 for driver in drivers):
             return
         for driver in drivers:
             driver.tick()

@@ -25,7 +25,7 @@ def drivers(folder_path: Path) -> Iterator[Figure]:
 
 def _decoding(folder_path: Path) -> Iterator[Figure]:
     """Time a settled agent's sessions on its recorded bytes: from bytes to SI units."""
-    heard: dict[LinkName, list[BytesReceived]] = {"base": [], "laser": []}
+    received: dict[LinkName, list[BytesReceived]] = {"base": [], "laser": []}
 
     class Listener:
         """Collects the bytes that a settled agent receives."""
@@ -33,7 +33,7 @@ def _decoding(folder_path: Path) -> Iterator[Figure]:
         def record_event(self, event: Event) -> None:
             """Keep bytes received after ``SETTLED_S``."""
             if isinstance(event, BytesReceived) and event.t > SETTLED_S:
-                heard[event.link].append(event)
+                received[event.link].append(event)
 
         def record_effect(self, t: float, effect: Effect) -> None:
             """Ignore effects."""
@@ -43,8 +43,8 @@ def _decoding(folder_path: Path) -> Iterator[Figure]:
         fleet.step()
     agent = fleet.robots[0].agent
     for name, session, events in (
-        ("base report, bytes to SI", agent.base, heard["base"]),
-        ("scan of 181 values, bytes to SI", agent.laser, heard["laser"]),
+        ("base report, bytes to SI", agent.base, received["base"]),
+        ("scan of 181 values, bytes to SI", agent.laser, received["laser"]),
     ):
         started = time.perf_counter()
         for event in events:

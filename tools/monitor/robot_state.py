@@ -122,7 +122,7 @@ class RobotState:
 
     def with_payload(self, stream: str, payload: Payload, t: float, wall: float) -> RobotState:
         """Return the state after a payload received at t (monotonic) and wall (s since 1970)."""
-        heard = replace(
+        updated = replace(
             self,
             last_heard=t,
             payloads={**self.payloads, stream: payload},
@@ -130,16 +130,16 @@ class RobotState:
         )
         if isinstance(payload, StatusPayload):
             skew = seconds(payload.timestamp) - wall
-            return replace(heard, skew=skew, rates=_rates(self.status, payload) or self.rates)
+            return replace(updated, skew=skew, rates=_rates(self.status, payload) or self.rates)
         if isinstance(payload, PoseInFrame):
             at = (seconds(payload.timestamp), planar_pose(payload.pose))
-            return replace(heard, poses=(*self.poses[-POSES_KEPT + 1 :], at))
+            return replace(updated, poses=(*self.poses[-POSES_KEPT + 1 :], at))
         if isinstance(payload, DecisionPayload) and payload.turn is not None:
-            return replace(heard, last_turn=(t, payload.turn))
+            return replace(updated, last_turn=(t, payload.turn))
         if isinstance(payload, Log):
             event = HeardEvent(t, wall, payload)
-            return replace(heard, events=(*self.events[-EVENTS_KEPT + 1 :], event))
-        return heard
+            return replace(updated, events=(*self.events[-EVENTS_KEPT + 1 :], event))
+        return updated
 
 
 def seconds(stamp: Timestamp) -> float:

@@ -108,4 +108,4 @@ def _plug_in() -> str:
 
 def _present() -> str:
     devices = [port.device for port in list_serial_ports()]
-    return f"present: {', '.join(devices) or 'none'} (`patrol ports` tells more)"
+    return f"present: {', '.join(devices) or 'none'} (see `patrol ports`)"

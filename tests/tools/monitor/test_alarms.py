@@ -44,7 +44,7 @@ CAUSE, END, LAST = 10.0, 20.0, 40.0
 PayloadsAt = Callable[[float], dict[str, Payload]]
 
 
-def well(t: float) -> dict[str, Payload]:
+def without_fault(t: float) -> dict[str, Payload]:
     return {"status": status(t), "decision": decision(t)}
 
 
@@ -54,8 +54,8 @@ def alarms_of(trouble: PayloadsAt) -> list[Alarm]:
     watch = Watch(team, Site(None))
     for step in range(round(LAST / 0.1)):
         t = 0.1 * step
-        said = trouble(t) if CAUSE <= t < END else well(t)
-        for stream, payload in said.items():
+        payloads = trouble(t) if CAUSE <= t < END else without_fault(t)
+        for stream, payload in payloads.items():
             if stream != "status" or step % 5 == 0:
                 team.receive(f"{KEY}/{stream}", encode(payload), t, t)
         watch.advance(t + 0.05, t + 0.05)
@@ -79,7 +79,7 @@ def intruder(t: float) -> dict[str, Payload]:
     entity = track_entity(
         timestamp_at(t), 7, (3.0, 4.0), (0.0, 0.0), kind="intruder", probability=0.9
     )
-    return {**well(t), "tracks": SceneUpdate(entities=[entity])}
+    return {**without_fault(t), "tracks": SceneUpdate(entities=[entity])}
 
 
 TROUBLES: dict[str, tuple[PayloadsAt, Severity, str]] = {
@@ -120,7 +120,7 @@ def test_alarm_appears_within_two_seconds_and_clears(kind: str) -> None:
 
 
 def test_robot_without_faults_raises_no_alarm() -> None:
-    assert alarms_of(well) == []
+    assert alarms_of(without_fault) == []
 
 
 def test_starting_robot_raises_no_alarm() -> None:
@@ -129,21 +129,21 @@ def test_starting_robot_raises_no_alarm() -> None:
         lost = LocalizationStatus(health="lost")
         up = t - CAUSE
         if up > 4.0:
-            return well(t)
+            return without_fault(t)
         return {"status": status(t, uptime=up, base=closed, laser=closed, localization=lost)}
 
     assert alarms_of(starting) == []
 
 
-def said(name: str, level: LogLevel, t: float) -> Log:
+def log_entry(name: str, level: LogLevel, t: float) -> Log:
     return Log(timestamp=timestamp_at(t), level=level, message="somebody is there", name=name)
 
 
 @pytest.mark.parametrize(("name", "kind"), [("intruder", "intruder"), ("patrol", "blocked")])
 def test_warning_in_the_log_is_an_alarm_for_a_while(name: str, kind: str) -> None:
     def once(t: float) -> dict[str, Payload]:
-        words: dict[str, Payload] = {"event": said(name, LogLevel.WARNING, t)}
-        return {**well(t), **(words if t < CAUSE + 0.05 else {})}
+        words: dict[str, Payload] = {"event": log_entry(name, LogLevel.WARNING, t)}
+        return {**without_fault(t), **(words if t < CAUSE + 0.05 else {})}
 
     (alarm,) = alarms_of(once)
     assert (alarm.kind, alarm.text) == (kind, "somebody is there")
@@ -155,8 +155,8 @@ def test_missing_input_is_an_alarm_until_its_return_is_reported() -> None:
     def missed(t: float) -> dict[str, Payload]:
         first, last = t < CAUSE + 0.05, t > END - 0.15
         level = LogLevel.ERROR if first else LogLevel.INFO
-        words: dict[str, Payload] = {"event": said("trust.laser", level, t)}
-        return {**well(t), **(words if first or last else {})}
+        words: dict[str, Payload] = {"event": log_entry("trust.laser", level, t)}
+        return {**without_fault(t), **(words if first or last else {})}
 
     (alarm,) = alarms_of(missed)
     assert (alarm.kind, alarm.severity) == ("trust.laser", Severity.CRITICAL)
@@ -181,7 +181,7 @@ def test_failing_recorder_of_a_robot_is_an_alarm() -> None:
             lateness_max=0.01,
             recorder_trouble="full",
         )
-        return {**well(t), "process": process}
+        return {**without_fault(t), "process": process}
 
     (alarm,) = alarms_of(failing)
     assert (alarm.kind, alarm.text) == ("recorder", "full")

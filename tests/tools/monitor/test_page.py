@@ -92,7 +92,7 @@ def test_every_figure_is_on_the_page_with_its_value(live: LiveTeam) -> None:
     assert browser.text("#site") == "paper_lab"
     browser.wait(lambda: "%" in live.fact("cpu"), "the share of the CPU")
     browser.wait(lambda: live.fact("motors") == "on", "motors that are on")
-    browser.wait(live.battery_agrees, "the voltage the monitor knows")
+    browser.wait(live.battery_agrees, "the voltage the monitor received")
     assert re.fullmatch(r"ready, \d+\.\d /s, 0 bad, \d+ B lost", live.fact("base"))
     assert re.fullmatch(r"streaming, \d+\.\d /s, 0 bad, \d+ B lost", live.fact("laser"))
     assert re.fullmatch(
@@ -123,7 +123,7 @@ def test_distances_on_the_page_follow_the_robot(live: LiveTeam) -> None:
             and (near == "–") == (decision.distance_from_neighbor is None)
         )
 
-    live.browser.wait(agrees, "the distances the monitor knows")
+    live.browser.wait(agrees, "the distances the monitor received")
 
 
 def test_map_plots_and_border_are_drawn(live: LiveTeam) -> None:

@@ -53,7 +53,7 @@ from tools.simulation.real_time_rig import RealTimeRig
 from tools.simulation.rig import RobotRig
 from tools.simulation.world import World
 
-NOBODY = 65534  # the user and group without rights
+UNPRIVILEGED = 65534  # the user and group without rights
 DEVICE_LIMIT = 3.0  # s; reached by silent devices only
 
 
@@ -298,8 +298,8 @@ def as_plain_user(work: Callable[[], str]) -> str:
         return work()
     groups = os.getgroups()
     os.setgroups([])
-    os.setresgid(NOBODY, NOBODY, 0)
-    os.setresuid(NOBODY, NOBODY, 0)
+    os.setresgid(UNPRIVILEGED, UNPRIVILEGED, 0)
+    os.setresuid(UNPRIVILEGED, UNPRIVILEGED, 0)
     try:
         return work()
     finally:
@@ -398,7 +398,7 @@ def test_disk_fails_if_full_or_not_writable(tmp_path: Path) -> None:
     blocked = examine_recorder(str(tmp_path / "file"), 0)
     assert blocked.verdict is Verdict.FAILED
     (tmp_path / "file").unlink()
-    (tmp_path / "file").mkdir()  # what the remedy says
+    (tmp_path / "file").mkdir()  # as the remedy demands
     assert examine_recorder(str(tmp_path / "file"), 0).verdict is Verdict.OK
 
 
