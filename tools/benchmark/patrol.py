@@ -50,10 +50,10 @@ def supervisor(_folder_path: Path) -> Iterator[Figure]:
         simulation.compute()
 
     known = {variable.name for variable in system.inputs}
-    skfuzzy_seconds = _per_call(skfuzzy, 100)
-    yield Figure("the same by skfuzzy.control", skfuzzy_seconds * 1e3, "ms")
+    peer_seconds = _per_call(skfuzzy, 100)
+    yield Figure("the same by skfuzzy.control", peer_seconds * 1e3, "ms")
     yield Figure(
-        "as many times faster than skfuzzy.control", skfuzzy_seconds / seconds, "x", 300.0, True
+        "as many times faster than skfuzzy.control", peer_seconds / seconds, "x", 300.0, True
     )
 
 

@@ -36,9 +36,9 @@ class StudyLog:
     steps: list[LogStep]
     """From the first usable scan on."""
     map: MapFolder
-    """Of all scans."""
+    """Map of all scans."""
     even_map: MapFolder
-    """Of the scans 0, 2, 4..."""
+    """Map of the scans 0, 2, 4..."""
     odd_steps: list[LogStep]
     """The scans that ``even_map`` is not built from."""
 

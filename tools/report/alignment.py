@@ -29,7 +29,7 @@ class AlignmentError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class ClockNote:
-    """How one robot's clock was set: correction added to its wall clock, s, and its source."""
+    """Correction added to one robot's wall clock, s, and its source."""
 
     robot: str
     correction: float

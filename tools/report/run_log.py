@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 
 T = TypeVar("T")
 
-_FIVE_PERCENT = 5.991  # 95 % quantile of chi squared with two degrees of freedom
+_CHI_SQUARE_95 = 5.991  # 95 % quantile of chi squared with two degrees of freedom
 
 
 class _Decision(msgspec.Struct):
@@ -205,7 +205,7 @@ def error_bound(covariance: list[float]) -> float:
         return math.nan
     a, b, c = covariance[0], covariance[1], covariance[4]
     largest = (a + c) / 2.0 + math.hypot((a - c) / 2.0, b)
-    return math.sqrt(_FIVE_PERCENT * max(largest, 0.0))
+    return math.sqrt(_CHI_SQUARE_95 * max(largest, 0.0))
 
 
 def read_run(path: Path, progress: Callable[[float], None] = lambda _: None) -> RunLog:
