@@ -1,4 +1,4 @@
-"""Every hazard of the motion room's README names a test that is there."""
+"""The hazard table of robot_agent/motion/README.md names existing tests."""
 
 import re
 from pathlib import Path

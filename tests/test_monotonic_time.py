@@ -1,4 +1,4 @@
-"""A jump of the wall clock changes nothing: what a robot does never looks at it."""
+"""The onboard code does not read the wall clock, so a jump of it changes no decision."""
 
 import ast
 from pathlib import Path
@@ -11,7 +11,7 @@ WALL_CLOCK = {
     *("time.clock_gettime", "time.clock_gettime_ns"),
 }
 LABELS = {("robot_agent/process/runtime.py", "time.time_ns")}
-"""The one reading, at the start: a label on telemetry and recordings that nothing is decided by."""
+"""The only reading, at the start: it labels telemetry and recordings, no decision depends on it."""
 
 
 def wall_clock_readings(path: Path) -> set[str]:
@@ -27,7 +27,7 @@ def wall_clock_readings(path: Path) -> set[str]:
     return found
 
 
-def test_the_robot_reads_the_wall_clock_for_labels_only():
+def test_onboard_code_reads_the_wall_clock_for_labels_only():
     readings = {
         (str(path.relative_to(ROOT)), name)
         for room in ROOMS

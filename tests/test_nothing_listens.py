@@ -1,7 +1,7 @@
-"""Nothing on the network moves a robot: nothing of what runs on it takes anything from there.
+"""No onboard code receives anything from the network, so nothing on it can move a robot.
 
-The sockets of running agents are looked at in tests/tools/demo/test_demo.py and
-tests/robot_agent/process/test_telemetry.py; here, that no code could open another way in.
+The sockets of running agents are checked in tests/tools/demo/test_demo.py and
+tests/robot_agent/process/test_telemetry.py; here the source code is.
 """
 
 import ast
@@ -16,7 +16,7 @@ EMULATED = "drivers/emulation/port.py"
 
 
 def calls(path: Path) -> set[str]:
-    """Return the names of all that a file calls."""
+    """Return the names of all functions and methods a file calls."""
     functions = [
         node.func for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call)
     ]
@@ -38,7 +38,7 @@ def onboard_files() -> list[Path]:
     return [path for room in rooms for path in (ROOT / room).rglob("*.py")]
 
 
-def test_no_code_on_the_robot_takes_anything_from_the_network():
+def test_no_onboard_code_receives_from_the_network():
     ways = {
         str(path.relative_to(ROOT)): found
         for path in onboard_files()
@@ -47,16 +47,16 @@ def test_no_code_on_the_robot_takes_anything_from_the_network():
     assert set(ways) <= {EMULATED}, "only the emulated port, which is no part of an agent, listens"
 
 
-def test_no_agent_has_the_emulated_port():
+def test_no_onboard_code_imports_the_emulated_port():
     agent = [path for path in onboard_files() if "emula" not in path.name]
     users = [str(path) for path in agent if "drivers.emulation.port" in imports(path)]
     assert [user for user in users if not user.endswith("line_faults.py")] == []
 
 
-def test_the_network_is_spoken_to_in_one_place():
-    speakers = {
+def test_only_telemetry_uses_the_network():
+    users = {
         str(path.relative_to(ROOT))
         for path in onboard_files()
         if imports(path) & {"zenoh", "aiohttp", "http", "urllib.request", "socketserver"}
     }
-    assert speakers == {"robot_agent/process/telemetry.py"}
+    assert users == {"robot_agent/process/telemetry.py"}

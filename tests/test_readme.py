@@ -1,4 +1,4 @@
-"""The documents: a short root README, an index of rooms, and nothing named that is not there."""
+"""The READMEs: a short root README, an index of rooms, only existing files, commands and links."""
 
 import argparse
 import re
@@ -26,7 +26,7 @@ MADE = {"map.yaml", "map.pgm", "map.png", "border.toml"}
 ELSEWHERE = {"../shared/data", "acschaefer/ple"}
 """Recorded data beside the checkout, and another project."""
 EXAMPLES = re.compile(r"(?:out|keys|my_map|robot\d|ROBOT|RULES|FILE|FLOOR_PLAN|INSTALL)\b.*")
-"""What a reader makes or receives."""
+"""Files that a reader makes or receives."""
 
 
 def identity(path: Path) -> str:
@@ -38,8 +38,8 @@ def rooms_of(parent: Path) -> list[Path]:
 
 
 def commands_in(text: str) -> Iterator[tuple[str, str]]:
-    """Each use of the command line in code, in a block or in backticks: command and the rest."""
-    text = text.replace("\\\n", " ")  # such a line goes on in the next one
+    """Yield command and rest of each command line in a code block or in backticks."""
+    text = text.replace("\\\n", " ")  # a backslash continues the line
     blocks = [line.split("#")[0] for line in re.findall(r"^    (.+)$", text, re.MULTILINE)]
     for code in [*blocks, *TICKS.findall(text)]:
         for use in re.split(r"&&|\|\|", code):
@@ -49,7 +49,7 @@ def commands_in(text: str) -> Iterator[tuple[str, str]]:
 
 
 def anchors(text: str) -> set[str]:
-    """The names by which a page's headings are linked to."""
+    """Return the link anchors of a page's headings."""
     heads = re.findall(r"^#+ (.+)$", text, re.MULTILINE)
     return {re.sub(r"[^\w -]", "", head.lower()).replace(" ", "-") for head in heads}
 
@@ -63,7 +63,7 @@ def linked_files(readme: Path) -> set[Path]:
 
 
 def actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
-    """The options of a command and of its own subcommands."""
+    """Yield the options of a command and of its own subcommands."""
     for action in parser._actions:
         yield action
         if isinstance(action, argparse._SubParsersAction):
@@ -108,7 +108,7 @@ def test_begins_with_a_title_and_a_paragraph(readme):
 
 
 @pytest.mark.parametrize("readme", READMES, ids=identity)
-def test_links_lead_somewhere(readme):
+def test_links_have_existing_targets(readme):
     for link in links(readme):
         name, _, anchor = link.partition("#")
         target = (readme.parent / name).resolve() if name else readme
@@ -128,7 +128,7 @@ def test_commands_and_their_options_exist(readme):
 
 @pytest.mark.parametrize("readme", READMES, ids=identity)
 def test_files_exist(readme):
-    """A path in backticks is of the repository or of the README's own room."""
+    """A path in backticks exists in the repository or in the README's own folder."""
     for words in TICKS.findall(readme.read_text()):
         name = words.split("::")[0]
         if not PATH.fullmatch(name) or name in MADE | ELSEWHERE or EXAMPLES.fullmatch(name):
@@ -137,5 +137,5 @@ def test_files_exist(readme):
 
 
 @pytest.mark.parametrize("readme", READMES, ids=identity)
-def test_no_place_of_one_machine(readme):
+def test_no_path_of_one_machine_is_named(readme):
     assert not re.search(r"/work/|/tmp/|/home/|/root/", readme.read_text())

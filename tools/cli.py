@@ -29,8 +29,8 @@ COMMANDS = {
     "bundle": "everything for an installation with no network",
     "ports": "list serial adapters and a udev line for each",
     "emulate": "one emulated robot for any client",
-    "faults": "measure how a patrolling robot takes faults",
-    "mutation": "change the safety gate in every way and see whether its tests notice",
+    "faults": "measure a patrolling robot's reaction to every fault",
+    "mutation": "mutation test of the safety gate",
     "record": "record a robot driven by keys, for a map",
     "campaign": "the same as faults: every fault, one table",
     "monitor": "watch the team: the operator's side",
@@ -39,18 +39,18 @@ COMMANDS = {
     "rules": "draw and check the supervisor's fuzzy sets and rules",
     "convert": "logs and captures to recordings of real device bytes, and back",
     "localize": "run localization alone on a log or recording",
-    "perceive": "whom the tracker sees on a log, by laser alone",
-    "calibrate": "learn the team's colour and the camera's place from pictures",
+    "perceive": "run the tracker on a log, by laser alone",
+    "calibrate": "fit the team's colour and the camera's direction from pictures",
     "report": "what happened in a run: figures, tables and numbers",
     "replay": "feed a recording to the agent again",
-    "regression": "have decisions of short runs changed",
+    "regression": "compare decisions of short runs with the reference",
     "test": "check the code and run all tests that need no hardware",
     "benchmark": "measure the figures every change keeps",
 }
 
 
 def make_parser(command: str | None) -> argparse.ArgumentParser:
-    """Build the parser; only the chosen subcommand is imported and has its options."""
+    """Return the parser; only the module of the given subcommand is imported and configured."""
     parser = argparse.ArgumentParser(prog="patrol", description=__doc__)
     parser.add_argument("--version", action="version", version=version("border-patrol"))
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
@@ -72,8 +72,12 @@ def load_command(name: str) -> ModuleType:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run one subcommand and return its exit status."""
-    # Our matrices are small: more BLAS threads only cost, and make sums depend on the machine.
+    """Run one subcommand and return its exit status.
+
+    arguments: the words after ``patrol``; None: those of the process. Errors that are not about
+    input are raised.
+    """
+    # Matrices are small: more BLAS threads cost time, and make sums depend on the machine.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     words = sys.argv[1:] if arguments is None else arguments
     command = next((word for word in words if not word.startswith("-")), None)
@@ -83,7 +87,7 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:
-        sys.stderr.close()  # the reader of our output has gone; nobody is left to tell
+        sys.stderr.close()  # the output's reader has closed the pipe: no message can be shown
         return 1
     except OSError as error:
         if error.filename is None:
@@ -95,7 +99,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 1
     except ValueError as error:
         if type(error).__module__.split(".")[0] not in ROOMS:
-            raise  # only our own error classes are about input; any other is a fault of ours
+            raise  # only errors of these packages are about input; any other is a bug
         print(f"patrol {options.command}: {error}", file=sys.stderr)
         return 1
     return status

@@ -1,4 +1,4 @@
-"""A progress line on standard error, shown only to people."""
+"""A progress line on standard error, shown on terminals only."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ WIDTH = 30
 def progress_line(
     label: str, total: float | None, unit: str = ""
 ) -> Iterator[Callable[[float], None]]:
-    """Give what is told how much is done; the line is cleared on every way out.
+    """Yield a function that takes the amount done; the line is cleared on every way out.
 
-    label, total, unit: the work and its size, None where that is not known beforehand.
+    label: name of the work; total: its size in ``unit``, None if not known beforehand.
     """
     line = _Line(label, total, unit)
     try:
@@ -27,7 +27,7 @@ def progress_line(
 
 
 class _Line:
-    """One line that fills up; silent unless standard error is a terminal."""
+    """A progress bar on one line; prints nothing unless standard error is a terminal."""
 
     def __init__(self, label: str, total: float | None, unit: str) -> None:
         self._label = label
@@ -37,7 +37,7 @@ class _Line:
         self._visible = sys.stderr.isatty()
 
     def show(self, done: float) -> None:
-        """Show how much is done, a few times a second."""
+        """Show the amount done; at most one update per ``PERIOD_S``."""
         now = time.monotonic()
         if not self._visible or now - self._shown_at < PERIOD_S:
             return
@@ -51,6 +51,6 @@ class _Line:
         return f"{self._label} [{bar:<{WIDTH}}] {done:.0f}/{self._total:.0f} {self._unit}"
 
     def clear(self) -> None:
-        """Take the line away."""
+        """Erase the line."""
         if self._visible:
             print("\r\033[K", end="", file=sys.stderr, flush=True)

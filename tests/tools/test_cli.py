@@ -42,7 +42,7 @@ def test_unknown_commands_and_options_are_usage_errors(capsys: pytest.CaptureFix
     assert run(capsys)[0] == 2
 
 
-def test_missing_map_image(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_missing_map_image_is_one_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     shutil.copytree(find_map("paper_lab", tmp_path), tmp_path / "lab")
     (tmp_path / "lab" / "map.pgm").unlink()
     line = complaint(capsys, "map", "show", str(tmp_path / "lab"), "-o", str(tmp_path / "x.png"))
@@ -51,7 +51,9 @@ def test_missing_map_image(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert "map.pgm" in line
 
 
-def test_border_through_a_wall(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_border_through_a_wall_fails_the_check(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     shutil.copytree(find_map("paper_lab", tmp_path), tmp_path / "lab")
     border = tmp_path / "lab" / "border.toml"
     border.write_text(border.read_text().replace("[3.95, 13.75]", "[3.95, 16.50]"))
@@ -67,11 +69,11 @@ def test_good_map_passes(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(capsys, "map", "check", "intel_lab")[0] == 0
 
 
-def test_unknown_border(capsys: pytest.CaptureFixture[str]) -> None:
+def test_unknown_border_is_one_error(capsys: pytest.CaptureFixture[str]) -> None:
     assert "nowhere.toml" in complaint(capsys, "bench", "--border", "nowhere")
 
 
-def test_unknown_configuration_key_at_depth(
+def test_unknown_nested_configuration_key_is_one_error(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "robot.toml"
@@ -99,7 +101,7 @@ def test_list_settings_needs_no_configuration(capsys: pytest.CaptureFixture[str]
 
 
 @pytest.mark.parametrize("command", ["convert", "localize", "map build"])
-def test_log_that_is_no_log(
+def test_file_that_is_no_log_is_one_error(
     command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "poem.log"
@@ -113,14 +115,16 @@ def test_log_that_is_no_log(
     assert "poem.log: line 1: no FLASER or ROBOTLASER1 line" in line
 
 
-def test_recording_that_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_file_that_is_no_recording_is_one_error(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = tmp_path / "x.mcap"
     path.write_text("no recording")
     assert "x.mcap: is not an MCAP file" in complaint(capsys, "replay", str(path))
     assert "y.mcap: cannot be read" in complaint(capsys, "replay", str(tmp_path / "y.mcap"))
 
 
-def test_output_that_cannot_be_written(
+def test_unwritable_output_is_one_error(
     data_folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log = str(data_folder / "logs/seattle-corrected.log.gz")

@@ -1,4 +1,4 @@
-"""The progress line: for people only, and gone on every way out."""
+"""The progress line: shown on terminals only, cleared on every way out."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_line_is_shown_and_cleared_whatever_happens(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_line_is_shown_and_cleared_after_an_exception(monkeypatch: pytest.MonkeyPatch) -> None:
     screen = Terminal()
     monkeypatch.setattr(sys, "stderr", screen)
 
@@ -30,7 +30,7 @@ def test_line_is_shown_and_cleared_whatever_happens(monkeypatch: pytest.MonkeyPa
     assert screen.getvalue().endswith("\r\033[K")
 
 
-def test_a_file_gets_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_printed_where_there_is_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     log = io.StringIO()
     monkeypatch.setattr(sys, "stderr", log)
     with progress_line("map", None) as progress:

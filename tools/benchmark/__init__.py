@@ -1,1 +1,1 @@
-"""The figures every change keeps, measured: each with its unit and its limit."""
+"""Measures the performance figures that every change must keep, each with its unit and limit."""

@@ -1,4 +1,4 @@
-"""Figures of the agent's process and of the agent itself: load, response, stop, decision."""
+"""Figures of the agent process: load, response time, stop without agent, time of a decision."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from tools.monitor.operator import Operator
 
 
 def agent_process(folder_path: Path) -> Iterator[Figure]:
-    """Measure an agent process at full sensor rate, driven by a real-time world over ptys."""
+    """Measure load and memory of an agent process at full sensor rate, emulated over ptys."""
     with tempfile.TemporaryDirectory() as record:
         endpoint = free_endpoint()
         options = DemoOptions(folder_path, "border", 1, SEED, endpoint, Path(record))
@@ -46,7 +46,7 @@ def agent_process(folder_path: Path) -> Iterator[Figure]:
 
 
 def response_on_the_line(_folder_path: Path) -> Iterator[Figure]:
-    """Time, at the base's end of a pty, from the last byte of a report to the order it caused."""
+    """Measure the time from a report's last byte to its command's first, at the pty's base end."""
     with (
         tempfile.TemporaryDirectory() as folder,
         closing(AgentStage(Path(folder), SEED)) as stage,
@@ -64,14 +64,14 @@ def response_on_the_line(_folder_path: Path) -> Iterator[Figure]:
 
 
 def stop_without_agent(_folder_path: Path) -> Iterator[Figure]:
-    """Time until the robot begins to stop once its agent is killed, frozen or cut off."""
+    """Measure the time from killing, freezing or disconnecting the agent to the stop."""
     for reaction in run_faults(chosen_faults(("agent-killed", "agent-frozen", "base-cut"))):
         ordered = math.inf if reaction.ordered is None else reaction.ordered
         yield Figure(f"stops after: {reaction.what}", ordered, "s", WATCHDOG_LIMIT_S)
 
 
 def decision_step(folder_path: Path) -> Iterator[Figure]:
-    """Time the agent's two hot events: a base report with its decision, and a scan."""
+    """Time the agent's two most frequent events: a base report with its decision, and a scan."""
     folder = load_map_folder(folder_path)
     fleet = Fleet(folder, 1, SEED)
     spent: dict[str, list[float]] = {"base": [], "laser": []}

@@ -1,7 +1,7 @@
-"""A bad Wi-Fi between robot and operator: what comes is passed on late, and now and then stalls.
+"""A TCP proxy that emulates a bad Wi-Fi: it delays every segment and stalls at random.
 
-``python -m tools.benchmark.bad_link LISTEN_PORT TARGET_PORT``, both on loopback. TCP repairs losses
-by waiting, so a lost segment shows as a stall: one in a hundred waits for a second more.
+``python -m tools.benchmark.bad_link LISTEN_PORT TARGET_PORT``, both on loopback. TCP retransmits
+lost segments, so a loss shows as a stall: one segment in a hundred is 1 s later still.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ LOSS = 0.01
 STALL_S = 1.0
 SEGMENT_BYTES = 1400
 SEED = 1
-_MAX_WAITING = 200  # segments: a link has little room, then the sender must wait
+_MAX_WAITING = 200  # segments in flight; then the sender must wait
 
 
 async def pass_on(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-    """Pass on one direction until it ends."""
+    """Forward one direction with delay and stalls until it ends."""
     rng = random.Random(SEED)  # noqa: S311 - losses, not secrets
     loop = asyncio.get_running_loop()
     waiting: asyncio.Queue[tuple[float, bytes]] = asyncio.Queue(_MAX_WAITING)
@@ -47,7 +47,7 @@ async def pass_on(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) ->
 
 
 async def serve(port: int, target: int) -> None:
-    """Pass every connection on, both ways."""
+    """Forward every connection to a port to the target port on loopback, both ways."""
 
     async def connected(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         try:

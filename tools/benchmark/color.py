@@ -1,4 +1,4 @@
-"""Figures of the colour detection."""
+"""Figures of the colour band detection."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ COLOR_PICTURES = 800
 
 
 def color(_folder_path: Path) -> Iterator[Figure]:
-    """Look for bands in composed pictures, 10 to 2000 lux, half of them without any."""
+    """Detect bands in synthetic pictures at 10 to 2000 lux, half of them without a band."""
     trial = run_color_trial(COLOR_PICTURES, SEED)
     yield Figure("bands at 2.5 m found", 100 * trial.recall, "%", 95.0, at_least=True)
     yield Figure("bands at 0.6 to 2.5 m found", 100 * trial.recall_near, "%", 95.0, at_least=True)

@@ -1,4 +1,4 @@
-"""The load of the drivers' threads at full sensor rate: devices in a process of their own."""
+"""CPU load of the driver threads at full sensor rate, with devices emulated in another process."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _SET_UP_LIMIT = 20.0  # s
 
 
 class LoadedDriver:
-    """A session on its link, fed in the link's thread and ticked by its owner."""
+    """A session on its link: fed by the link's thread, ticked by the caller's."""
 
     def __init__(self, url: str, baud: int, session: Lms200Session | P2osSession) -> None:
         self.results = 0
@@ -44,35 +44,35 @@ class LoadedDriver:
         self._link.start()
 
     def close(self) -> None:
-        """Close it."""
+        """Close the port."""
         self._link.close()
 
     def received(self, t: float, data: bytes) -> None:
-        """Decode, in the link's thread."""
+        """Decode bytes received at t; called by the link's thread."""
         with self._lock:
             self.results += len(self._session.feed(data, t))
             self._carry_out()
 
     def link_up(self, t: float) -> None:
-        """Begin the session."""
+        """Start the session; called by the link's thread."""
         self._ident = threading.get_ident()
         with self._lock:
             self._session.link_up(t)
             self._carry_out()
 
     def link_down(self, t: float, reason: str) -> None:  # noqa: ARG002 - a listener's signature
-        """End the session."""
+        """End the session; called by the link's thread."""
         with self._lock:
             self._session.link_down(t)
 
     def tick(self) -> None:
-        """Let time pass for the session."""
+        """Tick the session at the present monotonic time."""
         with self._lock:
             self._session.tick(time.monotonic())
             self._carry_out()
 
     def thread_time(self) -> float:
-        """Return the link's thread's time on a core so far, s."""
+        """Return the CPU time of the link's thread so far, s; 0 before the link is up."""
         if self._ident is None:
             return 0.0
         return time.clock_gettime(time.pthread_getcpuclockid(self._ident))
@@ -86,14 +86,14 @@ class LoadedDriver:
 
 
 def driver_load(duration: float) -> tuple[float, float, float]:
-    """Run base and laser drivers for a time, s, after their set-up.
+    """Run base and laser drivers for a duration, s, after their set-up.
 
     Return (share of one core of all driver threads and their ticks, scans/s, base reports/s).
     """
-    ours, theirs = START.Pipe()
-    process = START.Process(target=_emulate_devices, args=(theirs,), daemon=True)
+    pipe, child_end = START.Pipe()
+    process = START.Process(target=_emulate_devices, args=(child_end,), daemon=True)
     process.start()
-    laser_url, base_url = ours.recv()
+    laser_url, base_url = pipe.recv()
     laser = LaserSettings(baud=LASER_BAUD, resolution_deg=0.5)
     drivers = [
         LoadedDriver(laser_url, LASER_BAUD, Lms200Session(laser)),
@@ -102,25 +102,23 @@ def driver_load(duration: float) -> tuple[float, float, float]:
     try:
         for driver in drivers:
             driver.start()
-        _tick_until(drivers, time.monotonic() + _SET_UP_LIMIT, at_once_when_heard=True)
-        before, heard = _spent(drivers), [driver.results for driver in drivers]
+        _tick_until(drivers, time.monotonic() + _SET_UP_LIMIT, until_results=True)
+        before, before_count = _spent(drivers), [driver.results for driver in drivers]
         begin = time.monotonic()
         _tick_until(drivers, begin + duration)
         elapsed = time.monotonic() - begin
-        rates = [(d.results - h) / elapsed for d, h in zip(drivers, heard, strict=True)]
+        rates = [(d.results - h) / elapsed for d, h in zip(drivers, before_count, strict=True)]
         return (_spent(drivers) - before) / elapsed, rates[0], rates[1]
     finally:
         for driver in drivers:
             driver.close()
-        ours.send(None)
+        pipe.send(None)
         process.join()
 
 
-def _tick_until(
-    drivers: list[LoadedDriver], end: float, *, at_once_when_heard: bool = False
-) -> None:
+def _tick_until(drivers: list[LoadedDriver], end: float, *, until_results: bool = False) -> None:
     while time.monotonic() < end:
-        if at_once_when_heard and all(driver.results > 0 for driver in drivers):
+        if until_results and all(driver.results > 0 for driver in drivers):
             return
         for driver in drivers:
             driver.tick()
@@ -132,7 +130,7 @@ def _spent(drivers: list[LoadedDriver]) -> float:
 
 
 def _emulate_devices(pipe: Connection) -> None:
-    """Be a laser and a base on ptys until told to end."""
+    """Emulate a laser and a base on ptys until the pipe gets a message."""
 
     def scene(_t: float, n: int, _increment: float) -> NDArray[np.float64]:
         return np.linspace(1.0, 7.0, n)

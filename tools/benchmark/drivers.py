@@ -1,4 +1,4 @@
-"""Figures of the drivers: decoding, and both at full rate."""
+"""Figures of the drivers: decoding time, and load at full rate."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tools.benchmark.figure import MEASURED_S, SEED, SETTLED_S, Figure
 
 
 def drivers(folder_path: Path) -> Iterator[Figure]:
-    """Time the decoding of base reports and of scans, and load the drivers at full rate."""
+    """Measure the decoding of base reports and scans, and the drivers' load at full rate."""
     yield from _decoding(folder_path)
     share, scans, reports = driver_load(MEASURED_S)
     yield Figure("driver threads at full rate, share of one core", 100 * share, "%")
@@ -24,27 +24,27 @@ def drivers(folder_path: Path) -> Iterator[Figure]:
 
 
 def _decoding(folder_path: Path) -> Iterator[Figure]:
-    """Time what a settled agent's sessions make of what it heard: from bytes to SI units."""
-    heard: dict[LinkName, list[BytesReceived]] = {"base": [], "laser": []}
+    """Time a settled agent's sessions on its recorded bytes: from bytes to SI units."""
+    received: dict[LinkName, list[BytesReceived]] = {"base": [], "laser": []}
 
     class Listener:
-        """Keeps what a settled agent receives."""
+        """Collects the bytes that a settled agent receives."""
 
         def record_event(self, event: Event) -> None:
-            """Keep bytes received after the handshakes."""
+            """Keep bytes received after ``SETTLED_S``."""
             if isinstance(event, BytesReceived) and event.t > SETTLED_S:
-                heard[event.link].append(event)
+                received[event.link].append(event)
 
         def record_effect(self, t: float, effect: Effect) -> None:
-            """Effects do not matter here."""
+            """Ignore effects."""
 
     fleet = Fleet(load_map_folder(folder_path), 1, SEED, observer=lambda _name, _config: Listener())
     while fleet.t < 60.0:
         fleet.step()
     agent = fleet.robots[0].agent
     for name, session, events in (
-        ("base report, bytes to SI", agent.base, heard["base"]),
-        ("scan of 181 values, bytes to SI", agent.laser, heard["laser"]),
+        ("base report, bytes to SI", agent.base, received["base"]),
+        ("scan of 181 values, bytes to SI", agent.laser, received["laser"]),
     ):
         started = time.perf_counter()
         for event in events:

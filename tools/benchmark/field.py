@@ -1,4 +1,4 @@
-"""Figures of a computer in the field: start, end and memory of the agent, also on a slow one."""
+"""Start time, end time, memory and lateness of the agent, also with a fifth of a core."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from tools.campaign.cpu_limit import CpuLimit, CpuLimitError
 from tools.logs.recording import Recording, read_recording
 
 SLOW = 0.2
-"""Share of one core of this machine that makes a slow computer."""
+"""CPU quota that emulates a slow computer: share of one core of this machine."""
 START_LIMIT_S = 5.0
 END_LIMIT_S = 2.0
 MEMORY_LIMIT_MB = 150.0
 
 
 def field(_folder_path: Path) -> Iterator[Figure]:
-    """Start the agent, let it patrol and end it by SIGTERM: with a core, then with a fifth of it.
+    """Start the agent, let it patrol and end it by SIGTERM: with a whole core, then with ``SLOW``.
 
-    Where no share can be set the slow computer's figures are not a number, and missed.
+    Where no CPU quota can be set the slow computer yields one figure: NaN, its limit missed.
     """
     yield from _run("", None)
     try:
@@ -46,7 +46,7 @@ def _run(where: str, limit: CpuLimit | None) -> Iterator[Figure]:
         while stage.step().t < started + SETTLED_S + MEASURED_S:
             pass
         moved = stage.trace[-1].moving
-        told = time.monotonic()
+        signalled = time.monotonic()
         stage.end_agent()
         ended = stage.ends[-1]
         stands = stage.tap.told_to_stand and not stage.rig.base.motion_permitted
@@ -58,7 +58,7 @@ def _run(where: str, limit: CpuLimit | None) -> Iterator[Figure]:
     settled = [report for t, report in reports if t > started + SETTLED_S]
     limit_s = START_LIMIT_S if limit is None else None
     yield Figure(f"{where}start to first decision", first, "s", limit_s)
-    yield Figure(f"{where}SIGTERM to the process's end", ended - told, "s", END_LIMIT_S)
+    yield Figure(f"{where}SIGTERM to the process's end", ended - signalled, "s", END_LIMIT_S)
     yield Figure(f"{where}robot moved, then stood", float(moved and stands), "", 1.0, at_least=True)
     yield Figure(f"{where}recording ends with the end", float(whole), "", 1.0, at_least=True)
     memory = max(report.memory_mb for _, report in reports)
@@ -74,7 +74,7 @@ def _run(where: str, limit: CpuLimit | None) -> Iterator[Figure]:
 
 
 def _first_decision(recording: Recording) -> float:
-    """Return when the first decision was taken, s, monotonic; infinite: none was."""
+    """Return the monotonic time of the first decision, s; infinite if there is none."""
     t = math.inf
     for item in recording.items():
         if isinstance(item, Publish) and item.stream == "decision":
@@ -84,7 +84,7 @@ def _first_decision(recording: Recording) -> float:
 
 
 def _process_reports(recording: Recording) -> list[tuple[float, ProcessPayload]]:
-    """Return how the process fared, with the times, s, monotonic."""
+    """Return the recorded process reports with their monotonic times, s."""
     start = 1e-9 * recording.header.start_monotonic_ns
     reports = []
     for _, t, payload in recording.messages(("process",)):

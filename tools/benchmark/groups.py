@@ -1,4 +1,4 @@
-"""The groups of figures, by the names they are asked for."""
+"""The groups of figures by their names on the command line."""
 
 from __future__ import annotations
 

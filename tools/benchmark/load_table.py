@@ -1,4 +1,4 @@
-"""How the monitor and its page bear many robots: load, frame rate, latency from robot to pixel."""
+"""Load of the monitor and its page under many robots: CPU, frame rate, robot-to-pixel latency."""
 
 from __future__ import annotations
 
@@ -36,27 +36,30 @@ CHROMIUM_ARGUMENTS = (
 
 @dataclass(frozen=True)
 class LoadFigures:
-    """What was measured; latency is from a pose's own time stamp until the page has drawn it."""
+    """Figures of the monitor process and of its page."""
 
     robots: int
     server_cpu: float
     """Share of one core."""
     server_mb: float
     messages_per_s: float
-    """Payloads sent to the operator."""
+    """Payloads per second sent to the operator, all robots together."""
     page: PageFigures | None
-    """None where there is no browser to show the page."""
+    """None where no browser is installed."""
 
 
 @dataclass(frozen=True)
 class PageFigures:
-    """How the page fared in Chromium without a graphics card."""
+    """Figures of the page in Chromium without a graphics card.
+
+    Latency, s, is from a pose's own time stamp until the page has drawn it.
+    """
 
     robots: int
-    """How many it showed."""
+    """Number of robots shown."""
     frames_per_s: float
     cpu_per_frame: float
-    """s of processor time of all Chromium's processes per redraw: what a frame costs."""
+    """CPU time of all Chromium processes per redraw, s."""
     latency_median: float  # s
     latency_p99: float  # s
 
@@ -72,7 +75,7 @@ def _process(module: str, *words: str) -> Iterator[subprocess.Popen[str]]:
 
 
 def measure_load(robots: int, seconds: float) -> LoadFigures:
-    """Let a monitor show so many robots for so long (s)."""
+    """Run a monitor with its page under a number of robots and measure for some seconds."""
     endpoint = free_endpoint()
     http = free_endpoint().removeprefix("tcp/")
     with ExitStack() as stack:
@@ -102,23 +105,23 @@ def measure_load(robots: int, seconds: float) -> LoadFigures:
 
 
 def _cpu(process: psutil.Process) -> float:
-    """Return the processor time a process has used, s."""
+    """Return the CPU time a process has used, s."""
     times = process.cpu_times()
     return times.user + times.system
 
 
 class Page:
-    """The page in Chromium, or nothing where there is none."""
+    """The page in Chromium; without a driver (None) its methods return None and 0."""
 
     def __init__(self, driver: webdriver.Chrome | None) -> None:
         self._driver = driver
 
     def run(self, script: str) -> Any:
-        """Run a script in the page; None without one."""
+        """Run a script in the page and return its result; None without a browser."""
         return None if self._driver is None else self._driver.execute_script(script)
 
     def cpu(self) -> float:
-        """Return the processor time of the browser's processes, s."""
+        """Return the CPU time of the browser's processes, s; 0 without a browser."""
         if self._driver is None or self._driver.service.process is None:
             return 0.0
         driver = psutil.Process(self._driver.service.process.pid)
@@ -137,7 +140,7 @@ def _page_figures(page: Page, drawn: int | None, elapsed: float, used: float) ->
 
 @contextmanager
 def _page(url: str) -> Iterator[Page]:
-    """Open the page in Chromium where there is one."""
+    """Open a URL in Chromium; yield a page without browser where it is not installed."""
     program, driver = shutil.which("chromium"), shutil.which("chromedriver")
     if program is None or driver is None:
         print("no chromium and chromedriver here: the page is not measured", file=sys.stderr)

@@ -11,7 +11,7 @@ from tools.benchmark.localize_benchmark import large_map_mb, update_costs
 
 
 def localization(_folder_path: Path) -> Iterator[Figure]:
-    """Time the localizer by particles and beams on the map of a real building."""
+    """Time the localizer for several numbers of particles and beams on the map of a building."""
     limits = {(2000, 60): 0.9, (5000, 180): 4.0}
     for cost in update_costs(find_map("intel_lab", Path.cwd())):
         size = f"localization, {cost.particles} particles x {cost.beams} beams"

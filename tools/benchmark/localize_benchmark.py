@@ -1,4 +1,4 @@
-"""What the localizer costs: time of an update by particles and beams, memory of a large map."""
+"""Cost of the localizer: time of an update by particles and beams, memory of a large map."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ Scans = list[tuple[Pose, NDArray[np.float64]]]
 
 @dataclass(frozen=True, slots=True)
 class UpdateCost:
-    """Median times of one scan's work on one thread."""
+    """Median times of one scan's update on one thread."""
 
     particles: int
     beams: int
     filter_ms: float
-    """Motion, weights, estimate, KLD bins, resampling: what the peers' figures count."""
+    """Motion, weights, estimate, KLD bins, resampling: as other packages' figures count."""
     whole_ms: float
-    """All of ``Localizer.update``: refinement and scan check besides."""
+    """All of ``Localizer.update``: with refinement and scan check."""
 
     @property
     def products_per_s(self) -> float:
@@ -54,7 +54,10 @@ class UpdateCost:
 
 
 def update_costs(folder_path: Path) -> Iterator[UpdateCost]:
-    """Time updates along the border of a map folder, for every number of particles and beams."""
+    """Time updates along a map folder's border, for every number of particles and beams.
+
+    Raises ValueError if the folder has no border.
+    """
     folder = load_map_folder(folder_path)
     if folder.border is None:
         raise ValueError(f"{folder_path} has no border to drive along")
@@ -73,7 +76,10 @@ def update_costs(folder_path: Path) -> Iterator[UpdateCost]:
 
 
 def scans_along(occupancy: OccupancyMap, path: NDArray[np.float64]) -> Scans:
-    """Take scans of 181 beams over the half turn ahead, along a path (n, 2), m."""
+    """Simulate scans of 181 beams over the half circle ahead, at the points of a path (n, 2), m.
+
+    Each heading is that to the next point, so there are n - 1 scans. Range noise: sigma 0.01 m.
+    """
     caster, rng = RayCaster(occupancy), np.random.default_rng(SEED)
     bearings = np.radians(np.arange(-90.0, 91.0))
     scans: Scans = []
@@ -121,9 +127,9 @@ def _best_median(
     occupancy: OccupancyMap,
     scans: Scans,
 ) -> float:
-    """Return the median time of an update over all scans, s of its thread (all of it is one).
+    """Return the median time of an update over all scans, s of thread CPU time (one thread).
 
-    The best of some passes: what else the machine does can only slow a pass down.
+    The best of ``PASSES``: other load on the machine can only slow a pass down.
     """
     return min(_median(start(settings, occupancy, scans), scans) for _ in range(PASSES))
 
@@ -138,7 +144,7 @@ def _median(update: Callable[[int], object], scans: Scans) -> float:
 
 
 def large_map_mb() -> float:
-    """Return what a map of 100 x 100 m at 0.05 m and its localizer hold in memory, MB."""
+    """Return the memory of a map of 100 x 100 m at 0.05 m and its localizer, MB."""
     tracemalloc.start()
     try:
         cells = np.full((round(LARGE_MAP / 0.05),) * 2, FREE, dtype=np.uint8)

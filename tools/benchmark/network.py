@@ -1,4 +1,4 @@
-"""Figures of the network: the control loop beside it, and the operator's page."""
+"""Figures of the network: control loop times under network faults, and the operator's page."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tools.benchmark.trouble_table import loop_timings, reconnection_time
 
 
 def telemetry(_folder_path: Path) -> Iterator[Figure]:
-    """Time the control loop with the network in every state of repair."""
+    """Time the control loop under every network fault, and the reconnection to an operator."""
     without: float | None = None
     for timing in loop_timings(MEASURED_S / 2):
         name = f"report to order, {timing.trouble}"
@@ -28,7 +28,7 @@ def telemetry(_folder_path: Path) -> Iterator[Figure]:
 
 
 def operator_page(_folder_path: Path) -> Iterator[Figure]:
-    """Load the monitor and its page with many robots at full telemetry."""
+    """Measure the monitor and its page with 50 robots at full telemetry."""
     load = measure_load(50, MEASURED_S)
     yield Figure("50 robots: payloads", load.messages_per_s, "1/s")
     yield Figure("50 robots: server, share of one core", 100 * load.server_cpu, "%", 50.0)

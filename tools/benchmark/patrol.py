@@ -1,4 +1,4 @@
-"""Figures of the patrol: the supervisor, and a team in lockstep."""
+"""Figures of the patrol: the fuzzy supervisor, and a team in lockstep."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from tools.benchmark.skfuzzy_peer import simulation_of
 
 
 def supervisor(_folder_path: Path) -> Iterator[Figure]:
-    """Time one evaluation of the fuzzy supervisor."""
+    """Time one evaluation of the fuzzy supervisor, and the same by skfuzzy.control."""
     settings = PatrolSettings()
     system = load_rules(
         RULES_FILE,
@@ -50,13 +50,15 @@ def supervisor(_folder_path: Path) -> Iterator[Figure]:
         simulation.compute()
 
     known = {variable.name for variable in system.inputs}
-    theirs = _per_call(skfuzzy, 100)
-    yield Figure("the same by skfuzzy.control", theirs * 1e3, "ms")
-    yield Figure("as many times faster than skfuzzy.control", theirs / seconds, "x", 300.0, True)
+    peer_seconds = _per_call(skfuzzy, 100)
+    yield Figure("the same by skfuzzy.control", peer_seconds * 1e3, "ms")
+    yield Figure(
+        "as many times faster than skfuzzy.control", peer_seconds / seconds, "x", 300.0, True
+    )
 
 
 def patrol_bench(folder_path: Path) -> Iterator[Figure]:
-    """Run robots in lockstep, take the distances from the border, and time the benches."""
+    """Run robots in lockstep: distances from the border, contacts, speed of the benches."""
     folder = load_map_folder(folder_path)
     fleet = Fleet(folder, 3, SEED)
     started = time.process_time()
@@ -80,7 +82,7 @@ def patrol_bench(folder_path: Path) -> Iterator[Figure]:
 
 
 def _per_call(call: Callable[[int], object], count: int) -> float:
-    """Return the median time of a call, s, over ``count`` of them."""
+    """Return the median time of ``call(index)``, s, over index 0 to count - 1."""
     times = []
     for index in range(count):
         started = time.perf_counter()

@@ -1,4 +1,4 @@
-"""Figures of recordings: how fast they are replayed and reported on."""
+"""Figures of recordings: speed of replay and report, size."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ REPORTED_S = 120.0
 
 
 def replay_speed(folder_path: Path) -> Iterator[Figure]:
-    """Record a robot in lockstep for three minutes and replay the recording."""
+    """Record one robot in lockstep for 180 s (simulated) and time the replay."""
     folder = load_map_folder(folder_path)
     with tempfile.TemporaryDirectory() as parent:
         path = record_lockstep(folder, 180.0, Path(parent))
@@ -37,7 +37,7 @@ def replay_speed(folder_path: Path) -> Iterator[Figure]:
 
 
 def report_speed(folder_path: Path) -> Iterator[Figure]:
-    """Record three robots in lockstep for two minutes; time reading and reporting."""
+    """Record three robots in lockstep for ``REPORTED_S``; time reading and reporting."""
     folder = load_map_folder(folder_path)
     with tempfile.TemporaryDirectory() as parent:
         with closing(FleetRecorder(folder, Path(parent))) as recorder:
@@ -58,7 +58,7 @@ def report_speed(folder_path: Path) -> Iterator[Figure]:
 
 
 def record_lockstep(folder: MapFolder, duration: float, target: Path) -> Path:
-    """Record one robot of a lockstep run of a duration, s (virtual), in a folder."""
+    """Record one robot in lockstep for a simulated duration, s; return the file in ``target``."""
     with closing(FleetRecorder(folder, target)) as recorder:
         fleet = Fleet(folder, 1, SEED, observer=recorder.observe)
         while fleet.t < duration:

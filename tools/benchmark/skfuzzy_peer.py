@@ -1,4 +1,4 @@
-"""A fuzzy system of ours built once more with skfuzzy.control, to be compared and timed."""
+"""Builds a fuzzy system a second time with skfuzzy.control, for comparison and timing."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def finite(fuzzy_set: Trapezoid) -> list[float]:
 
 
 def simulation_of(system: MamdaniSystem, output_universe: NDArray[np.float64]) -> Any:
-    """Return skfuzzy's ControlSystemSimulation of the same rule base.
+    """Return skfuzzy's ControlSystemSimulation of a system's rule base.
 
     output_universe: (n,) ascending, the points between which skfuzzy integrates.
     """
@@ -49,7 +49,7 @@ def _antecedents(system: MamdaniSystem) -> dict[tuple[str, str], Any]:
 def _consequents(
     system: MamdaniSystem, universe: NDArray[np.float64]
 ) -> dict[tuple[str, str], Any]:
-    """Return the output sets that rules name: arrays of inputs fail over one that none names."""
+    """Return the output sets that rules name; skfuzzy fails for an array if one is never named."""
     named = {key for rule in system.rules for key in rule.then}
     terms = {}
     for variable in system.outputs:

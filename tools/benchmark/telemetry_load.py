@@ -1,8 +1,8 @@
-"""Many robots at full telemetry, without the robots.
+"""Sends the telemetry of many robots without running them.
 
 ``python -m tools.benchmark.telemetry_load ENDPOINT N``:
-What three benched robots report in a minute is sent again and again under N names, each over a
-connection of its own, with the time stamps of the present.
+One minute of telemetry of three benched robots is sent repeatedly under N names, each over its own
+connection, with present time stamps.
 """
 
 from __future__ import annotations
@@ -26,56 +26,59 @@ from tools.bench.fleet import Fleet
 SOURCES = 3
 CYCLE_S = 60.0
 SETTLED_S = 20.0
-"""The robots of the bench are on their border by then."""
+"""Time after which the benched robots are on their border."""
 SEED = 1
 _STAGGER_S = 1.37  # between robots that repeat the same source
 _STAMPED = frozenset({"pose", "status", "decision", "scan", "particles"})
 
-Said = list[tuple[float, str, Payload]]
+Reports = list[tuple[float, str, Payload]]
+"""Time (s), stream and payload of one robot's telemetry, in order of time."""
 
 
 class _Listener:
-    """Keeps what a benched robot reports."""
+    """Collects the telemetry of a benched robot."""
 
-    def __init__(self, said: Said) -> None:
-        self._said = said
+    def __init__(self, recorded: Reports) -> None:
+        self._recorded = recorded
 
     def record_event(self, event: Event) -> None:
-        """Events do not matter here."""
+        """Ignore events."""
 
     def record_effect(self, t: float, effect: Effect) -> None:
-        """Keep what is published once the robot has settled."""
+        """Keep what is published from ``SETTLED_S`` on."""
         if isinstance(effect, Publish) and t >= SETTLED_S:
-            self._said.append((t - SETTLED_S, effect.stream, decode(effect.stream, effect.payload)))
+            self._recorded.append(
+                (t - SETTLED_S, effect.stream, decode(effect.stream, effect.payload))
+            )
 
 
-def reports() -> list[Said]:
-    """Return what each of the benched robots reports in a cycle, by time (s)."""
-    said: list[Said] = []
+def reports() -> list[Reports]:
+    """Return the telemetry of each benched robot in one cycle, times from its start."""
+    recorded: list[Reports] = []
 
     def observe(_name: str, _config: AgentConfig) -> _Listener:
-        said.append([])
-        return _Listener(said[-1])
+        recorded.append([])
+        return _Listener(recorded[-1])
 
     folder = load_map_folder(find_map("paper_lab", Path.cwd()))
     fleet = Fleet(folder, SOURCES, SEED, observer=observe)
     while fleet.t < SETTLED_S + CYCLE_S:
         fleet.step()
-    return said
+    return recorded
 
 
-def schedule(said: list[Said], count: int) -> list[tuple[float, int, str, Payload]]:
-    """Return one cycle of N robots: time (s), robot, stream and payload, in order of time."""
+def schedule(recorded: list[Reports], count: int) -> list[tuple[float, int, str, Payload]]:
+    """Return one cycle of ``count`` robots: time, robot, stream and payload, in order of time."""
     cycle = [
         ((t + robot * _STAGGER_S) % CYCLE_S, robot, stream, payload)
         for robot in range(count)
-        for t, stream, payload in said[robot % len(said)]
+        for t, stream, payload in recorded[robot % len(recorded)]
     ]
     return sorted(cycle, key=lambda item: item[0])
 
 
 def messages(cycle: list[tuple[float, int, str, Payload]]) -> Iterator[tuple[int, str, bytes]]:
-    """Yield robot, stream and bytes when each is due, for ever."""
+    """Yield robot, stream and bytes when each is due, endlessly."""
     started = time.monotonic()
     while True:
         for t, robot, stream, payload in cycle:
@@ -90,7 +93,7 @@ def messages(cycle: list[tuple[float, int, str, Payload]]) -> Iterator[tuple[int
 
 
 def run(endpoint: str, count: int) -> None:
-    """Report as ``count`` robots until interrupted."""
+    """Send the telemetry of ``count`` robots to an endpoint until interrupted."""
     cycle = schedule(reports(), count)
     settings = TelemetrySettings(operator=endpoint)
     robots = [

@@ -1,4 +1,4 @@
-"""Does telemetry ever hold the control loop up? One robot, the network in every state of repair."""
+"""Control loop times of one robot under every network fault: telemetry must not delay them."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ from tools.monitor.operator import Operator
 
 SEED = 1
 SETTLED_S = 7.0
-"""An agent has connected, localized and set off by then."""
+"""Time after which an agent has connected, localized and started to patrol."""
 
 
 @dataclass(frozen=True)
 class LoopTiming:
-    """How one robot's control loop fared; times from last report byte to first command byte, s."""
+    """Response times of one robot's control loop, s: last report byte to first command byte."""
 
     trouble: str
     median: float
@@ -38,7 +38,7 @@ class LoopTiming:
     longest: float
     memory_mb: float
     dropped: int
-    """Payloads that had to make room for newer ones."""
+    """Payloads dropped from the full queue in favour of newer ones."""
 
 
 @contextmanager
@@ -57,36 +57,36 @@ def _port(endpoint: str) -> str:
 
 
 class Network:
-    """What lies beyond the robot's telemetry: the operator's processes, as a trouble wants them."""
+    """The network end of the robot's telemetry: operator processes, started by the fault."""
 
     def __init__(self, stack: ExitStack) -> None:
         self._stack = stack
         self.endpoint = free_endpoint()
-        """What the robot dials."""
+        """Endpoint the robot connects to."""
 
-    def seat_operator(self, endpoint: str | None = None) -> subprocess.Popen[bytes]:
-        """Start an operator, where the robot dials by default."""
+    def start_operator(self, endpoint: str | None = None) -> subprocess.Popen[bytes]:
+        """Start an operator listening on an endpoint; None: the one the robot connects to."""
         words = ("tools.cli", "monitor", "--text", "--listen", endpoint or self.endpoint)
         return self._stack.enter_context(_process(*words))
 
-    def spoil_link(self) -> None:
-        """Put a bad link between the robot and an operator."""
+    def start_bad_link(self) -> None:
+        """Start an operator and a bad link between the robot and it."""
         behind = free_endpoint()
-        self.seat_operator(behind)
+        self.start_operator(behind)
         words = ("tools.benchmark.bad_link", _port(self.endpoint), _port(behind))
         self._stack.enter_context(_process(*words))
 
 
 Disturbance = Callable[[Network, float], None]
-"""Called all the time while the robot is measured, with the time since the start, s."""
+"""Called at every step of a measurement with the time since its start, s."""
 
 
-def _nothing(_network: Network, _t: float) -> None:
+def _no_disturbance(_network: Network, _t: float) -> None:
     """Leave the network as it is."""
 
 
 class _Freezer:
-    """Freezes the operator in mid-message for good."""
+    """Stops the operator process by SIGSTOP, in mid-message, and does not continue it."""
 
     def __init__(self, operator: subprocess.Popen[bytes]) -> None:
         self._operator = operator
@@ -99,7 +99,7 @@ class _Freezer:
 
 
 class _Restarter:
-    """Kills the operator and starts another, again and again."""
+    """Kills the operator and starts another one, alternately every ``PERIOD_S``."""
 
     PERIOD_S = 3.0
 
@@ -115,32 +115,33 @@ class _Restarter:
             self._operator.kill()
             self._operator = None
         else:
-            self._operator = network.seat_operator()
+            self._operator = network.start_operator()
 
 
-def _spoiled(network: Network) -> Disturbance:
-    network.spoil_link()
-    return _nothing
+def _with_bad_link(network: Network) -> Disturbance:
+    network.start_bad_link()
+    return _no_disturbance
 
 
 TROUBLES: dict[str, Callable[[Network], Disturbance] | None] = {
     "no telemetry": None,
-    "operator absent": lambda _network: _nothing,
-    "operator hears": lambda network: _kept(network.seat_operator()),
-    "operator frozen in mid-message": lambda network: _Freezer(network.seat_operator()),
-    "operator killed and restarted": lambda network: _Restarter(network.seat_operator()),
-    "bad link: 0.5 s late, 1 % stalls": _spoiled,
+    "operator absent": lambda _network: _no_disturbance,
+    "operator hears": lambda network: _undisturbed(network.start_operator()),
+    "operator frozen in mid-message": lambda network: _Freezer(network.start_operator()),
+    "operator killed and restarted": lambda network: _Restarter(network.start_operator()),
+    "bad link: 0.5 s late, 1 % stalls": _with_bad_link,
 }
 
 
-def _kept(_operator: subprocess.Popen[bytes]) -> Disturbance:
-    return _nothing
+def _undisturbed(_operator: subprocess.Popen[bytes]) -> Disturbance:
+    return _no_disturbance
 
 
 def loop_timings(measured: float, rounds: int = 3) -> Iterator[LoopTiming]:
-    """Measure every trouble for ``measured`` s of real time, several times in turn.
+    """Measure every fault for ``measured`` s of real time, in several rounds.
 
-    Of each figure the best is kept: what others do on the machine meanwhile only adds.
+    Of each time the smallest is kept, as other load on the machine can only add; of memory and
+    dropped payloads the largest.
     """
     timings: dict[str, list[LoopTiming]] = {trouble: [] for trouble in TROUBLES}
     for _ in range(rounds):
@@ -162,7 +163,7 @@ def _timing(trouble: str, folder: Path, measured: float) -> LoopTiming:
     with ExitStack() as stack:
         network = Network(stack)
         prepare = TROUBLES[trouble]
-        disturb = _nothing if prepare is None else prepare(network)
+        disturb = _no_disturbance if prepare is None else prepare(network)
         operator = "" if prepare is None else network.endpoint
         stage = stack.enter_context(closing(AgentStage(folder, SEED, operator)))
         stage.start_agent()
@@ -174,7 +175,7 @@ def _timing(trouble: str, folder: Path, measured: float) -> LoopTiming:
                 stage.tap.response_times.clear()
         stage.end_agent()
         times = np.array(stage.tap.response_times)
-        process = _last_word(stage.recordings[-1])
+        process = _last_process_report(stage.recordings[-1])
     return LoopTiming(
         trouble,
         float(np.median(times)),
@@ -185,14 +186,17 @@ def _timing(trouble: str, folder: Path, measured: float) -> LoopTiming:
     )
 
 
-def _last_word(recording: Path) -> ProcessPayload:
-    """Return what the process said of itself last."""
+def _last_process_report(recording: Path) -> ProcessPayload:
+    """Return the last process report of a recording."""
     *_, (_, _, payload) = read_recording(recording).messages({"process"})
     return msgspec.json.decode(payload, type=ProcessPayload)
 
 
 def reconnection_time(absence: float) -> float:
-    """Return how long after an operator is back (s) a robot is heard, having been absent (s)."""
+    """Return the time, s, from an operator's start to a robot's reconnection.
+
+    absence: time, s, that the robot runs without an operator before.
+    """
     endpoint = free_endpoint()
     robot = Telemetry(TelemetrySettings(operator=endpoint), robot="robot1", team="faults")
     try:

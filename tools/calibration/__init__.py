@@ -1,1 +1,1 @@
-"""What is fitted to a robot: camera, team colour, and what perception makes of a log."""
+"""Calibration of camera and team colour, and evaluation of perception on logs and recordings."""

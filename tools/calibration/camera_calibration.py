@@ -1,4 +1,4 @@
-"""Fits the camera's direction and focal length to robots that laser and camera saw at once."""
+"""Fits the camera's direction and focal length to robots seen by laser and camera at once."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from tools.calibration.color_calibration import CalibrationError
 from tools.logs.recording import Recording
 
 MIN_PAIRS = 20
-MIN_SPREAD = 0.15  # rad, one sigma of the bearings: a focal length shows at the sides only
-_FARTHEST = 0.5  # rad between a band and the only robot, whatever the mount may be
-_ALONE = 0.6  # a band of less confidence is no witness
+MIN_SPREAD = 0.15  # rad, one sigma of the bearings: the focal length shows at the sides only
+_FARTHEST = 0.5  # rad, largest angle between a band and the only robot near it
+_MIN_CONFIDENCE = 0.6  # least confidence of a band that is used
 _FRESH = 0.3  # s
 _OUTLIER = 4.0  # pixels
 
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """bearing: rad of a robot about the lens, in base_link. across: pixels from the picture's
-    middle, right positive, of its band."""
+    """Bearing of a robot from the lens, rad, base_link, and its band's offset to the right of the
+    picture's middle, pixels."""
 
     bearing: float
     across: float
@@ -37,7 +37,8 @@ class Pair:
 
 @dataclass(frozen=True, slots=True)
 class CameraFit:
-    """theta: rad the camera looks to the left of ahead. focal_length: pixels. rms: pixels left."""
+    """Fitted heading of the camera in base_link, rad, left positive; focal length and residual rms,
+    pixels; number of pairs."""
 
     theta: float
     focal_length: float
@@ -46,9 +47,11 @@ class CameraFit:
 
 
 def pairs_of(recording: Recording) -> tuple[list[Pair], CameraSettings]:
-    """Return the moments at which one robot was seen by the laser and one band by the camera.
+    """Return the pairs of a recording, and its camera settings.
 
-    The recording's own agent is run again to know where it saw robots.
+    A pair is taken where the laser saw one robot near the only band of a picture. The recording is
+    replayed to know the agent's tracks. Raises ConfigError, MapError or BorderError for a damaged
+    header.
     """
     header = recording.header
     config = parse_config(header.configuration, f"{recording.path} (configuration)")
@@ -66,7 +69,7 @@ def pairs_of(recording: Recording) -> tuple[list[Pair], CameraSettings]:
 
 def _pair(agent: Agent, event: BlobsSeen, camera: CameraSettings) -> list[Pair]:
     pose = agent.pose_tracker.localized_pose_at(event.taken)
-    if pose is None or len(event.blobs) != 1 or event.blobs[0].confidence < _ALONE:
+    if pose is None or len(event.blobs) != 1 or event.blobs[0].confidence < _MIN_CONFIDENCE:
         return []
     lens = pose.compose(Pose(camera.mount[0], camera.mount[1], 0.0))
     bearings = [
@@ -82,9 +85,9 @@ def _pair(agent: Agent, event: BlobsSeen, camera: CameraSettings) -> list[Pair]:
 
 
 def fit_camera(pairs: Sequence[Pair], camera: CameraSettings) -> CameraFit:
-    """Fit direction and focal length; odd pairs count little.
+    """Fit direction and focal length by robust least squares, starting from the camera's settings.
 
-    Raises CalibrationError for too few pairs, or all in one direction.
+    Raises CalibrationError for too few pairs, or pairs all in one direction.
     """
     if len(pairs) < MIN_PAIRS:
         raise CalibrationError(

@@ -1,4 +1,4 @@
-"""Learns the team's colour from pictures of the band."""
+"""Fits the team's colour model to pictures of the band."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from robot_agent.perception.color_model import log_chromaticity
 from robot_agent.perception.color_settings import ColorModelSettings
 
 LAMP_SIGMA = 0.12
-"""By which another lamp shifts either coordinate; added to what one place's pictures show."""
+"""Standard deviation added to either coordinate for other lamps, in log chromaticity."""
 _MIN_PIXELS = 50
-_DARKEST, _BRIGHTEST = 25, 250  # counts of the strongest channel: others have lost their colour
-_MIN_CHROMA = 0.35  # from grey, in log chromaticity
-_TRIMMED = 0.1  # share of the pixels, the oddest ones, that is left out
-_POINT_REACH = 12.0  # counts a channel may differ from its neighbour within a band
+_DARKEST, _BRIGHTEST = 25, 250  # counts of the strongest channel; pixels beyond are not used
+_MIN_CHROMA = 0.35  # distance from grey, in log chromaticity
+_TRIMMED = 0.1  # share of the pixels, those farthest from the median, that is left out
+_POINT_REACH = 12.0  # counts a channel may differ between neighbouring pixels of a band
 
 
 class CalibrationError(ValueError):
-    """Nothing can be learned; the message says why and what to do."""
+    """The calibration is not possible; the message names reason and remedy."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,13 +36,13 @@ class Box:
 
 
 def middle_of(picture: NDArray[np.uint8]) -> Box:
-    """Return the middle of a picture, where a printed target is held."""
+    """Return the middle fifth of a picture each way, where a target is held."""
     rows, columns = picture.shape[:2]
     return Box(columns * 2 // 5, rows * 2 // 5, columns // 5, rows // 5)
 
 
 def band_at(picture: NDArray[np.uint8], x: int, y: int) -> NDArray[np.bool_]:
-    """Return (height, width) what has the colour of a point and hangs together with it.
+    """Return the mask (height, width) of pixels connected to a point in about its colour.
 
     Raises CalibrationError if the point lies outside the picture.
     """
@@ -57,9 +57,9 @@ def band_at(picture: NDArray[np.uint8], x: int, y: int) -> NDArray[np.bool_]:
 
 
 def inside(picture: NDArray[np.uint8], box: Box) -> NDArray[np.bool_]:
-    """Return (height, width) which pixels lie in a box.
+    """Return the mask (height, width) of the pixels in a box.
 
-    Raises CalibrationError if it does not lie in the picture.
+    Raises CalibrationError if the box is empty or not within the picture.
     """
     rows, columns = picture.shape[:2]
     fits = box.left >= 0 and box.top >= 0 and box.width > 0 and box.height > 0
@@ -76,9 +76,10 @@ def inside(picture: NDArray[np.uint8], box: Box) -> NDArray[np.bool_]:
 def learn_color(
     samples: Sequence[tuple[NDArray[np.uint8], NDArray[np.bool_]]],
 ) -> ColorModelSettings:
-    """Return the colour of the marked pixels of pictures (picture, mask).
+    """Return the colour model of the marked pixels.
 
-    Raises CalibrationError if they are too few, too dark, too bright or grey.
+    samples: pictures (height, width, 3), BGR, with masks (height, width). Raises CalibrationError
+    if the pixels are too few, too dark, too bright or grey.
     """
     pixels = np.concatenate(
         [np.asarray(cv2.blur(picture, (3, 3)))[mask] for picture, mask in samples]

@@ -1,4 +1,4 @@
-"""How well the bands are found in composed pictures: recall, errors, false bands, time."""
+"""Evaluates the band detector on synthetic pictures: recall, errors, false bands, time."""
 
 from __future__ import annotations
 
@@ -15,31 +15,31 @@ from robot_agent.perception.color_settings import ColorSettings
 from tools.simulation.composed_picture import ComposedPicture, Composer
 
 VISIBILITY = 2.5
-"""m; the paper's visibility range."""
+"""The paper's visibility range, m."""
 SAME_RAD = 0.08
-"""A blob this near the true bearing, with the right range, is the robot's."""
+"""Largest bearing error of a blob that counts as the robot's."""
 SURFACE_M = 0.2
-"""From a robot's middle to its sides, where its band is."""
+"""Distance from a robot's middle to its sides, where its band is."""
 SAME_SHARE = 0.3
-"""Of the distance: how far a blob's range may be off."""
+"""Largest range error of a blob that counts as the robot's, as a share of the distance."""
 
 
 @dataclass(frozen=True)
 class ColorTrial:
-    """Figures of a trial; pictures: how many were looked at, half of them with a band."""
+    """Figures of a trial."""
 
     pictures: int
     recall: float
-    """Share of the robots at 2.5 m that were found."""
+    """Share of the robots at VISIBILITY that were found."""
     recall_near: float
-    """The same of robots from 0.6 to 2.5 m."""
+    """The same of robots from 0.6 m to VISIBILITY."""
     false_share: float
     """False bands per picture, over all pictures."""
     bearing_sigma: float  # rad
     range_bias: float  # m, at 2.5 m
     range_sigma: float  # m, at 2.5 m
     cpu_ms: float
-    """Processor time of one look, median."""
+    """Median CPU time of one detection."""
 
 
 def run_color_trial(
@@ -49,7 +49,10 @@ def run_color_trial(
     color: ColorSettings | None = None,
     progress: Callable[[float], None] = lambda _: None,
 ) -> ColorTrial:
-    """Compose pictures, a quarter at 2.5 m, a quarter nearer, half without a band; look at all."""
+    """Detect bands in synthetic pictures: a quarter at 2.5 m, a quarter nearer, half without band.
+
+    pictures: their number, 4 or more; camera, color: None: the defaults.
+    """
     camera, color = camera or CameraSettings(), color or ColorSettings()
     composer = Composer(camera, color, seed)
     detector = BandDetector(camera, color)

@@ -1,4 +1,4 @@
-"""Changes sections of a robot's TOML file and leaves the rest, comments and all, as it is."""
+"""Changes sections of a robot's TOML file and keeps the rest, with its comments."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from robot_agent.config import ConfigError, parse_config
 
 
 def set_keys(path: Path, section: str, values: Mapping[str, Any]) -> None:
-    """Set keys of a section, e.g. ``perception.color.band``; both may be new, the file too.
+    """Set keys of a section, e.g. ``perception.color.band``; file, section and keys may be new.
 
-    The file is replaced as a whole, at once. Raises ConfigError if it cannot be read or written,
-    is no configuration or would not be one afterwards; it is untouched then.
+    The file is replaced atomically. Raises ConfigError, leaving the file unchanged, if it cannot be
+    read or written, is no valid configuration or would not be one afterwards.
     """
     try:
         content = path.read_bytes() if path.exists() else b""
@@ -37,14 +37,14 @@ def set_keys(path: Path, section: str, values: Mapping[str, Any]) -> None:
 
 
 class UnplacedError(ValueError):
-    """No way was found to write keys into a TOML text; the message tells what to write by hand."""
+    """Keys cannot be written into a TOML text; the message holds the lines to write by hand."""
 
 
 def with_keys(text: str, section: str, values: Mapping[str, Any]) -> str:
-    """Return valid TOML text with keys of a section set, however the section is written there.
+    """Return valid TOML text with keys of a section set, in whatever syntax the section is.
 
-    A section that is missing is added with a header of its own, and as an inline table where its
-    parent is written on one line or by dotted keys. Raises UnplacedError.
+    A missing section is added with its own header, or as an inline table where its parent is one or
+    is written by dotted keys. Raises UnplacedError if neither gives the wanted content.
     """
     wanted = _merged(tomllib.loads(text), section, values)
     if text and not text.endswith("\n"):
@@ -53,7 +53,7 @@ def with_keys(text: str, section: str, values: Mapping[str, Any]) -> str:
         try:
             changed = _edited(text, section, values, new_table)
             if tomllib.loads(changed) == wanted:
-                # Lines that tomlkit adds end as on Unix.
+                # tomlkit ends added lines by LF.
                 return changed.replace("\r\n", "\n").replace("\n", _line_end(text))
         except (TOMLKitError, ValueError):
             continue
@@ -78,8 +78,8 @@ def _edited(
         if name not in table:
             table[name] = new_table()
         table = table[name]
-    # Comments at the end of a section stand above the next one: new keys go before them.
-    notes = _take_notes(table) if isinstance(table, Table) else []
+    # Comments at the end of a section belong to the next one: new keys go before them.
+    notes = _pop_trailing_comments(table) if isinstance(table, Table) else []
     for key, value in values.items():
         table[key] = value
     for note in notes:
@@ -87,7 +87,7 @@ def _edited(
     return tomlkit.dumps(document)
 
 
-def _take_notes(table: Table) -> list[Any]:
+def _pop_trailing_comments(table: Table) -> list[Any]:
     """Remove the blank lines and comments after a table's last key; return them."""
     body = table.value.body
     end = len(body)
@@ -103,7 +103,7 @@ def _line_end(text: str) -> str:
 
 
 def _replace(path: Path, content: bytes) -> None:
-    """Write a file so that it is there as it was or as it will be, whatever happens."""
+    """Replace a file's content atomically, keeping its mode."""
     part = path.with_name(f".{path.name}.part")
     try:
         with part.open("wb") as file:

@@ -1,4 +1,4 @@
-"""The tracker alone on a log: a building without any robot of the team."""
+"""Runs the tracker alone on a log of a building without robots of the team."""
 
 from __future__ import annotations
 
@@ -22,26 +22,26 @@ MIN_STEP_S = 0.1
 
 @dataclass(frozen=True)
 class PerceiveResult:
-    """What the tracker made of a log, counted over the scans that were localized."""
+    """Counts of the tracker's results on a log, over the localized scans."""
 
     scans: int
     teammates: int
-    """Tracks taken for a teammate at any time."""
+    """Tracks classified as a teammate at any time."""
     tracks: int
     """Confirmed tracks."""
     moving: int
-    """Scans times confirmed tracks just seen that had moved."""
+    """Sum over the scans of confirmed tracks seen in it that had moved."""
     standing: int
-    """Scans times confirmed tracks just seen that had not."""
+    """Sum over the scans of confirmed tracks seen in it that had not moved."""
 
     @property
     def moving_per_100(self) -> float:
-        """Moving segments in a hundred scans."""
+        """Moving tracks in a hundred scans."""
         return 100.0 * self.moving / max(self.scans, 1)
 
     @property
     def summary(self) -> dict[str, float]:
-        """The figures as JSON has them."""
+        """The figures for JSON."""
         return {
             "scans": self.scans,
             "teammates": self.teammates,
@@ -58,11 +58,11 @@ def perceive(
     seed: int = 0,
     progress: Callable[[float], None] = lambda _: None,
 ) -> PerceiveResult:
-    """Localize on a log and track who is there, by laser alone, as an agent would.
+    """Localize on a log and run the tracker by laser alone, as an agent does.
 
-    A log's scans may be many seconds apart, where a robot's are a tenth: they are dated a tenth of
-    a second apart, so that whatever stands at one place for three scans becomes a track.
-    Raises LogError if the log has no reference pose to start from.
+    A log's scans may be many seconds apart: they get times MIN_STEP_S apart, as a robot's have, so
+    that an object at one place in three scans becomes a track. steps: at least one.
+    Raises LogError if the first scan has no reference pose to start from.
     """
     first = steps[0].reference
     if first is None:

@@ -1,4 +1,4 @@
-"""What a robot saw at the moment of a picture: its scan with the tracks, the picture with bands."""
+"""Draws an intruder report of a recording: the scan with the tracks, the picture with the bands."""
 
 from __future__ import annotations
 
@@ -29,25 +29,25 @@ from matplotlib import pyplot as plt
 from matplotlib.axes import Axes
 
 _COLORS = {Kind.TEAMMATE: "tab:blue", Kind.STRANGER: "tab:red", Kind.UNKNOWN: "0.5"}
-_REACH = 4.5  # m round the robot that is drawn
+_REACH = 4.5  # m drawn to either side of the robot
 _ENLARGED = 2
 
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """What there is to draw."""
+    """State of the agent at the time of a picture."""
 
     occupancy: OccupancyMap
     agent: Agent
     pose: Pose
     points: NDArray[np.float64]
-    """(n, 2) m, map frame, of the obstacles seen near the robot."""
+    """Obstacles seen near the robot, (n, 2), m, map frame."""
     blobs: tuple[Blob, ...]
     picture: NDArray[np.uint8]
 
 
 def moment_of(recording: Recording) -> Moment:
-    """Run a recording's agent up to the first picture taken as evidence.
+    """Replay a recording up to the first picture of an intruder report with a known pose.
 
     Raises RecordingError if there is none.
     """
@@ -80,7 +80,7 @@ def moment_of(recording: Recording) -> Moment:
 
 
 def draw_scan(moment: Moment, path: Path) -> None:
-    """Draw map, border, scan and tracks round the robot into a PNG."""
+    """Draw map, border, scan and tracks around the robot into a PNG."""
     figure, axes = plt.subplots(figsize=(6.0, 5.0), dpi=80)
     occupancy = moment.occupancy
     rows, cols = np.nonzero(occupancy.cells == OCCUPIED)
@@ -114,8 +114,8 @@ def _draw_track(axes: Axes, track: Track) -> None:
         mpl.patches.Ellipse((track.x, track.y), width, height, angle=angle, fill=False, color=color)
     )
     axes.arrow(track.x, track.y, track.vx, track.vy, color=color, width=0.02)
-    told = track.probabilities
-    chance = max(told.teammate, told.stranger, told.unknown)
+    kinds = track.probabilities
+    chance = max(kinds.teammate, kinds.stranger, kinds.unknown)
     axes.annotate(f"{track.kind} {chance:.2f}", (track.x, track.y + 0.35), color=color, fontsize=9)
 
 

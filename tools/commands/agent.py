@@ -46,7 +46,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 class _ListSettings(argparse.Action):
-    """Prints the settings and ends the program, as ``--help`` does: it needs no configuration."""
+    """Print the settings and exit, as ``--help`` does: no configuration file is needed."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
         print(format_settings(list_settings()))
@@ -78,7 +78,7 @@ def run(options: argparse.Namespace) -> int:
         telemetry = Telemetry(config.telemetry, robot=config.robot.name, team=config.robot.team)
         stack.callback(telemetry.close)
         agent = Agent(config, folder, clock.start_wall_ns)
-        give_memory_back()
+        trim_memory()
         runtime = Runtime(agent, clock, recorder, telemetry, Journal(sys.stderr), pose_file)
         end_on_signals(runtime)
         print(f"patrol agent: {config.robot.name} started", file=sys.stderr, flush=True)
@@ -93,14 +93,14 @@ def run(options: argparse.Namespace) -> int:
 
 
 def make_pose_file(config: AgentConfig, folder: MapFolder) -> PoseFile | None:
-    """Return where the robot's pose is kept over restarts; None: nowhere."""
+    """Return the file that keeps the robot's pose over restarts, or None if none is configured."""
     if not config.memory.file:
         return None
     return PoseFile(Path(config.memory.file), config.robot.name, folder)
 
 
-def give_memory_back() -> None:
-    """Return to the system what building the agent took for a moment (glibc keeps it else)."""
+def trim_memory() -> None:
+    """Return freed heap memory to the operating system; does nothing where glibc is missing."""
     trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
     if trim is not None:
         trim(0)
@@ -109,7 +109,11 @@ def give_memory_back() -> None:
 def make_recorder(
     wanted: Path | None, config: AgentConfig, folder: MapFolder, clock: Clock
 ) -> Recorder | None:
-    """Start the recorder of a run that shall be recorded, there or in the configured folder."""
+    """Create and start the flight recorder.
+
+    wanted: file of ``--record``; None: a new file in the configured folder. Returns None if neither
+    is given. Raises OSError if the file's folder cannot be made.
+    """
     if wanted is None and not config.recorder.folder:
         return None
     header = header_of_run(

@@ -43,10 +43,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "seed); kinds: " + ", ".join(FaultKind),
     )
     parser.add_argument(
-        "--strangers", type=int, default=0, metavar="N", help="people and carts that walk about"
+        "--strangers", type=int, default=0, metavar="N", help="moving people and carts to emulate"
     )
     parser.add_argument(
-        "--camera", choices=["on", "off"], default="off", help="robots have cameras; slower"
+        "--camera", choices=["on", "off"], default="off", help="emulate the robots' cameras; slower"
     )
     add_set_option(parser)
     parser.add_argument("--record", type=Path, metavar="DIR", help="keep a recording per robot")
@@ -56,7 +56,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run one bench; print its figures as JSON."""
     config = chosen_config(options)
-    cv2.setNumThreads(1)  # small images: more threads only cost
+    cv2.setNumThreads(1)  # images are small: more threads cost more than they save
     path = find_map(options.map, Path.cwd())
     folder = load_map_folder(path, options.border)
     if folder.border is None:

@@ -22,7 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Measure, print the table; status 1 when a limit is missed."""
+    """Measure the chosen groups and print the table; return 1 when a limit is missed, else 0."""
     cv2.setNumThreads(1)
     folder = find_map("paper_lab", Path.cwd())
     figures: list[Figure] = []

@@ -22,13 +22,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Make the bundle; print its files."""
+    """Make the bundle, print its files and return 0."""
     machines = options.machine or list(MACHINES)
 
-    def tell(words: str) -> None:
-        print(f"patrol bundle: {words}", file=sys.stderr, flush=True)
+    def report(message: str) -> None:
+        print(f"patrol bundle: {message}", file=sys.stderr, flush=True)
 
-    files = make_bundle(options.output, machines, tell)
+    files = make_bundle(options.output, machines, report)
     for path in files:
         print(f"{path.stat().st_size / 1e6:8.2f} MB  {path}")
     print(f"patrol bundle: now follow {options.output / 'INSTALL.txt'}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""``patrol calibrate``: learn the team's colour, and where the camera looks."""
+"""``patrol calibrate``: fit the team's colour model and the camera's direction and focal length."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Calibrate; print what was found as TOML, and write it where wanted."""
+    """Calibrate, print the result as TOML and, with ``--robot``, write it to that file."""
     return _color(options) if options.what == "color" else _camera(options)
 
 
@@ -106,7 +106,7 @@ def _live_pictures(settings: CameraSettings) -> list[NDArray[np.uint8]]:
 
 
 def _marked(picture: NDArray[np.uint8], box: str | None, at: str | None) -> NDArray[np.bool_]:
-    """Return which pixels of a picture are the band."""
+    """Return the mask of a picture's pixels that belong to the band, (height, width)."""
     if at:
         x, y = _numbers(at, 2, "--at")
         return band_at(picture, x, y)
@@ -126,7 +126,7 @@ def mask_picture(
     color: ColorSettings,
     model: ColorModelSettings,
 ) -> NDArray[np.uint8]:
-    """Return a picture beside what is taken for the band in it, its bands framed."""
+    """Return a BGR picture with the detector's mask of band pixels to its right."""
     detector = BandDetector(camera, msgspec.structs.replace(color, band=model))
     mask = cv2.cvtColor(detector.mask(picture), cv2.COLOR_GRAY2BGR)
     return np.hstack((picture, np.asarray(mask, dtype=np.uint8)))

@@ -1,4 +1,4 @@
-"""``patrol campaign``: the same as ``patrol faults``, which it was called first."""
+"""``patrol campaign``: an alias of ``patrol faults``, kept for its former name."""
 
 from __future__ import annotations
 

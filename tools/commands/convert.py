@@ -21,7 +21,7 @@ from tools.replay.carmen_recording import convert
 
 
 class ConvertError(ValueError):
-    """The conversion asked for does not exist; the message names those that do."""
+    """The requested conversion does not exist; the message names those that do."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _from_recording(source: Path, output: Path, stream: str | None) -> str:
-    """Convert a recording; return what was written, in words."""
+    """Convert a recording; return what was written as text, e.g. ``120 scans``."""
     recording = read_recording(source)
     if output.suffix == ".log":
         words = f"{recording_to_carmen(recording, output)} scans"
@@ -105,7 +105,7 @@ def _from_carmen(source: Path, output: Path, place: str | None) -> None:
 
 
 def map_of(log: CarmenLog) -> MapFolder:
-    """Build the map of a log's place from its reference poses; it has no border."""
+    """Return a map folder without border, built from a log's scans at their reference poses."""
     with progress_line("map", len(log.scans), "scans") as progress:
         built = build_map(log, progress=progress)
     with tempfile.TemporaryDirectory() as parent:

@@ -1,4 +1,4 @@
-"""``patrol demo``: emulated robots, one agent process each, and the operator's table."""
+"""``patrol demo``: emulated robots, one agent process each, and the operator's monitor."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--record", type=Path, metavar="DIR", help="keep recordings in DIR")
     parser.add_argument(
-        "--strangers", type=int, default=0, metavar="N", help="people and carts that walk about"
+        "--strangers", type=int, default=0, metavar="N", help="moving people and carts to emulate"
     )
     parser.add_argument("--camera", choices=["on", "off"], default="on", help="on the robots")
     add_set_option(parser)
@@ -42,7 +42,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the demo until its duration is over or Ctrl-C; stop all; print the summary."""
+    """Run the demo until its duration is over or Ctrl-C, stop all processes, print the summary."""
     config = chosen_config(options)
     path = find_map(options.map, Path.cwd())
     folder = load_map_folder(path, options.border)
@@ -76,7 +76,7 @@ def run(options: argparse.Namespace) -> int:
 
 @contextmanager
 def recordings_folder(wanted: Path | None) -> Iterator[Path]:
-    """Give the wanted folder, or one that vanishes afterwards."""
+    """Yield the wanted folder, or a temporary one that is deleted afterwards if None is wanted."""
     if wanted is not None:
         yield wanted
         return

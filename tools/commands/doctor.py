@@ -45,7 +45,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Check one robot; print what was found."""
+    """Check one robot and print the findings; return 0 if it may patrol, else 1."""
     if options.watchdog_test:
         if not (options.wheels_off_ground or wheels_are_off_ground()):
             print("patrol doctor: nothing was moved", file=sys.stderr)
@@ -72,7 +72,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def wheels_are_off_ground() -> bool:
-    """Ask; whoever cannot be asked has not said so."""
+    """Ask on the terminal; return whether the answer is yes, False where there is no terminal."""
     print(f"{WARNING}.", file=sys.stderr)
     if not sys.stdin.isatty():
         print("patrol doctor: say so with --wheels-off-ground", file=sys.stderr)
@@ -91,7 +91,7 @@ def plain_lines(findings: list[Finding]) -> list[str]:
 
 
 def print_table(findings: list[Finding]) -> bool:
-    """Print a coloured table; False on a robot that lacks the operator's libraries."""
+    """Print a coloured table; return False, printing nothing, where ``rich`` is not installed."""
     try:
         from rich.console import Console
         from rich.table import Table

@@ -32,7 +32,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
             f"--{name}", default="pty", metavar="PLACE", help=f"{device}: pty or tcp:PORT"
         )
         parser.add_argument(
-            f"--{name}-faults", default="", metavar="SPEC", help=f"what the {device}'s line does"
+            f"--{name}-faults", default="", metavar="SPEC", help=f"faults of the {device}'s line"
         )
     parser.add_argument("--camera", type=int, metavar="PORT", help="serve its view as MJPEG there")
     parser.add_argument("--map", default="paper_lab", metavar="DIR", help="map folder or name")
@@ -42,13 +42,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=float,
         default=FACTORY_WATCHDOG,
         metavar="S",
-        help="what is set in the base's FLASH",
+        help="watchdog time-out in the base's FLASH",
     )
     parser.add_argument("--seed", type=int, default=1, metavar="N")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Emulate until SIGINT or SIGTERM; print where each device is, one line each."""
+    """Emulate until SIGINT or SIGTERM; print the URL of each device, one line each."""
     folder = load_map_folder(find_map(options.map, Path.cwd()))
     wanted = EmulateOptions(
         model=options.model,

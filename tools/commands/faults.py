@@ -32,26 +32,26 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=float,
         default=ADVISED_WATCHDOG_S,
         metavar="S",
-        help=f"what is set in the base's FLASH; default {ADVISED_WATCHDOG_S:g}, the factory's is "
+        help=f"watchdog time-out in the base's FLASH; default {ADVISED_WATCHDOG_S:g}, factory "
         f"{FACTORY_WATCHDOG:g}",
     )
     parser.add_argument("--json", action="store_true", help="print JSON instead of Markdown")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the faults; end with 1 when a reaction falls short."""
+    """Run the faults and print the table; return 1 when a reaction misses its limits, else 0."""
     faults = chosen_faults(options.faults)
     with progress_line("faults", len(faults)) as progress:
         done: list[Reaction] = []
 
-        def tell(reaction: Reaction) -> None:
+        def report(reaction: Reaction) -> None:
             done.append(reaction)
             progress(len(done))
             if not sys.stderr.isatty():
                 verdict = "; ".join(reaction.complaints) or "ok"
                 print(f"patrol faults: {reaction.fault}: {verdict}", file=sys.stderr, flush=True)
 
-        reactions = run_faults(faults, tell, options.record, options.watchdog)
+        reactions = run_faults(faults, report, options.record, options.watchdog)
     if options.output:
         options.output.write_text(markdown(reactions))
     if options.json:

@@ -19,14 +19,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("configs", nargs="*", type=Path, metavar="ROBOT.toml")
     parser.add_argument("--root", type=Path, default=Path("/"), metavar="DIR", help="default: /")
-    parser.add_argument("--user", default="patrol", help="whom the service runs as")
+    parser.add_argument("--user", default="patrol", help="user the service runs as")
     parser.add_argument(
         "--program", type=Path, default=this_program(), help="the patrol to start; default: this"
     )
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write, check, and say what to do next; end with 1 when a check fails."""
+    """Write the files, check them, print the next steps; return 1 when a check fails, else 0."""
     done = deploy(options.root, options.configs, options.user, options.program)
     for path in done.written:
         print(f"written  {path}")

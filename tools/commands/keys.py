@@ -1,4 +1,4 @@
-"""``patrol keys``: certificates for robots and operator, so that nobody else can speak for them."""
+"""``patrol keys``: TLS certificates that authenticate robots and operator to each other."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="ADDRESS",
-        help="address or name robots dial the operator at; several may be given",
+        help="address or name at which robots reach the operator; several may be given",
     )
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
-    parser.add_argument("--days", type=int, default=3650, metavar="N", help="how long they hold")
+    parser.add_argument("--days", type=int, default=3650, metavar="N", help="validity in days")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Make what is missing; print what was made."""
+    """Make the missing certificates and print the files made."""
     for name in make_keys(options.output, options.team, options.robots, options.host, options.days):
         print(options.output / name)
     return 0

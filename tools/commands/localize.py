@@ -16,7 +16,7 @@ from robot_agent.config import find_map, parse_config
 from tools.localize.localize import LocalizeOptions, localize_steps, log_steps, map_of_log
 from tools.localize.localize_report import STUDIES, format_table, run_count, run_study
 from tools.localize.localize_study import RESOLUTION, read_study_log
-from tools.localize.localize_trials import carried_away, outcome
+from tools.localize.localize_trials import kidnapped_steps, outcome
 from tools.logs.carmen import LogError, read_carmen
 from tools.logs.log_step import LogStep
 from tools.logs.recorded_scans import recorded_scans
@@ -59,7 +59,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     size.add_argument("--kld", action="store_true", help="KLD-adaptive number (the default)")
     parser.add_argument("--beams", type=_positive, metavar="N", help="beams used per scan")
     parser.add_argument(
-        "--global", dest="anywhere", action="store_true", help="start with no idea of the pose"
+        "--global", dest="anywhere", action="store_true", help="start without an initial pose"
     )
     parser.add_argument(
         "--kidnap", type=float, metavar="T", help="carry the robot elsewhere T s after the start"
@@ -98,7 +98,7 @@ def _localize(path: Path, first_scan: int, options: argparse.Namespace) -> int:
     if options.kidnap is not None:
         event = _scans_before(steps, options.kidnap)
         rng = np.random.default_rng(options.seed)
-        steps = carried_away(steps[:event], steps, rng)
+        steps = kidnapped_steps(steps[:event], steps, rng)
     choices = LocalizeOptions(
         particles=options.particles,
         beams=options.beams,
@@ -113,12 +113,15 @@ def _localize(path: Path, first_scan: int, options: argparse.Namespace) -> int:
         summary["after_event"] = outcome(result, steps, event).summary
     if options.csv:
         result.write_csv(options.csv)
-    _tell(summary, options.json)
+    _print_summary(summary, options.json)
     return 0
 
 
 def _read(path: Path, options: argparse.Namespace) -> tuple[list[LogStep], MapFolder]:
-    """Return a log's or recording's scans, and the map to localize on."""
+    """Return a log's or recording's scans, and the map to localize on.
+
+    Raises LogError for ``--map-from`` with a recording, which holds no reference poses.
+    """
     if path.suffix == ".mcap":
         if options.map_from:
             raise LogError(f"{path}: --map-from needs a CARMEN log: give --map DIR")
@@ -141,7 +144,7 @@ def _folder(options: argparse.Namespace) -> MapFolder:
 
 
 def _scans_before(steps: list[LogStep], seconds: float) -> int:
-    """Return how many scans are taken within the first seconds; at least one."""
+    """Return the number of scans within that many seconds of the first; at least 1."""
     return max(1, sum(step.t - steps[0].t < seconds for step in steps))
 
 
@@ -165,18 +168,18 @@ def _study(paths: list[tuple[Path, int]], options: argparse.Namespace) -> int:
     return 0
 
 
-# --- words in and out ------------------------------------------------------------------------
+# --- arguments and output --------------------------------------------------------------------
 
 
 def _split(word: str, first_scan: int) -> tuple[Path, int]:
-    """Split ``LOG:N``; a file of that very name comes first."""
+    """Return path and first scan of ``LOG:N``; an existing file of the whole name wins."""
     name, _, number = word.rpartition(":")
     if name and number.isdecimal() and not Path(word).exists():
         return Path(name), int(number)
     return Path(word), first_scan
 
 
-def _tell(summary: dict[str, object], path: Path | None) -> None:
+def _print_summary(summary: dict[str, object], path: Path | None) -> None:
     text = json.dumps(summary, indent=2)
     if path is not None:
         path.write_text(text + "\n", encoding="utf-8")

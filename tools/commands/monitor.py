@@ -1,4 +1,4 @@
-"""``patrol monitor``: the operator's side, as a page and as a table in a terminal."""
+"""``patrol monitor``: the operator's view of the team, as a web page or as a terminal table."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
-from tools.monitor.monitor import Beat, Monitor, MonitorOptions, until
+from tools.monitor.monitor import Monitor, MonitorOptions, PeriodicCall, until
 from tools.monitor.playback import Playback
 from tools.monitor.site import Site
 from tools.monitor.team_state import TeamState
@@ -30,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "          patrol monitor --play robot1.mcap robot2.mcap"
     )
     parser.add_argument(
-        "--listen", default="tcp/0.0.0.0:7447", metavar="ENDPOINT", help="where robots report to"
+        "--listen", default="tcp/0.0.0.0:7447", metavar="ENDPOINT", help="where robots connect to"
     )
     parser.add_argument(
         "--keys", type=Path, metavar="DIR", help="the operator's keys, for a tls/ endpoint"
@@ -42,10 +42,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--border", default="border", metavar="NAME", help="border file of the map")
     parser.add_argument("--text", action="store_true", help="a table in the terminal, no page")
     parser.add_argument(
-        "--record", type=Path, metavar="OUT.mcap", help="write every payload as it comes"
+        "--record", type=Path, metavar="OUT.mcap", help="record every payload received"
     )
     parser.add_argument(
-        "--forward", metavar="ENDPOINT", help="a head office's monitor that hears all this too"
+        "--forward", metavar="ENDPOINT", help="head office's monitor that gets every payload too"
     )
     parser.add_argument(
         "--foxglove", metavar="HOST:PORT", help="serve Foxglove viewers (needs foxglove-sdk)"
@@ -88,13 +88,16 @@ def run(options: argparse.Namespace) -> int:
 
 
 def play(options: argparse.Namespace, going_on: Callable[[], bool]) -> int:
-    """Show recordings until interrupted."""
+    """Play recordings until interrupted or ``going_on`` returns False; return 0.
+
+    Raises RecordingError for a file that is no recording, WebError for a bad ``--http`` address.
+    """
     playback = Playback(options.play)
     chosen = chosen_site(options.map, options.border)
     site = chosen if chosen.folder else Site(playback.site_folder())
     watch = Watch(TeamState(), site)
     if options.text:
-        with closing(Beat(lambda: playback.advance(watch))):
+        with closing(PeriodicCall(lambda: playback.advance(watch))):
             show_team(watch, going_on)
         return 0
     with closing(WebServer(watch, playback, options.http)) as server:
@@ -105,7 +108,7 @@ def play(options: argparse.Namespace, going_on: Callable[[], bool]) -> int:
 
 
 def chosen_site(name: str | None, border: str) -> Site:
-    """Return the place on a map, or one without a map."""
+    """Return the site of a map folder's name or path; a site without map for None."""
     if name is None:
         return Site(None)
     return Site(load_map_folder(find_map(name, Path.cwd()), border))

@@ -1,4 +1,4 @@
-"""``patrol mutation``: does the table of cases notice every change of the safety gate?"""
+"""``patrol mutation``: mutation test of the safety gate against its table of cases."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Judge every mutant; end with 1 when one survives that is not known to make no difference."""
+    """Run every mutant; return 1 when one survives that is not listed as equivalent, else 0."""
     cases = load_cases()
     survivors, count = [], 0
     with progress_line("mutants", len(mutant_names())) as progress:

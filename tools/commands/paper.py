@@ -1,4 +1,4 @@
-"""``patrol paper``: the paper's experiment, its figures and whether its claims hold."""
+"""``patrol paper``: run the paper's experiment, draw its figures, check its claims."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run it; print the claims as JSON; status 1 when one did not hold.
+    """Run the experiment and print the claims as JSON; return 1 when one did not hold, else 0.
 
     Every seed's claims are in ``claims.json``; the figures are of the first seed.
     """
@@ -47,20 +47,20 @@ def run(options: argparse.Namespace) -> int:
         return 2
     config = chosen_config(options)
     folder = find_map(options.map, Path.cwd())
-    load_map_folder(folder, options.border)  # a wrong one is told before anything is run
+    load_map_folder(folder, options.border)  # reports a wrong folder before anything is run
     options.output.mkdir(parents=True, exist_ok=True)
     sensing = Sensing(options.sensing)
     trial = PaperTrial(folder, options.border, sensing, options.duration, config)
     seeds = range(options.seed, options.seed + options.seeds)
-    told = []
+    claimed = []
     with progress_line("paper", len(seeds), "runs") as progress:
         for done in run_seeds(trial, seeds, options.jobs):
-            told.append(claims(done))
-            # Written as they come: who is stopped keeps what there is.
-            (options.output / "claims.json").write_text(json.dumps(told, indent=2) + "\n")
-            if len(told) == 1 and not write_figures(done, options.output):
+            claimed.append(claims(done))
+            # Written after every run: an interrupted command keeps its results so far.
+            (options.output / "claims.json").write_text(json.dumps(claimed, indent=2) + "\n")
+            if len(claimed) == 1 and not write_figures(done, options.output):
                 print("patrol paper: no two robots met, no figure of it", file=sys.stderr)
-            progress(len(told))
-    summary = over_seeds(told)
+            progress(len(claimed))
+    summary = over_seeds(claimed)
     print(json.dumps(summary, indent=2))
     return 0 if all(summary["held"].values()) else 1

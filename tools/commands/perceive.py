@@ -1,4 +1,4 @@
-"""``patrol perceive``: whom the tracker sees on a log, or saw in a recording, as pictures."""
+"""``patrol perceive``: run the tracker on a log, or draw an intruder report of a recording."""
 
 from __future__ import annotations
 
@@ -36,13 +36,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "and the others are looked at",
     )
     parser.add_argument(
-        "--first-scan", type=int, default=0, metavar="N", help="leave out those before"
+        "--first-scan", type=int, default=0, metavar="N", help="leave out the scans before"
     )
     parser.add_argument("--seed", type=int, default=0, metavar="N")
 
 
 def run(options: argparse.Namespace) -> int:
-    """Track on one log; print the figures as JSON. Status 1 when anyone is called a teammate."""
+    """Track on one log and print the figures as JSON, or draw a recording's intruder report.
+
+    Returns 1 when a track of the log is classified as a teammate (logs have none), else 0.
+    """
     cv2.setNumThreads(1)
     if options.log.suffix == ".mcap":
         return _draw(options)

@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def describe(port: SerialPort) -> list[str]:
-    """Return a port as lines of text: the device, then what is known of it."""
+    """Return a port as lines of text: the device, then its known attributes."""
     ids = f"{port.vendor_id}:{port.product_id}" if port.vendor_id else ""
     access = "usable" if port.usable else "not usable by you: join its group and log in again"
     facts = {

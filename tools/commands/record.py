@@ -1,4 +1,4 @@
-"""``patrol record``: record a robot, driven by keys or pushed by hand, for a map of its place."""
+"""``patrol record``: record a robot driven by keys or pushed by hand, to build a map from."""
 
 from __future__ import annotations
 
@@ -34,7 +34,10 @@ needs no map and no pose. Keys come from this terminal only."""
 
 
 def run(options: argparse.Namespace) -> int:
-    """Record until x, SIGINT or SIGTERM; the robot is stopped on every way out."""
+    """Record until the key x, SIGINT or SIGTERM; the robot is stopped on every way out.
+
+    Returns 1 when records were lost, else 0.
+    """
     config = load_config(options.config)
     teleop = msgspec.structs.replace(config.teleop, enabled=True)
     config = msgspec.structs.replace(config, teleop=teleop)

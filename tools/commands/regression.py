@@ -1,4 +1,7 @@
-"""``patrol regression``: have decisions changed? ``--update`` accepts that they have."""
+"""``patrol regression``: compare the decisions of short runs with the stored reference.
+
+``--update`` makes today's decisions the reference.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Compare the decisions of short runs with the kept ones; print every difference."""
+    """Compare the decisions of short runs with the reference; print every difference.
+
+    Returns 1 when one differs and ``--update`` is not given, else 0.
+    """
     cv2.setNumThreads(1)
     changed = False
     for case in chosen_cases(options.cases):

@@ -1,4 +1,4 @@
-"""``patrol replay``: feed a recording to the agent again, and compare."""
+"""``patrol replay``: feed a recording's events to a new agent and compare its effects."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--until", type=float, metavar="T", help="stop at agent time T (s)")
     parser.add_argument(
-        "--serve", action="store_true", help="play the recorded devices to a driver of yours"
+        "--serve", action="store_true", help="play the recorded devices to an external driver"
     )
     for link, name in (("base", "P2OS"), ("laser", "LMS200")):
         parser.add_argument(
@@ -55,9 +55,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Replay one recording; print what it held, and how it compares."""
+    """Replay one recording; print its contents and, with ``--check``, the comparison.
+
+    Returns 1 when a comparison fails or is empty, 2 for contradicting options, else 0.
+    """
     if options.check and (options.set or options.map):
-        _say(["--check compares with the recorded settings and map: leave out --set and --map"])
+        _print_messages(
+            ["--check compares with the recorded settings and map: leave out --set and --map"]
+        )
         return 2
     cv2.setNumThreads(1)
     recording = read_recording(options.recording)
@@ -68,7 +73,7 @@ def run(options: argparse.Namespace) -> int:
     if options.set:
         config = changed_config(recording.header.configuration, str(options.recording), options.set)
     replay = Replay(recording, folder, config)
-    _say(notices(replay, recording))
+    _print_messages(notices(replay, recording))
     what_if = WhatIf() if options.set or options.map else None
     with progress_line("replay", options.until or recording.end(), "s") as progress:
         result = replay.run(
@@ -79,14 +84,14 @@ def run(options: argparse.Namespace) -> int:
             what_if=what_if,
         )
     if recording.truncated:
-        _say([f"{recording.truncated}; what is whole was replayed"])
+        _print_messages([f"{recording.truncated}; what is whole was replayed"])
     for line in (*report_lines(result), *(what_if.lines() if what_if else ())):
         print(line)
     return _verdict(recording, result) if options.check else 0
 
 
 def _serve(recording: Recording, options: argparse.Namespace) -> int:
-    """Play the devices until all is said, or until ``--until``."""
+    """Play the devices' recorded bytes to their end, or until ``--until``; return 0."""
     until = options.until or recording.end()
     with progress_line("serve", until, "s") as progress:
 
@@ -104,13 +109,13 @@ def _serve(recording: Recording, options: argparse.Namespace) -> int:
     return 0
 
 
-def _say(lines: list[str]) -> None:
+def _print_messages(lines: list[str]) -> None:
     for line in lines:
         print(f"patrol replay: {line}", file=sys.stderr)
 
 
 def _verdict(recording: Recording, result: ReplayResult) -> int:
-    """Print whether all was identical; return the exit status."""
+    """Print whether all effects were identical; return 0 if so, else 1."""
     if result.events == 0:
         print(f"nothing to compare: {recording.path} holds no event there")
         return 1

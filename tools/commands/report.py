@@ -30,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="ROBOT=S",
-        help="seconds to add to a robot's clock, instead of finding them",
+        help="seconds to add to a robot's clock, instead of estimating them",
     )
     parser.add_argument(
         "--clocks",
@@ -41,7 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Write the report of one run."""
+    """Write the report of one run; return 0. Raises AlignmentError when clocks cannot be set."""
     stated = dict(map(_offset, options.offset))
     with progress_line("read", len(options.recordings), "recordings") as progress:
         runs = []

@@ -50,7 +50,7 @@ def _add_safety_distance(parser: argparse.ArgumentParser) -> None:
 
 
 def _show(options: argparse.Namespace) -> int:
-    from tools.studies.rules_picture import draw_rules  # matplotlib, which checking does not need
+    from tools.studies.rules_picture import draw_rules  # needs matplotlib, checking does not
 
     draw_rules(
         options.rules,

@@ -1,4 +1,4 @@
-"""The option ``--set KEY=VALUE`` that several commands share."""
+"""The option ``--set KEY=VALUE`` shared by several commands."""
 
 from __future__ import annotations
 

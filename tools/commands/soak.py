@@ -36,12 +36,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--json",
         type=Path,
         metavar="OUT.jsonl",
-        help="write a line there after each hour, and OUT.summary.json: a kill loses an hour",
+        help="append a line after each hour, and write OUT.summary.json: a kill loses one hour",
     )
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the soak; end with 1 after a contact that a living agent let happen."""
+    """Run the soak; return 1 after a contact under a running agent or a lost record, else 0."""
     folder = load_map_folder(find_map(options.map, Path.cwd()))
     duration = options.hours * HOUR_S
     rows: list[SoakHour] = []

@@ -34,7 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the study, write runs.csv and study.svg, print the table; status 1 on a contact."""
+    """Run the study, write runs.csv and study.svg, print the table; return 1 on a contact."""
     study = read_study(options.file, options.set)
     print(
         f"patrol study: {len(study.cases)} cases x {study.settings.seeds} seeds; "

@@ -16,10 +16,10 @@ CHECKS = (
     ("lint-imports",),
     ("vulture",),
 )
-"""Programs of the environment; lint-imports holds the rooms to the contracts in pyproject.toml, and
-vulture finds what nothing uses."""
+"""Programs of the environment; lint-imports checks the import contracts in pyproject.toml, vulture
+finds unused code."""
 SIDE_BY_SIDE = ("-n", "auto", "--dist", "worksteal")
-"""One worker per core: half of the tests wait for a device's real time."""
+"""One worker per core: half of the tests mostly wait for emulated devices in real time."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -30,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run all checks, then the tests; the first failure ends it."""
+    """Run all checks, then the tests; return 1 at the first failure, 0 if there is none."""
     chosen = ("-m", "long or not long") if options.long else ()
     for check in (*CHECKS, ("pytest", *SIDE_BY_SIDE, *chosen, *options.pytest)):
         print("+", *check, file=sys.stderr, flush=True)

@@ -1,4 +1,4 @@
-"""Emulated robots as processes: one world, one unmodified agent per robot, one operator."""
+"""Runs emulated robots as processes: one world, one unmodified agent per robot, one operator."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from tools.progress import progress_line
 
 POLL_S = 0.2
 STOP_S = 5.0
-"""How long a process may take to end in good order before it is killed."""
+"""Time for a process to end after SIGTERM before it is killed."""
 
 
 class DemoError(ValueError):
@@ -35,20 +35,20 @@ class DemoError(ValueError):
 
 @dataclass(frozen=True)
 class EmulatedRobot:
-    """What the world process says of one robot."""
+    """Ports and start of one emulated robot, as the world process prints them."""
 
     name: str
     base_url: str
     laser_url: str
     camera_url: str
-    """Empty: it has none."""
+    """Empty if the robot has no camera."""
     start: Pose
     """True starting pose, map_from_base."""
 
 
 @dataclass(frozen=True)
 class DemoOptions:
-    """What a demo run is made of."""
+    """Options of a demo run."""
 
     map_folder: Path
     border: str
@@ -57,20 +57,20 @@ class DemoOptions:
     operator: str
     """Zenoh endpoint the agents connect to."""
     record: Path
-    """Folder of recordings, configurations and the true positions."""
+    """Folder for recordings, configurations and true positions; made if missing."""
     strangers: int = 0
-    """How many people and carts walk about."""
+    """Number of moving people and carts."""
     cameras: bool = False
     """Whether the robots have cameras."""
     config: AgentConfig = field(default_factory=AgentConfig)
-    """Of every robot, but for its name, seed, map, start and ports."""
+    """Common configuration; name, seed, map, start, ports and operator are set per robot."""
 
 
 class Demo:
-    """The processes of a demo; stops them in order, robots first, whatever happens."""
+    """The processes of a demo: stopped in order, agents before the world, on every way out."""
 
     def __init__(self, options: DemoOptions) -> None:
-        """Nothing is started yet."""
+        """Store the options; starts nothing, ``running()`` does."""
         self.options = options
         self.robots: list[EmulatedRobot] = []
         self.exit_statuses: dict[str, int] = {}
@@ -79,16 +79,19 @@ class Demo:
 
     @property
     def truth_path(self) -> Path:
-        """Where the world process writes the true positions."""
+        """File the world process writes the true positions to, as JSON lines."""
         return self.options.record / "truth.jsonl"
 
     def recording_path(self, robot: str) -> Path:
-        """Where a robot's agent writes its recording."""
+        """Return the file of a robot's recording."""
         return self.options.record / f"{robot}.mcap"
 
     @contextmanager
     def running(self) -> Iterator[Self]:
-        """Start the world, then one agent per robot; stop everything on every way out."""
+        """Start the world, then one agent per robot; stop everything on every way out.
+
+        Raises DemoError if the world process does not start.
+        """
         self.options.record.mkdir(parents=True, exist_ok=True)
         try:
             self._start_world()
@@ -130,16 +133,16 @@ class Demo:
                 progress(time.monotonic() - started)
 
     def alive(self) -> bool:
-        """Tell whether every process still runs."""
+        """Return whether every process is running."""
         processes = [self._world, *self._agents.values()]
         return all(process is not None and process.poll() is None for process in processes)
 
     def agent_pids(self) -> list[int]:
-        """Process numbers of the agents."""
+        """Return the process ids of the agents, in the robots' order."""
         return [process.pid for process in self._agents.values()]
 
     def stop(self) -> None:
-        """End the agents (they stop their robots), then the world."""
+        """End the agents, which stop their robots, then the world; fill ``exit_statuses``."""
         for process in self._agents.values():
             if process.poll() is None:
                 process.send_signal(signal.SIGTERM)
@@ -166,7 +169,7 @@ class Demo:
             env=environment(),
             stdout=subprocess.PIPE,
             text=True,
-            start_new_session=True,  # Ctrl-C reaches us only; we stop robots before the world
+            start_new_session=True,  # Ctrl-C must not reach it: agents are stopped before it
         )
         assert self._world.stdout is not None
         line = self._world.stdout.readline()
@@ -196,7 +199,7 @@ class Demo:
         )
 
     def _configure(self, robot: EmulatedRobot, seed: int) -> AgentConfig:
-        """Return a robot's configuration: the common one, its ports, about where it is."""
+        """Return a robot's configuration: the common one with its identity, ports and start."""
         common = self.options.config
         return msgspec.structs.replace(
             common,
@@ -213,7 +216,7 @@ class Demo:
 
 
 def _wait(process: subprocess.Popen[bytes] | subprocess.Popen[str]) -> int:
-    """Wait for a process to end; kill it when it does not."""
+    """Return a process's exit status; kill it if it does not end within ``STOP_S``."""
     try:
         return process.wait(STOP_S)
     except subprocess.TimeoutExpired:

@@ -1,4 +1,4 @@
-"""What happened in a demo: true positions joined with the decisions each agent recorded."""
+"""Summary tables of a demo from true positions and the agents' recorded decisions."""
 
 from __future__ import annotations
 
@@ -30,7 +30,11 @@ METRES = "{:.3f}".format
 
 
 def read_runs(truth_path: Path, recordings: dict[str, Path]) -> tuple[list[RobotRun], int]:
-    """Join the world's truth with the agents' recordings; return the runs and the contacts."""
+    """Join true positions with the recorded decisions by time.
+
+    truth_path: JSON lines of the world process; recordings: file of each robot by name. Returns the
+    runs, times from the first line, and the number of contacts.
+    """
     rows = [json.loads(line) for line in truth_path.read_text().splitlines()]
     t = np.array([row["t"] for row in rows])
     runs = []
@@ -53,7 +57,7 @@ def read_runs(truth_path: Path, recordings: dict[str, Path]) -> tuple[list[Robot
 
 
 def _decisions(path: Path) -> tuple[list[float], list[DecisionPayload]]:
-    """Return the decisions of a recording and their times on the machine's monotonic clock."""
+    """Return times, s on the machine's monotonic clock, and decisions of a recording."""
     recording = read_recording(path)
     start = recording.header.start_monotonic_ns / 1e9
     times, decisions = [], []
@@ -69,7 +73,7 @@ def _decisions(path: Path) -> tuple[list[float], list[DecisionPayload]]:
 
 
 def print_summary(border: Border, runs: Sequence[RobotRun], contacts: int) -> None:
-    """Print the table per robot, the time in each action, and the meetings."""
+    """Print the table per robot, the time in each action, the meetings and the contacts."""
     console = Console(highlight=False)
     console.print(_robot_table(border, runs))
     console.print(_action_table(runs))

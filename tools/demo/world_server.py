@@ -1,8 +1,8 @@
-"""The world of a demo as a process: bodies, lasers and bases in real time, on pseudo-terminals;
+"""Process of a demo's world: simulated bodies, lasers and bases in real time, on pseudo-terminals;
 cameras, if wanted, as MJPEG streams.
 
-Prints one JSON line naming each robot's ports and start, then runs until SIGTERM, writing the true
-positions as JSON lines.
+Prints one JSON line with each robot's ports and true start pose, then runs until SIGTERM, writing
+the true poses as JSON lines.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from tools.simulation.world import World
 STEP_S = 0.01
 TRUTH_PERIOD_S = 0.1
 MAX_LAG_S = 0.05
-"""A world held up longer than this lets the lost time go instead of racing to catch up."""
+"""A step later than this restarts the schedule instead of catching up."""
 
 
 class WorldServer:
-    """Steps the world with the clock and pumps the ports."""
+    """Steps the world in real time and pumps the ports."""
 
     def __init__(
         self,
@@ -45,7 +45,7 @@ class WorldServer:
         *,
         cameras: bool = False,
     ) -> None:
-        """Open two ports per robot, and a camera's stream if wanted."""
+        """Open base and laser port of each robot, and its camera stream if ``cameras``."""
         self._world = world
         self._rigs = rigs
         self._truth = truth
@@ -59,7 +59,7 @@ class WorldServer:
         self.ports = {rig.name: (PtyPort(rig.base), PtyPort(rig.laser)) for rig in rigs}
 
     def describe(self) -> str:
-        """One JSON line: every robot's name, port URLs and true start pose."""
+        """Return one JSON line: every robot's name, port URLs and true start pose."""
         return json.dumps(
             [
                 {
@@ -74,11 +74,11 @@ class WorldServer:
         )
 
     def end(self) -> None:
-        """Make ``run`` return after the present step."""
+        """Make ``run`` return after the present step; may be called by a signal handler."""
         self._ended = True
 
     def run(self) -> None:
-        """Step at a fixed rate in real time until ended."""
+        """Step every ``STEP_S`` of real time until ``end`` is called."""
         next_step = time.monotonic()
         next_truth = next_step
         last = next_step
@@ -113,7 +113,7 @@ class WorldServer:
 
 
 def main() -> None:
-    """Run one world."""
+    """Run one world until SIGTERM."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("map", type=Path)
     parser.add_argument("--border", required=True)
@@ -140,7 +140,7 @@ def main() -> None:
                 stack.callback(port.close)
         signal.signal(signal.SIGTERM, lambda *_: server.end())
         print(server.describe(), flush=True)
-        sys.stdout.close()  # nothing more will be said
+        sys.stdout.close()  # the parent reads one line only
         server.run()
 
 

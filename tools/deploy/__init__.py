@@ -1,1 +1,1 @@
-"""Putting the agent on a robot's computer: service, offline bundle, certificates, port names."""
+"""Deployment of the agent: systemd service, offline bundle, certificates, udev rules."""

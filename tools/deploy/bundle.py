@@ -1,4 +1,4 @@
-"""A folder from which a robot's computer is installed with no network: wheels and instructions.
+"""Makes a folder to install a robot's computer from without a network: wheels and instructions.
 
 For Debian 12 (Python 3.11, glibc 2.36) on x86-64 and arm64. Made by pip from the pinned versions.
 """
@@ -15,12 +15,12 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 PYTHON = "3.11"
 GLIBC = (17, 24, 27, 28, 31, 34, 35)
-"""Minor versions that wheels are tagged with; Debian 12 runs them all."""
+"""Minor versions of glibc 2 in wheel tags; Debian 12 runs all of them."""
 ROOMS = ("drivers", "maps", "localization", "robot_agent", "tools")
 DOCUMENTS = ("*.md", "*.png", "*.jpg")
-"""READMEs and their pictures."""
+"""Patterns of READMEs and their pictures."""
 MACHINES = {"x86_64": "x86-64", "aarch64": "arm64"}
-"""By pip's name: Debian's."""
+"""Debian's name of a machine by pip's."""
 
 INSTRUCTIONS = """\
 Border patrol: installation on a robot's computer without a network
@@ -43,21 +43,25 @@ Copy this folder to the robot, then as root:
 
 
 class BundleError(ValueError):
-    """The bundle cannot be made; the message says what pip said and a remedy."""
+    """The bundle cannot be made; the message holds pip's message and a remedy."""
 
 
 def make_bundle(
-    target: Path, machines: list[str], tell: Callable[[str], None] = lambda _: None
+    target: Path, machines: list[str], report: Callable[[str], None] = lambda _: None
 ) -> list[Path]:
-    """Fill a folder with wheels for machines; return all files. Raises BundleError."""
+    """Fill a folder with wheels for machines, instructions and documents; return all files.
+
+    report: called with each step's name. Raises BundleError, and OSError if the folder cannot be
+    written.
+    """
     if not (ROOT / "pyproject.toml").exists():
         raise BundleError(f"{ROOT}: no pyproject.toml: run this from a checkout")
     wheels = target / "wheels"
     wheels.mkdir(parents=True, exist_ok=True)
-    tell("the patrol itself")
+    report("building the wheel of border-patrol")
     _pip("wheel", "--no-deps", "--wheel-dir", str(wheels), str(ROOT))
     for machine in machines:
-        tell(f"what it depends on, for {MACHINES[machine]}")
+        report(f"downloading its dependencies for {MACHINES[machine]}")
         _pip("download", *download_arguments(machine, wheels / machine))
     (target / "INSTALL.txt").write_text(INSTRUCTIONS)
     for document in documents():
@@ -70,7 +74,7 @@ def make_bundle(
 
 
 def download_arguments(machine: str, target: Path) -> list[str]:
-    """Return what pip is told to fetch the dependencies for another machine."""
+    """Return pip's arguments to download the dependencies for a machine into a folder."""
     platforms = [f"manylinux_2_{minor}_{machine}" for minor in GLIBC]
     platforms.append(f"manylinux2014_{machine}")
     return [
@@ -86,7 +90,7 @@ def download_arguments(machine: str, target: Path) -> list[str]:
 
 
 def documents() -> list[Path]:
-    """Return what people read: the root's documents, and those of every room."""
+    """Return the documents: those of the root, and READMEs with pictures of every room."""
     found = [ROOT / name for name in ("README.md", "CHANGELOG.md", "LICENSE")]
     for room in ROOMS:
         found += [path for kind in DOCUMENTS for path in (ROOT / room).rglob(kind)]
@@ -94,7 +98,7 @@ def documents() -> list[Path]:
 
 
 def dependencies() -> list[str]:
-    """Return what the onboard part of the project depends on."""
+    """Return the requirements of the onboard part, as in pyproject.toml."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     found: list[str] = project["dependencies"]
     return found
@@ -112,8 +116,8 @@ def _pip(*arguments: str) -> None:
     ]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
-        said = " ".join(done.stderr.split()[-60:])
-        raise BundleError(f"pip {arguments[0]}: {said}; is a package index reachable?")
+        message = " ".join(done.stderr.split()[-60:])
+        raise BundleError(f"pip {arguments[0]}: {message}; is a package index reachable?")
 
 
 def _files(target: Path) -> list[Path]:

@@ -2,7 +2,7 @@
 
 The folder holds ``authority/`` (keep it off the network), ``operator/`` (for the laptop) and one
 folder per robot. Each of these has ``ca.pem``, ``certificate.pem`` and ``key.pem``; the
-operator's has ``robots.json`` as well, the names its access control lets in.
+operator's also has ``robots.json``, the names its access control admits.
 """
 
 from __future__ import annotations
@@ -28,31 +28,32 @@ _START_EARLIER = datetime.timedelta(days=1)  # a robot's clock may be behind
 
 
 class KeysError(ValueError):
-    """Keys that cannot be made or used; the message names file, reason and remedy."""
+    """Keys cannot be made or used; the message names file, reason and remedy."""
 
 
 class RobotName(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A robot that has a certificate."""
+    """Team and name of a robot that has a certificate."""
 
     team: KeyPart
     robot: KeyPart
 
     @property
     def common_name(self) -> str:
-        """What its certificate says it is."""
+        """Common name in its certificate, ``team/robot``."""
         return f"{self.team}/{self.robot}"
 
 
 def make_keys(
     folder: Path, team: str, robots: Sequence[str], hosts: Sequence[str], days: int = 3650
 ) -> list[str]:
-    """Make what is missing in a folder of keys; return the names of what was made.
+    """Make the missing certificates in a folder; return the names of those made.
 
-    hosts: names and addresses under which robots dial the operator. What is there stays as it
-    is, so that robots can be added later.
+    hosts: names and addresses at which robots reach the operator. days: validity. Existing keys are
+    kept, so that robots can be added later.
 
     Raises:
-        KeysError: a name cannot be one, or the authority's files cannot be read.
+        KeysError: a name is invalid, ``hosts`` is empty without an operator's certificate, or
+            existing files cannot be read.
     """
     names = [_checked(team, robot) for robot in robots]
     made = []
@@ -64,7 +65,7 @@ def make_keys(
     if not (folder / OPERATOR / KEY).exists():
         if not hosts:
             raise KeysError(
-                f"{folder / OPERATOR}: robots must know whom they dial; "
+                f"{folder / OPERATOR}: its certificate needs the address robots connect to; "
                 "give --host with the operator's address, e.g. --host 192.168.1.10"
             )
         issuer.issue(folder / OPERATOR, "operator", hosts)
@@ -73,12 +74,12 @@ def make_keys(
         if not (folder / name.robot / KEY).exists():
             issuer.issue(folder / name.robot, name.common_name, ())
             made.append(name.robot)
-    _note_robots(folder / OPERATOR / ROBOTS, names)
+    _add_robots(folder / OPERATOR / ROBOTS, names)
     return made
 
 
 def known_robots(folder: Path) -> list[RobotName]:
-    """Return the robots that an operator's folder of keys lets in.
+    """Return the robots that an operator's folder of keys admits.
 
     Raises:
         KeysError: the list is missing or damaged.
@@ -106,7 +107,7 @@ def _checked(team: str, robot: str) -> RobotName:
         ) from error
 
 
-def _note_robots(path: Path, names: Sequence[RobotName]) -> None:
+def _add_robots(path: Path, names: Sequence[RobotName]) -> None:
     known = known_robots(path.parent) if path.exists() else []
     wanted = sorted({*known, *names}, key=lambda name: name.common_name)
     path.write_bytes(msgspec.json.format(msgspec.json.encode(wanted)) + b"\n")
@@ -139,14 +140,17 @@ class _Issuer:
             ) from error
         except (ValueError, TypeError, UnsupportedAlgorithm, InvalidSignature) as error:
             raise KeysError(
-                f"{folder}: holds no authority of ours ({error}); use an empty folder"
+                f"{folder}: holds no authority of `patrol keys` ({error}); use an empty folder"
             ) from error
         if not isinstance(key, ec.EllipticCurvePrivateKey):
-            raise KeysError(f"{folder / KEY}: is no key of ours; use an empty folder")
+            raise KeysError(f"{folder / KEY}: is no key of `patrol keys`; use an empty folder")
         self._key = key
 
     def issue(self, folder: Path, common_name: str, hosts: Sequence[str]) -> None:
-        """Write key and certificate of one party; hosts: addresses it is dialled at."""
+        """Write key and certificate of one party.
+
+        hosts: names and addresses of a server certificate; empty: a client certificate.
+        """
         key = ec.generate_private_key(ec.SECP256R1())
         name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, common_name)])
         usage = ExtendedKeyUsageOID.SERVER_AUTH if hosts else ExtendedKeyUsageOID.CLIENT_AUTH
@@ -187,7 +191,7 @@ def _host_name(host: str) -> x509.GeneralName:
 
 
 def _write_key(folder: Path, key: ec.EllipticCurvePrivateKey) -> None:
-    """Write a private key that only its owner may read."""
+    """Write a private key readable by its owner only; raises FileExistsError if there is one."""
     folder.mkdir(parents=True, exist_ok=True)
     pem = key.private_bytes(
         serialization.Encoding.PEM,

@@ -1,6 +1,6 @@
-"""Python programs of ours as processes, which run this very code wherever they are started.
+"""Commands and environment to run modules of this product as child processes, from any directory.
 
-``python -m tools.cli`` takes a folder named ``tools`` in the working directory for ours.
+Plain ``python -m tools.cli`` would import a folder named ``tools`` in the working directory.
 """
 
 from __future__ import annotations
@@ -11,19 +11,18 @@ import sysconfig
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-"""The folder that our packages are in."""
+"""The folder that holds this product's packages."""
 
 
 def program(module: str, *arguments: str) -> list[str]:
-    """Return the command that runs a module of ours; give it ``environment`` too."""
+    """Return the command that runs a module of this product; needs ``environment()`` too."""
     return [sys.executable, "-P", "-m", module, *arguments]
 
 
 def environment() -> dict[str, str]:
-    """Return this process's environment in which modules of ours are found, before any others.
+    """Return this process's environment with ``PYTHONPATH`` extended to find these packages first.
 
-    Where they are installed that is so anyway; the installed ones must not come before the
-    standard library.
+    Installed packages need no such entry, and site-packages must not precede the standard library.
     """
     inherited = os.environ.get("PYTHONPATH", "").split(os.pathsep)
     own = [] if Path(sysconfig.get_path("purelib")).resolve() == ROOT else [str(ROOT)]

@@ -1,6 +1,6 @@
-"""Makes a machine a robot: a service that starts at boot, names for its ports, its configuration.
+"""Installs the agent on a machine: service started at boot, udev rules, user, configurations.
 
-Files go below a root, so that an installation can be looked at before it is made.
+Files are written below a root folder, so that an installation can be inspected beforehand.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ UNIT = Path("etc/systemd/system/patrol@.service")
 RULES = Path("etc/udev/rules.d/60-patrol.rules")
 USER = Path("etc/sysusers.d/patrol.conf")
 CONFIGS = Path("etc/patrol")
-MOST_EXPOSED = 3.0
-"""Of 10: what `systemd-analyze security` may give the unit at most."""
+MAX_EXPOSURE = 3.0
+"""Largest exposure, of 10, that `systemd-analyze security` may give the unit."""
 
 
 class DeploymentError(ValueError):
-    """Something cannot be installed; the message names it and a remedy."""
+    """A configuration cannot be installed; the message names it and a remedy."""
 
 
 @dataclass(slots=True)
 class Deployment:
-    """What was written, and what the checks say of it."""
+    """Files written, files kept, and the findings of the checks."""
 
     written: list[Path] = field(default_factory=list)
     kept: list[Path] = field(default_factory=list)
@@ -45,8 +45,8 @@ class Deployment:
 def deploy(root: Path, configs: Sequence[Path], user: str, program: Path) -> Deployment:
     """Write unit, udev rules, user and configurations below ``root``, and check them.
 
-    Rules that are there already are kept: they name this robot's adapters. Raises DeploymentError
-    and what ``load_config`` and ``load_map`` raise, before anything is written.
+    Existing udev rules are kept, since they name this robot's adapters. Raises DeploymentError and
+    the errors of ``load_config`` and ``load_map``, before anything is written.
     """
     for config in configs:
         _check_config(config)
@@ -72,7 +72,7 @@ def _write(done: Deployment, path: Path, text: str) -> None:
 
 
 def _check_config(path: Path) -> None:
-    """Refuse a configuration that would not start from where it is going to be."""
+    """Raise if a configuration would not load from ``CONFIGS``."""
     config = load_config(path)
     load_map(config, path.parent)
     folder = find_map(config.map.folder, path.parent)
@@ -91,12 +91,15 @@ def _program(program: Path) -> Finding:
 
 
 def check_unit(unit: Path) -> list[Finding]:
-    """Let systemd judge a unit file: is it right, and how exposed is the service?"""
+    """Check a unit file with systemd-analyze: syntax, and exposure of the service.
+
+    Returns one warning where systemd-analyze is not installed.
+    """
     if shutil.which("systemd-analyze") is None:
         return [
             warning("unit", "systemd-analyze is not there to check it", "check it on the robot")
         ]
-    # A template is checked as one of its instances, which needs the name of one.
+    # A template can only be checked under the name of an instance.
     instance = unit.with_name(unit.name.replace("@.", "@robot1."))
     shutil.copyfile(unit, instance)
     try:
@@ -106,24 +109,24 @@ def check_unit(unit: Path) -> list[Finding]:
 
 
 def _verify(instance: Path, unit: Path) -> Finding:
-    said = _analyze("verify", "--man=no", "--recursive-errors=no", str(instance))
-    complaints = [line for line in said.stderr.splitlines() if line.strip()]
-    if said.returncode:
+    done = _analyze("verify", "--man=no", "--recursive-errors=no", str(instance))
+    complaints = [line for line in done.stderr.splitlines() if line.strip()]
+    if done.returncode:
         return failed("unit", " | ".join(complaints) or "refused", f"correct {unit}")
     return ok("unit", "systemd-analyze verify accepts it")
 
 
 def _exposure(instance: Path) -> Finding:
-    said = _analyze(
-        *("security", "--offline=true", f"--threshold={MOST_EXPOSED * 10:.0f}", "--no-pager"),
+    done = _analyze(
+        *("security", "--offline=true", f"--threshold={MAX_EXPOSURE * 10:.0f}", "--no-pager"),
         str(instance),
     )
     last = next(
-        (line for line in reversed(said.stdout.splitlines()) if "exposure level" in line), ""
+        (line for line in reversed(done.stdout.splitlines()) if "exposure level" in line), ""
     )
-    words = last.partition(":")[2].strip() or said.stderr.strip()
-    if said.returncode:
-        return failed("exposure", words, f"harden the unit to {MOST_EXPOSED:g} or less of 10")
+    words = last.partition(":")[2].strip() or done.stderr.strip()
+    if done.returncode:
+        return failed("exposure", words, f"harden the unit to {MAX_EXPOSURE:g} or less of 10")
     return ok("exposure", f"{words.split()[0]} of 10")
 
 
@@ -134,12 +137,12 @@ def _analyze(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 
 def this_program() -> Path:
-    """Return the ``patrol`` of the environment this runs in."""
+    """Return the ``patrol`` program of the running environment."""
     return Path(sys.executable).with_name("patrol")
 
 
 def next_steps(names: Sequence[str]) -> list[str]:
-    """Return the commands that bring an installation to life."""
+    """Return the commands that activate an installation of robots of these names."""
     return [
         "systemd-sysusers && systemctl daemon-reload",
         "udevadm control --reload && udevadm trigger --subsystem-match=tty",

@@ -1,1 +1,1 @@
-"""Localization alone on logs and recordings, judged against their reference poses."""
+"""Localization alone on logs and recordings, evaluated by their reference poses."""

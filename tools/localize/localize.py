@@ -1,4 +1,4 @@
-"""Localization alone on a log or recording, judged against the reference poses it carries."""
+"""Runs localization alone on a log or recording and compares it with the reference poses."""
 
 from __future__ import annotations
 
@@ -21,43 +21,44 @@ from tools.logs.log_step import LogStep
 from tools.mapping.map_build import Scans, build_map
 
 Progress = Callable[[float], None]
-"""Called with the scans or runs done."""
+"""Called with the number of scans or runs done."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LocalizeOptions:
-    """How to run the localizer."""
+    """Options of a run of the localizer."""
 
     particles: int | None = None
-    """A fixed number, or None for KLD sampling."""
+    """Fixed number of particles; None: KLD sampling."""
     beams: int | None = None
     """Beams per scan; None: as in the settings."""
     seed: int = 0
     start: Pose | None = None
-    """map_from_base at the first scan; None: its reference."""
+    """map_from_base at the first scan; None: the scan's reference."""
     start_sigma_xy: float = 0.1
-    """Standard deviation of the first particles, m; rad for theta."""
+    """Standard deviation of the initial particles in x and y, m."""
     start_sigma_theta: float = 0.05
+    """Standard deviation of the initial particles in theta, rad."""
     start_noise: bool = False
-    """Whether the start itself is off by a sample of these deviations."""
+    """Whether to add a sample of these deviations to the start pose."""
     anywhere: bool = False
-    """Start with no idea of the pose (global localization)."""
+    """Start without a pose (global localization)."""
     first_scan: int = 0
-    """Scans before this one are left out."""
+    """Index of the first scan used."""
     settings: LocalizationSettings = dataclasses.field(default_factory=LocalizationSettings)
 
 
 def log_steps(log: CarmenLog) -> list[LogStep]:
-    """Return a CARMEN log's scans; the log's laser is taken as the base."""
+    """Return a CARMEN log's scans; the laser frame is taken as base_link."""
     return [LogStep(scan.t, scan.odometry, scan.points(), scan.reference) for scan in log.scans]
 
 
 def map_of_log(
     log: CarmenLog, resolution: float, scans: Scans, progress: Progress | None = None
 ) -> MapFolder:
-    """Build a map of a log's own scans at their reference poses; it has no files.
+    """Return a map of a log's scans at their reference poses, without border and files.
 
-    Raises MapError if that cannot be done.
+    scans: all, or every second. Raises MapError if no map can be built.
     """
     built = build_map(log, resolution, scans=scans, progress=progress)
     return MapFolder(f"{log.path.name} ({scans} scans)", built.map, None, {})
@@ -70,9 +71,9 @@ def localize_steps(
     options: LocalizeOptions,
     progress: Progress = lambda _: None,
 ) -> LocalizeResult:
-    """Localize on any sequence of scans; ``name`` says where they are from.
+    """Localize on a sequence of scans; name: their source, for messages.
 
-    Raises LogError if there is no scan, or no start for it.
+    Raises LogError if there is no scan, or neither a start pose nor a reference for it.
     """
     steps = steps[options.first_scan :]
     if not steps:

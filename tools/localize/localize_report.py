@@ -10,7 +10,7 @@ from tools.localize.localize_study import StudyLog, Table, accuracy
 from tools.localize.localize_trials import frozen_turns, global_starts, kidnaps, slips
 
 Study = Callable[[Sequence[StudyLog], int, LocalizationSettings, Progress], Table]
-"""Logs, seeds or trials, settings, progress in runs done."""
+"""Takes logs, number of seeds or trials, settings, progress in runs done."""
 
 
 def _accuracy(
@@ -26,7 +26,7 @@ def _hold_out(
 
 
 SEEDED: dict[str, Study] = {"accuracy": _accuracy, "hold-out": _hold_out}
-"""Every log with every seed."""
+"""Studies that run every log with every seed."""
 
 TRIED: dict[str, Study] = {
     "global": lambda *work: global_starts(*work)[0],
@@ -34,13 +34,13 @@ TRIED: dict[str, Study] = {
     "frozen": lambda *work: frozen_turns(*work)[0],
     "slip": lambda *work: slips(*work)[0],
 }
-"""Trials spread over the logs."""
+"""Studies whose trials are spread over the logs."""
 
 STUDIES = (*SEEDED, *TRIED)
 
 
 def run_count(name: str, logs: int, seeds: int, trials: int) -> int:
-    """Return how many runs a study takes."""
+    """Return the number of runs of a study."""
     return logs * seeds if name in SEEDED else trials
 
 
@@ -55,7 +55,7 @@ def run_study(
 
 
 def format_table(table: Table) -> str:
-    """Return a table as aligned text, numbers to the right."""
+    """Return a table, one row or more, as aligned text, numbers to the right."""
     heading = list(table[0])
     body = [[_cell(row[column]) for column in heading] for row in table]
     widths = [max(len(cells[i]) for cells in [heading, *body]) for i in range(len(heading))]

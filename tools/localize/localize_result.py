@@ -1,4 +1,4 @@
-"""What a run of the localizer over a log came to: a row per scan, and the summary of all."""
+"""Result of a run of the localizer over a log: a row per scan, and a summary."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from localization.health import Health
 from maps.pose import Pose, wrap_angle
 
 ASTRAY_M = 1.0
-"""An estimate farther than this from the reference counts as lost, whatever the filter believes."""
+"""An estimate farther than this from the reference counts as lost, whatever its health."""
 
 CHI_SQUARE_2, CHI_SQUARE_3 = 5.991, 7.815
 """95 % quantiles of the chi-square distribution of 2 and 3 degrees of freedom."""
@@ -27,7 +27,7 @@ CHI_SQUARE_2, CHI_SQUARE_3 = 5.991, 7.815
 
 @dataclass(frozen=True, slots=True)
 class LocalizeRow:
-    """One scan's outcome; errors are None without a reference."""
+    """One scan's estimate (map_from_base; m, rad) and errors; None without a reference."""
 
     t: float
     x: float
@@ -52,7 +52,7 @@ class LocalizeRow:
 
     @classmethod
     def of(cls, estimate: Estimate, reference: Pose | None, update_ms: float) -> LocalizeRow:
-        """Judge an estimate by the true map_from_base, if known."""
+        """Return the row of an estimate; reference: true map_from_base, None if unknown."""
         pose, covariance = estimate.pose, estimate.covariance
         position = heading = None
         if reference is not None:
@@ -83,7 +83,7 @@ class LocalizeRow:
 
     @property
     def covariance(self) -> NDArray[np.float64]:
-        """The stated (3, 3) covariance of x, y, theta; m^2, m rad, rad^2."""
+        """The estimate's (3, 3) covariance of x, y, theta; m^2, m rad, rad^2."""
         return np.array(
             (
                 (self.cov_xx, self.cov_xy, self.cov_xtheta),
@@ -102,19 +102,19 @@ class LocalizeRow:
 
     @property
     def is_lost(self) -> bool:
-        """Whether the localizer says it is lost, or is astray without knowing."""
+        """Whether the health is lost, or the position error exceeds ``ASTRAY_M``."""
         astray = self.position_error_m is not None and self.position_error_m > ASTRAY_M
         return astray or self.health == Health.LOST
 
 
 @dataclass(frozen=True, slots=True)
 class Coverage:
-    """Shares of the references inside the stated 95 % ellipses; right if near 0.95."""
+    """Shares of the references inside the estimates' 95 % ellipses; consistent if near 0.95."""
 
     xy: float
-    """Of the position alone."""
+    """By the position alone."""
     pose: float
-    """Of position and heading together."""
+    """By position and heading together."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,7 +128,7 @@ class LocalizeResult:
 
     @property
     def lost_share(self) -> float:
-        """Share of the scans at which the robot was lost."""
+        """Share of the scans whose estimate is lost."""
         return sum(row.is_lost for row in self.rows) / len(self.rows)
 
     @property
@@ -159,7 +159,7 @@ class LocalizeResult:
         }
 
     def coverage(self) -> Coverage | None:
-        """Return how often the references lie inside the 95 % ellipses; None without any."""
+        """Return the shares of references inside the 95 % ellipses; None without references."""
         known = [(row.away, row.covariance) for row in self.rows if row.away is not None]
         if not known:
             return None
@@ -171,7 +171,7 @@ class LocalizeResult:
         )
 
     def write_csv(self, path: Path) -> None:
-        """Write one line per scan under a heading."""
+        """Write a heading and one line per scan."""
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(LocalizeRow.__dataclass_fields__)
@@ -182,7 +182,7 @@ class LocalizeResult:
 
 
 def _mahalanobis(away: NDArray[np.float64], covariance: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return (n,) squared distances of away (n, d) in units of covariances (n, d, d)."""
+    """Return (n,) squared Mahalanobis distances of away (n, d) by covariances (n, d, d)."""
     solved = np.linalg.solve(covariance, away[:, :, np.newaxis])[:, :, 0]
     distances: NDArray[np.float64] = np.einsum("nd,nd->n", away, solved)
     return distances
@@ -202,6 +202,6 @@ def _error_statistics(errors: Iterable[float | None]) -> dict[str, float | None]
 
 
 def _peak_memory_mb() -> float:
-    """Return the process's largest resident size so far."""
+    """Return the process's peak resident memory, MB."""
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak / (1024.0**2 if sys.platform == "darwin" else 1024.0)

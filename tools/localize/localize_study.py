@@ -1,6 +1,6 @@
-"""Localization studied on real logs: accuracy over seeds, hold-out, starts, kidnaps, bad odometry.
+"""Studies of the localization on real logs: accuracy over seeds, with or without hold-out.
 
-Every study builds its maps itself, from the logs' reference poses, and every trial is a run of
+Every study builds its maps from the logs' reference poses; every run is one of
 ``tools.localize.localize`` on a sequence of scans with its own seed.
 """
 
@@ -22,7 +22,7 @@ from tools.logs.carmen import LogError, read_carmen
 from tools.logs.log_step import LogStep
 
 RESOLUTION = 0.05
-"""m; of the maps built."""
+"""Cell side of the maps built, m."""
 
 Table = list[dict[str, object]]
 """Rows of a table: column name to value."""
@@ -36,17 +36,17 @@ class StudyLog:
     steps: list[LogStep]
     """From the first usable scan on."""
     map: MapFolder
-    """Of all scans."""
+    """Map of all scans."""
     even_map: MapFolder
-    """Of the scans 0, 2, 4..."""
+    """Map of the scans 0, 2, 4..."""
     odd_steps: list[LogStep]
-    """The scans that ``even_map`` has not seen."""
+    """The scans that ``even_map`` is not built from."""
 
 
 def read_study_log(path: Path, first_scan: int = 0) -> StudyLog:
     """Read a log, leave out the scans before ``first_scan``, and build its maps.
 
-    Raises LogError or MapError if there is nothing to localize on.
+    Raises LogError if no scan is left, MapError if no map can be built.
     """
     log = read_carmen(path)
     steps = log_steps(log)
@@ -66,21 +66,21 @@ def read_study_log(path: Path, first_scan: int = 0) -> StudyLog:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunScore:
-    """What one run over a log is judged by."""
+    """Figures of one run over a log."""
 
     rmse: float
-    """Of the position, m."""
+    """Root mean square of the position error, m."""
     p95: float
-    """Of the position error, m."""
+    """95th percentile of the position error, m."""
     heading_rmse: float
-    """Degrees."""
+    """Root mean square of the heading error, degrees."""
     lost_share: float
     inside_xy: float
-    """Share of references inside the stated 95 % ellipse of the position."""
+    """Share of references inside the 95 % ellipse of the position; nan without references."""
     inside: float
-    """Likewise of x, y and heading together."""
+    """The same for x, y and heading together."""
     update_ms: float
-    """Median of an update."""
+    """Median time of an update."""
 
 
 def accuracy(
@@ -152,13 +152,13 @@ def _accuracy_row(name: str, scores: Sequence[RunScore]) -> dict[str, object]:
 
 
 def travel_along(steps: Sequence[LogStep]) -> NDArray[np.float64]:
-    """Return (n,) m travelled up to each step, by the references."""
+    """Return the distance travelled up to each step by the references, (n,), m."""
     places = np.array([reference_of(step)[:2] for step in steps])
     return np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))))
 
 
 def reference_of(step: LogStep) -> NDArray[np.float64]:
-    """Return (3,) the step's reference; a study needs one at every scan."""
+    """Return the step's reference pose (x, y, theta), (3,); raises LogError if it has none."""
     if step.reference is None:
         raise LogError("a study needs a reference pose at every scan: take a corrected log")
     return np.array(step.reference)
@@ -170,7 +170,7 @@ def run_trial(log: StudyLog, steps: Sequence[LogStep], options: LocalizeOptions)
 
 
 def spread(count: int, sizes: Sequence[int]) -> Iterator[tuple[int, int]]:
-    """Yield ``count`` pairs (which, index) spread evenly over sequences of these sizes."""
+    """Yield ``count`` pairs (sequence, index) spread evenly over sequences of these sizes."""
     ends = np.cumsum(sizes)
     for number in range(count):
         place = int((number + 0.5) * ends[-1] / count)

@@ -1,4 +1,4 @@
-"""Hard trials for the localizer: unknown starts, kidnaps, wheels that slip or stand still."""
+"""Trials of the localizer: global localization, kidnapped robot, slipping and frozen odometry."""
 
 from __future__ import annotations
 
@@ -27,60 +27,60 @@ from tools.logs.log_step import LogStep
 
 RIGHT_M = 0.5
 RIGHT_DEG = 15.0
-"""A pose nearer than both to the reference is right."""
+"""A pose is right if its errors are below both."""
 START_TRAVEL = 15.0
-"""m; within which an unknown start must be found."""
+"""Travel, m, within which an unknown start must be localized."""
 NOTICE_TRAVEL = 2.0
-"""m; within which a kidnapped robot must no longer call itself localized."""
+"""Travel, m, within which a kidnapped robot's health must leave localized."""
 RECOVER_TRAVEL = 20.0
-"""m; within which it must be localized again."""
+"""Travel, m, within which it must be localized again."""
 WATCHED_TRAVEL = 30.0
-"""m; of an unknown start, watched for a wrong pose called localized."""
+"""Travel, m, after an unknown start in which wrong poses with health localized are counted."""
 TRACKED_SCANS = 25
 """Scans of plain tracking before a kidnap or an odometry failure."""
 KIDNAP_DISTANCE = 5.0
-"""m; the least distance a robot is carried."""
+"""Smallest distance of a kidnap, m."""
 FROZEN_TURN = math.radians(20.0)
-"""Turned by the robot while its odometer stands still."""
+"""Turn of the robot, rad, while its odometry is frozen."""
 FROZEN_TRAVEL = 1.0
-"""m; the most it travels meanwhile."""
+"""Largest travel meanwhile, m."""
 SLIP_SHARE = 0.3
-"""Of what the wheels count, not travelled."""
+"""Share of the odometry's distance that is not travelled."""
 SLIP_TRAVEL = 10.0
-"""m; of a stretch of slipping wheels."""
+"""Length of a stretch with slipping wheels, m."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
-    """One trial, scan by scan."""
+    """One trial, scan by scan, (n,) each."""
 
     travel: NDArray[np.float64]
-    """(n,) m since the trial's event; negative before it."""
+    """Travel since the trial's event, m; negative before it."""
     error: NDArray[np.float64]
-    """(n,) m."""
+    """Position error, m."""
     right: NDArray[np.bool_]
     localized: NDArray[np.bool_]
 
     @property
     def found_after(self) -> float:
-        """Return the travel, m, from which on it is localized and right; inf if never."""
+        """Travel, m, at which the pose is first right with health localized; inf if never."""
         good = np.flatnonzero(self.right & self.localized & (self.travel >= 0.0))
         return float(self.travel[good[0]]) if good.size else math.inf
 
     @property
     def wrong_and_localized(self) -> bool:
-        """Whether it ever called a wrong pose localized after the event."""
+        """Whether a wrong pose had health localized after the event."""
         return bool((~self.right & self.localized & (self.travel >= 0.0)).any())
 
     @property
     def doubted_after(self) -> float:
-        """Return the travel, m, after which it first was not localized; inf if never."""
+        """Travel, m, at which the health was first not localized; inf if never."""
         doubted = np.flatnonzero(~self.localized & (self.travel >= 0.0))
         return float(self.travel[doubted[0]]) if doubted.size else math.inf
 
     @property
     def summary(self) -> dict[str, object]:
-        """What became of one event, for JSON; null: never."""
+        """The outcome for JSON; null: never."""
         return {
             "doubted_after_m": _finite(self.doubted_after),
             "right_and_localized_after_m": _finite(self.found_after),
@@ -95,7 +95,7 @@ def _finite(travel: float) -> float | None:
 
 
 def outcome(result: LocalizeResult, steps: Sequence[LogStep], event: int = 0) -> Outcome:
-    """Judge a run; ``event`` is the scan from which travel counts."""
+    """Return the outcome of a run; event: index of the scan from which travel counts."""
     travel = travel_along(steps[event:])
     rows = result.rows
     error = np.array([row.position_error_m for row in rows], dtype=np.float64)
@@ -114,7 +114,10 @@ def global_starts(
     settings: LocalizationSettings,
     progress: Progress = lambda _: None,
 ) -> tuple[Table, list[Outcome]]:
-    """Start without a pose at scans spread over the logs; one row per log and one of all."""
+    """Run global localization from scans spread over the logs.
+
+    Returns a table with one row per log and one of all, and the outcomes.
+    """
     last_starts = [_last_start(log.steps, START_TRAVEL) for log in logs]
     outcomes: list[tuple[str, Outcome]] = []
     for seed, (which, start) in enumerate(spread(trials, last_starts)):
@@ -143,13 +146,16 @@ def kidnaps(
     settings: LocalizationSettings,
     progress: Progress = lambda _: None,
 ) -> tuple[Table, list[Outcome]]:
-    """Track, carry the robot elsewhere, and go on; one row per log and one of all."""
+    """Track, move the robot elsewhere (kidnap) and go on.
+
+    Returns a table with one row per log and one of all, and the outcomes.
+    """
     outcomes: list[tuple[str, Outcome]] = []
     sizes = [len(log.steps) - TRACKED_SCANS for log in logs]
     for seed, (which, start) in enumerate(spread(trials, sizes)):
         log = logs[which]
         before = log.steps[start : start + TRACKED_SCANS]
-        steps = carried_away(before, log.steps, np.random.default_rng(seed), RECOVER_TRAVEL)
+        steps = kidnapped_steps(before, log.steps, np.random.default_rng(seed), RECOVER_TRAVEL)
         options = LocalizeOptions(seed=seed, settings=settings)
         result = run_trial(log, steps, options)
         outcomes.append((log.name, outcome(result, steps, TRACKED_SCANS)))
@@ -172,19 +178,19 @@ def _kidnap_row(outcomes: Sequence[Outcome]) -> dict[str, object]:
     }
 
 
-def carried_away(
+def kidnapped_steps(
     before: Sequence[LogStep],
     steps: Sequence[LogStep],
     rng: np.random.Generator,
     travel: float = math.inf,
 ) -> list[LogStep]:
-    """Return steps that go on elsewhere after ``before``, for a travel, m, or all the way.
+    """Return steps that continue from another place after ``before``, for a travel, m.
 
-    Neither odometry nor clock notice. Raises LogError if there is no other place to go on from.
+    Odometry and time stamps are continuous. Raises LogError if there is no suitable other place.
     """
     last = before[-1]
-    landing = _landing(steps, last, rng)
-    after = _within(steps[landing:], travel)
+    target = _kidnap_target(steps, last, rng)
+    after = _within(steps[target:], travel)
     shift = last.odometry.compose(after[0].odometry.inverse())
     later = last.t - after[0].t
     if len(before) > 1:
@@ -201,7 +207,10 @@ def frozen_turns(
     settings: LocalizationSettings,
     progress: Progress = lambda _: None,
 ) -> tuple[Table, list[Outcome]]:
-    """Freeze the odometry over turns of 20 degrees; one row per log and one of all."""
+    """Freeze the odometry over turns of 20 degrees.
+
+    Returns a table with one row per log and one of all, and the outcomes.
+    """
     stretches = [_turns(log.steps) for log in logs]
     return _odometry_trials(logs, stretches, _frozen, trials, settings, progress)
 
@@ -212,7 +221,10 @@ def slips(
     settings: LocalizationSettings,
     progress: Progress = lambda _: None,
 ) -> tuple[Table, list[Outcome]]:
-    """Let the wheels slip by 30 % over stretches of 10 m; one row per log and one of all."""
+    """Let the wheels slip by 30 % over stretches of 10 m.
+
+    Returns a table with one row per log and one of all, and the outcomes.
+    """
     stretches = []
     for log in logs:
         travel = travel_along(log.steps)
@@ -225,7 +237,7 @@ def slips(
 def _odometry_trials(
     logs: Sequence[StudyLog],
     stretches: Sequence[Sequence[tuple[int, int]]],
-    spoil: Callable[[Pose], Pose],
+    distort: Callable[[Pose], Pose],
     trials: int,
     settings: LocalizationSettings,
     progress: Progress,
@@ -234,7 +246,9 @@ def _odometry_trials(
     for seed, (which, number) in enumerate(spread(trials, [len(found) for found in stretches])):
         log, (first, last) = logs[which], stretches[which][number]
         begin = first - TRACKED_SCANS
-        steps = spoiled(log.steps[begin : last + TRACKED_SCANS], TRACKED_SCANS, last - begin, spoil)
+        steps = with_distorted_odometry(
+            log.steps[begin : last + TRACKED_SCANS], TRACKED_SCANS, last - begin, distort
+        )
         result = run_trial(log, steps, LocalizeOptions(seed=seed, settings=settings))
         outcomes.append((log.name, outcome(result, steps, TRACKED_SCANS)))
         progress(seed + 1)
@@ -251,14 +265,14 @@ def _odometry_row(outcomes: Sequence[Outcome]) -> dict[str, object]:
     }
 
 
-def spoiled(
-    steps: Sequence[LogStep], first: int, last: int, spoil: Callable[[Pose], Pose]
+def with_distorted_odometry(
+    steps: Sequence[LogStep], first: int, last: int, distort: Callable[[Pose], Pose]
 ) -> list[LogStep]:
-    """Return steps with the odometry's increments after scan ``first`` up to ``last`` changed."""
+    """Return steps with ``distort`` applied to odometry increments of scans first + 1 to last."""
     odometry, changed = steps[0].odometry, [steps[0]]
     for number in range(1, len(steps)):
         increment = steps[number - 1].odometry.between(steps[number].odometry)
-        odometry = odometry.compose(spoil(increment) if first < number <= last else increment)
+        odometry = odometry.compose(distort(increment) if first < number <= last else increment)
         changed.append(replace(steps[number], odometry=odometry))
     return changed
 
@@ -268,13 +282,13 @@ def _frozen(_increment: Pose) -> Pose:
 
 
 def _slipping(increment: Pose) -> Pose:
-    """Return what the wheels count where the robot moves by ``increment``."""
+    """Return the odometry increment of slipping wheels for a true ``increment``."""
     counted = 1.0 / (1.0 - SLIP_SHARE)
     return Pose(counted * increment.x, counted * increment.y, increment.theta)
 
 
 def _turns(steps: Sequence[LogStep]) -> list[tuple[int, int]]:
-    """Return the stretches (first, last scan) that turn 20 degrees on nearly the same place."""
+    """Return the stretches (first, last scan) that turn FROZEN_TURN within FROZEN_TRAVEL."""
     travel = travel_along(steps)
     heading = np.unwrap([reference_of(step)[2] for step in steps])
     found, first = [], TRACKED_SCANS
@@ -289,18 +303,18 @@ def _turns(steps: Sequence[LogStep]) -> list[tuple[int, int]]:
 
 
 def _within(steps: Sequence[LogStep], travel: float) -> Sequence[LogStep]:
-    """Return the steps up to a travel, m."""
+    """Return the steps within a travel, m, from the first."""
     return steps[: int(np.searchsorted(travel_along(steps), travel, side="right"))]
 
 
 def _last_start(steps: Sequence[LogStep], travel: float) -> int:
-    """Return how many scans have at least a travel, m, before the end."""
+    """Return the number of scans that are followed by at least a travel, m."""
     along = travel_along(steps)
     return int(np.count_nonzero(along <= along[-1] - travel))
 
 
-def _landing(steps: Sequence[LogStep], taken_at: LogStep, rng: np.random.Generator) -> int:
-    """Draw the scan a robot is carried to: away, and with road ahead."""
+def _kidnap_target(steps: Sequence[LogStep], taken_at: LogStep, rng: np.random.Generator) -> int:
+    """Draw the scan a robot is moved to: KIDNAP_DISTANCE away, RECOVER_TRAVEL before the end."""
     places = np.array([reference_of(step)[:2] for step in steps])
     away = np.hypot(*(places - reference_of(taken_at)[:2]).T)
     far = np.flatnonzero(away >= KIDNAP_DISTANCE)
@@ -308,7 +322,7 @@ def _landing(steps: Sequence[LogStep], taken_at: LogStep, rng: np.random.Generat
     if usable.size == 0:
         raise LogError(
             f"a kidnapped robot needs a scan {KIDNAP_DISTANCE:g} m away with "
-            f"{RECOVER_TRAVEL:g} m of road after it: take a longer log"
+            f"{RECOVER_TRAVEL:g} m of travel after it: take a longer log"
         )
     return int(rng.choice(usable))
 

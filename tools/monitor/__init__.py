@@ -1,1 +1,1 @@
-"""The operator's side: hears the team's telemetry and shows it."""
+"""The operator's monitor: receives the team's telemetry, derives alarms, shows both."""

@@ -1,4 +1,4 @@
-"""Alarms: what is wrong with a robot or the monitor, derived from telemetry and nothing else."""
+"""Conditions that raise alarms about a robot or the monitor, derived from telemetry alone."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ from tools.monitor.reason import held_by_gate, why
 from tools.monitor.robot_state import RobotState
 
 SILENT_S = 1.5
-"""Status comes twice a second: three in a row are missing."""
+"""Time without payload after which a robot is silent: three of its statuses, 2 Hz, are missing."""
 BATTERY_LOW_V = 11.5
 BATTERY_EMPTY_V = 11.0
 SKEW_S = 1.0
-"""More than the delay of a bad link."""
+"""Clock offset that is an alarm: more than the delay of a bad link."""
 STARTUP_S = 15.0
-"""So long a device may take to be configured before that is an alarm."""
+"""Uptime within which a device may be in configuration without an alarm."""
 OPENING_S = 5.0
-"""So long a robot that was just started may be without ports and place."""
+"""Uptime within which a robot may be without open ports and pose without an alarm."""
 REMEMBERED_S = 10.0
-"""So long something momentary (a bad payload, an intruder's sighting) counts as going on."""
+"""Time for which a momentary event (bad payload, intruder report) holds its condition."""
 _FRESH_S = 1.5
 
 
 class Severity(IntEnum):
-    """How bad: a critical alarm needs a person now."""
+    """Severity of a condition: CRITICAL needs a person now."""
 
     INFO = 1
     WARNING = 2
@@ -36,32 +36,32 @@ class Severity(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """Something that is wrong at present."""
+    """A fault that holds at present."""
 
     robot: str  # team/name; empty: the monitor itself
     kind: str
     severity: Severity
     text: str
-    delay: float = 0.0  # s it must have lasted before it is an alarm
+    delay: float = 0.0  # s it must last before it is an alarm (debounce)
 
 
 def conditions_of(robot: RobotState, now: float) -> Iterator[Condition]:
-    """Yield what is wrong with a robot at the operator's time now (s, monotonic)."""
+    """Yield the conditions of a robot at the operator's monotonic time now, s."""
     silence = None if robot.last_heard is None else now - robot.last_heard
-    if silence is None:  # it is connected and has yet to say a word
-        yield Condition(robot.id, "silent", Severity.CRITICAL, "says nothing", OPENING_S)
+    if silence is None:  # connected, no payload yet
+        yield Condition(robot.id, "silent", Severity.CRITICAL, "sends nothing", OPENING_S)
         return
     if silence > SILENT_S:
         gone = "" if robot.online else ", connection gone"
-        words = f"nothing heard for {silence:.0f} s{gone}"
+        words = f"nothing received for {silence:.0f} s{gone}"
         yield Condition(robot.id, "silent", Severity.CRITICAL, words)
-        return  # nothing else is known of the present
+        return  # all other payloads are stale
     status_age = robot.age("status", now)
     if robot.status is not None and status_age is not None and status_age < _FRESH_S:
         yield from _of_status(robot, robot.status)
     yield from _of_decision(robot, now)
     yield from _of_sightings(robot, now)
-    yield from _of_missed_streams(robot)
+    yield from _of_missing_inputs(robot)
     if robot.malformed_at is not None and now - robot.malformed_at < REMEMBERED_S:
         words = f"{robot.malformed} payloads could not be read"
         yield Condition(robot.id, "malformed", Severity.WARNING, words)
@@ -72,7 +72,7 @@ def conditions_of(robot: RobotState, now: float) -> Iterator[Condition]:
 def _of_status(robot: RobotState, status: StatusPayload) -> Iterator[Condition]:
     settled = status.uptime > OPENING_S
     if status.localization.health == "lost" and settled:
-        yield Condition(robot.id, "lost", Severity.CRITICAL, "does not know where it is", 0.8)
+        yield Condition(robot.id, "lost", Severity.CRITICAL, "localization lost", 0.8)
     if status.stalled:
         yield Condition(robot.id, "stalled", Severity.CRITICAL, "a motor is stalled")
     if status.bumpers:
@@ -95,7 +95,7 @@ def _of_status(robot: RobotState, status: StatusPayload) -> Iterator[Condition]:
 
 
 def _link_words(device: DeviceStatus, wanted: str, uptime: float) -> str:
-    """Return what ails a device's link, or nothing."""
+    """Return the fault of a device's link as text, empty if there is none."""
     if not device.link_up:
         return device.link_reason or "port not open"
     if device.state != wanted and uptime > STARTUP_S:
@@ -109,13 +109,13 @@ def _of_decision(robot: RobotState, now: float) -> Iterator[Condition]:
         return
     starting = robot.status is None or robot.status.uptime < STARTUP_S
     if decision.gate_reason == "motors_off" and starting:
-        return  # they are being switched on
+        return  # the agent is switching them on
     if held_by_gate(decision):
         yield Condition(robot.id, "gate", Severity.WARNING, why(robot, now), 0.8)
 
 
 def _of_sightings(robot: RobotState, now: float) -> Iterator[Condition]:
-    """Yield intruders and blockages: from tracks that say so, and from the robot's log."""
+    """Yield intruders and blockages from the tracks' kind and from the robot's log."""
     tracks_age = robot.age("tracks", now)
     if robot.tracks is not None and tracks_age is not None and tracks_age < _FRESH_S:
         for entity in robot.tracks.entities:
@@ -128,14 +128,14 @@ def _of_sightings(robot: RobotState, now: float) -> Iterator[Condition]:
         ("intruder", "intruder", Severity.CRITICAL),
         ("blocked", "patrol", Severity.WARNING),
     ):
-        said = next((event for event in reversed(robot.events) if event.log.name == part), None)
-        if said is None or now - said.t > REMEMBERED_S or said.log.level < LogLevel.WARNING:
+        event = next((e for e in reversed(robot.events) if e.log.name == part), None)
+        if event is None or now - event.t > REMEMBERED_S or event.log.level < LogLevel.WARNING:
             continue
-        yield Condition(robot.id, kind, severity, said.log.message[:200])
+        yield Condition(robot.id, kind, severity, event.log.message[:200])
 
 
-def _of_missed_streams(robot: RobotState) -> Iterator[Condition]:
-    """Yield what the agent says it misses, from when it says so until it says it is back."""
+def _of_missing_inputs(robot: RobotState) -> Iterator[Condition]:
+    """Yield the inputs the agent reports as missing, until it reports their return."""
     newest = {event.log.name: event.log for event in robot.events}
     for name, log in newest.items():
         if name.startswith("trust.") and log.level >= LogLevel.WARNING:

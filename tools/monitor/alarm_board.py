@@ -1,6 +1,6 @@
-"""The list of alarms: raised when a condition has lasted, cleared when it is over, acknowledged.
+"""The list of alarms: debounced, raised, cleared, acknowledged.
 
-Acknowledging is the operator's own note: it stays on this computer, no robot hears of it.
+Acknowledgements stay on this computer: nothing is sent to a robot.
 """
 
 from __future__ import annotations
@@ -11,15 +11,15 @@ from dataclasses import dataclass, replace
 from tools.monitor.alarm import Condition, Severity
 
 CLEAR_S = 1.0
-"""A condition must have been gone this long, so that a flicker is one alarm."""
+"""Time for which a condition must be absent before its alarm clears (debounce)."""
 CLEARED_KEPT_S = 300.0
-"""So long an acknowledged alarm that is over stays in the list."""
+"""Time for which an acknowledged, cleared alarm stays in the list."""
 MAX_ALARMS = 200
 
 
 @dataclass(frozen=True, slots=True)
 class Alarm:
-    """One alarm; times are s on the clock the board is told, wall ones s since 1970."""
+    """One alarm; times in s of the clock given to ``update``, wall times in s since 1970."""
 
     number: int
     robot: str
@@ -33,13 +33,13 @@ class Alarm:
 
     @property
     def active(self) -> bool:
-        """Whether its condition still holds."""
+        """Whether the condition still holds."""
         return self.cleared is None
 
 
 @dataclass(slots=True)
-class _Standing:
-    """A condition as long as it goes on."""
+class _Ongoing:
+    """A condition that holds, with the times it began and was last given."""
 
     condition: Condition
     since: float
@@ -47,35 +47,38 @@ class _Standing:
 
 
 class AlarmBoard:
-    """Turns conditions over time into alarms; pure: it knows no clock but what it is told."""
+    """Turns conditions over time into alarms; pure: reads no clock, times are arguments."""
 
     def __init__(self) -> None:
         self.version = 0
-        """Grows with every change of the list."""
+        """Incremented by every change of the list."""
         self._alarms: dict[int, Alarm] = {}
-        self._standing: dict[tuple[str, str], _Standing] = {}
+        self._ongoing: dict[tuple[str, str], _Ongoing] = {}
         self._active: dict[tuple[str, str], int] = {}
         self._next = 1
 
     def update(self, conditions: Iterable[Condition], now: float, wall: float) -> None:
-        """Take all that is wrong at now; raise, change and clear alarms."""
-        for condition in conditions:
-            self._stand(condition, now)
-        for key, standing in list(self._standing.items()):
-            if now - standing.last > CLEAR_S:
-                del self._standing[key]
-                self._clear(key, now)
-            elif now - standing.since >= standing.condition.delay:
-                self._raise(key, standing.condition, now, wall)
-        self._forget(now)
+        """Raise, change and clear alarms.
 
-    def _stand(self, condition: Condition, now: float) -> None:
+        conditions: all that hold at now; now: s, increasing; wall: s since 1970.
+        """
+        for condition in conditions:
+            self._note(condition, now)
+        for key, ongoing in list(self._ongoing.items()):
+            if now - ongoing.last > CLEAR_S:
+                del self._ongoing[key]
+                self._clear(key, now)
+            elif now - ongoing.since >= ongoing.condition.delay:
+                self._raise(key, ongoing.condition, now, wall)
+        self._drop_old(now)
+
+    def _note(self, condition: Condition, now: float) -> None:
         key = (condition.robot, condition.kind)
-        standing = self._standing.get(key)
-        if standing is None:
-            self._standing[key] = _Standing(condition, now, now)
-        elif standing.last < now or condition.severity >= standing.condition.severity:
-            standing.condition, standing.last = condition, now
+        ongoing = self._ongoing.get(key)
+        if ongoing is None:
+            self._ongoing[key] = _Ongoing(condition, now, now)
+        elif ongoing.last < now or condition.severity >= ongoing.condition.severity:
+            ongoing.condition, ongoing.last = condition, now
 
     def _raise(self, key: tuple[str, str], condition: Condition, now: float, wall: float) -> None:
         number = self._active.get(key)
@@ -96,7 +99,7 @@ class AlarmBoard:
             return
         alarm = self._alarms[number]
         if (alarm.severity, alarm.text) != (condition.severity, condition.text):
-            # One that got worse needs a new look.
+            # A higher severity must be acknowledged again.
             seen = alarm.acknowledged and condition.severity <= alarm.severity
             changed = replace(alarm, severity=condition.severity, text=condition.text)
             self._put(replace(changed, acknowledged=seen))
@@ -110,8 +113,8 @@ class AlarmBoard:
         self._alarms[alarm.number] = alarm
         self.version += 1
 
-    def _forget(self, now: float) -> None:
-        """Drop what is over and seen for long; beyond the most that are kept, the oldest over."""
+    def _drop_old(self, now: float) -> None:
+        """Drop acknowledged alarms cleared long ago and, beyond MAX_ALARMS, the oldest cleared."""
         over = [alarm for alarm in self._alarms.values() if alarm.cleared is not None]
         excess = len(self._alarms) - MAX_ALARMS
         for index, alarm in enumerate(over):
@@ -121,13 +124,13 @@ class AlarmBoard:
                 self.version += 1
 
     def acknowledge(self, number: int) -> None:
-        """Note that the operator has seen an alarm; one that is not there is no fault."""
+        """Mark an alarm as acknowledged; an unknown number is ignored."""
         alarm = self._alarms.get(number)
         if alarm is not None and not alarm.acknowledged:
             self._put(replace(alarm, acknowledged=True))
 
     def alarms(self) -> list[Alarm]:
-        """Return all alarms: unseen before seen, active before over, then worst, then newest."""
+        """Return all alarms: unacknowledged first, then active, then most severe, then newest."""
         return sorted(
             self._alarms.values(),
             key=lambda a: (a.acknowledged, not a.active, -a.severity, -a.raised, -a.number),

@@ -1,4 +1,4 @@
-"""A place for robots and operator to meet on this machine."""
+"""Loopback endpoints for robots and operator on one machine."""
 
 from __future__ import annotations
 
@@ -6,6 +6,6 @@ import socket
 
 
 def free_endpoint() -> str:
-    """Return a Zenoh endpoint on a free loopback port."""
+    """Return a Zenoh endpoint on a loopback port that is free at present."""
     with socket.create_server(("127.0.0.1", 0)) as server:
         return f"tcp/127.0.0.1:{server.getsockname()[1]}"

@@ -1,7 +1,7 @@
-"""Passes on what a site's monitor hears to a head office: one way, as the robots report.
+"""Forwards the telemetry a site's monitor receives to a head office: one way.
 
-The site's and the office's monitors are Zenoh routers that never talk to each other directly. For
-each robot that is heard a publish-only session dials the office and says what the robot said.
+The site's and the office's monitors are Zenoh routers without a direct connection. For each robot
+of the site a publish-only session connects to the office and publishes that robot's payloads.
 """
 
 from __future__ import annotations
@@ -14,26 +14,26 @@ from tools.monitor.team_state import MAX_ROBOTS, robot_name
 
 
 class Forwarder:
-    """Dials an office for each robot; whatever the office does, the site's monitor goes on."""
+    """One publish-only session per robot; never blocks or fails because of the office."""
 
     def __init__(self, office: str) -> None:
-        """Take the office's endpoint, e.g. ``tcp/office.example:7447``."""
+        """office: Zenoh endpoint of the office, e.g. ``tcp/office.example:7447``."""
         self._settings = TelemetrySettings(operator=office)
         self._robots: dict[tuple[str, str], Telemetry] = {}
         self._lock = threading.Lock()
 
     @property
     def dropped(self) -> int:
-        """Payloads that made room for newer ones, as the way to the office was too slow."""
+        """Payloads dropped in favour of newer ones because the connection was too slow."""
         with self._lock:
             return sum(robot.dropped for robot in self._robots.values())
 
     def on_payload(self, key: str, payload: bytes, _wall: float) -> None:
-        """Pass on a payload that came under a key; takes microseconds."""
+        """Queue a payload received under a key; takes microseconds."""
         *parts, stream = key.split("/")
         with self._lock:
             robot = self._robot(parts)
-        if robot is not None:  # None: no robot's, or of one robot too many
+        if robot is not None:  # None: not a robot's key, or more than MAX_ROBOTS
             robot.publish(stream, payload)
 
     def _robot(self, parts: list[str]) -> Telemetry | None:

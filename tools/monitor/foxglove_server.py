@@ -1,4 +1,4 @@
-"""Serves the live stream to a Foxglove viewer, through its own SDK (extra ``foxglove``)."""
+"""Serves the live telemetry to Foxglove viewers, through Foxglove's SDK (extra ``foxglove``)."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ MAX_CHANNELS = 2000
 
 
 class FoxgloveServer:
-    """One channel per telemetry key, with the stream's schema; payloads as they came."""
+    """One channel per telemetry key, with the stream's schema; payloads are passed unchanged."""
 
     def __init__(self, address: str) -> None:
         """Listen for viewers on an address such as ``127.0.0.1:8765``.
 
         Raises:
-            WebError: the address is none or taken, or the SDK is not installed.
+            WebError: the address is invalid or taken, or the SDK is not installed.
         """
         try:
             import foxglove
@@ -43,11 +43,14 @@ class FoxgloveServer:
 
     @property
     def port(self) -> int:
-        """Where it listens."""
+        """TCP port of the server."""
         return self._server.port
 
     def on_payload(self, key: str, payload: bytes, wall: float) -> None:
-        """Show a payload that came under a key at wall, s since 1970."""
+        """Publish a payload received under a key at wall, s since 1970.
+
+        Payloads of unknown streams, and keys beyond ``MAX_CHANNELS``, are ignored.
+        """
         channel = self._channels.get(key)
         if channel is None:
             stream = STREAMS.get(key.rpartition("/")[2])

@@ -1,4 +1,4 @@
-"""What a robot did over the last hour, a sample a second: for plots and trails."""
+"""Samples of a robot over the last hour, one per second, for plots and trails."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _FRESH_S = 1.0
 
 
 class HistorySample(NamedTuple):
-    """One second of a robot: wall time (s), place (m), distance from the border (m), action."""
+    """Wall time (s), position (m, map frame), distance from the border (m) and action."""
 
     wall: float
     x: float
     y: float
     distance: float
-    action: int  # index into ACTIONS; -1: one that is none of them
+    action: int  # index into ACTIONS; -1: unknown
 
 
 class RobotHistory:
@@ -28,11 +28,14 @@ class RobotHistory:
 
     def __init__(self) -> None:
         self.count = 0
-        """How many samples were ever taken."""
+        """Number of samples ever taken, more than are kept."""
         self._samples: deque[HistorySample] = deque(maxlen=SAMPLES_KEPT)
 
     def sample(self, robot: RobotState, now: float, wall: float) -> None:
-        """Take a sample, if the robot has just decided something and one is due."""
+        """Take a sample if the robot's decision is fresh and the last one is a period ago.
+
+        now: operator's monotonic time, s; wall: s since 1970.
+        """
         age = robot.age("decision", now)
         if robot.decision is None or age is None or age > _FRESH_S:
             return
@@ -47,6 +50,6 @@ class RobotHistory:
         self.count += 1
 
     def since(self, count: int, limit: int = SAMPLES_KEPT) -> list[HistorySample]:
-        """Return the newest samples after the first ``count``, at most ``limit``."""
+        """Return the samples after the first ``count``, the newest ``limit`` at most."""
         missing = min(self.count - count, len(self._samples), limit)
         return list(self._samples)[-missing:] if missing > 0 else []

@@ -1,4 +1,4 @@
-"""The operator's side put together: hears the team, derives what is wrong, serves the page."""
+"""The operator's monitor: receives telemetry, derives alarms, serves the page."""
 
 from __future__ import annotations
 
@@ -24,34 +24,35 @@ from tools.monitor.web_server import WebServer
 
 @dataclass(frozen=True)
 class MonitorOptions:
-    """What a monitor is made of."""
+    """Options of a monitor."""
 
     listen: str
-    """Zenoh endpoint robots dial."""
+    """Zenoh endpoint the robots connect to."""
     http: str | None
-    """Where the page is served; None: no page."""
+    """Address of the page, host:port; None: no page."""
     site: Site
     record: Path | None = None
-    """Where every payload is written to; None: nowhere."""
+    """File every payload is recorded to; None: no recording."""
     border: str = DEFAULT_BORDER
-    """Name of the site's border, for whoever plays the recording."""
+    """Name of the site's border, stored in the recording."""
     keys: Path | None = None
-    """The operator's folder of ``patrol keys``, for a tls endpoint."""
+    """The operator's folder of ``patrol keys``, for a tls endpoint; None: no TLS."""
     forward: str | None = None
-    """Zenoh endpoint of a head office that hears everything too."""
+    """Zenoh endpoint of a head office that every payload is forwarded to; None: none."""
     foxglove: str | None = None
-    """Where Foxglove viewers are served."""
+    """Address for Foxglove viewers, host:port; None: none."""
 
 
 class Monitor:
-    """A live monitor, until closed."""
+    """A live monitor; runs until ``close``."""
 
     def __init__(self, options: MonitorOptions) -> None:
-        """Listen, and serve the page.
+        """Listen to robots and serve the page.
 
         Raises:
-            OperatorError: the robots' endpoint is none, or taken.
-            WebError: the page's address is.
+            OperatorError: the robots' endpoint is invalid or taken.
+            WebError: an address of page or viewers is invalid or taken.
+            KeysError: the keys cannot be read.
         """
         self.options = options
         self.url: str | None = None
@@ -60,10 +61,10 @@ class Monitor:
             taps = list(self._open_taps(stack))
             self.operator = Operator(self.options.listen, taps, self.options.keys)
             stack.callback(self.operator.close)
-            self.watch = Watch(self.operator.team, self.options.site, self._ailments)
+            self.watch = Watch(self.operator.team, self.options.site, self._own_conditions)
             source = LiveSource()
             if self.options.http is None:
-                stack.callback(Beat(lambda: source.advance(self.watch)).close)
+                stack.callback(PeriodicCall(lambda: source.advance(self.watch)).close)
             else:
                 server = WebServer(self.watch, source, self.options.http)
                 stack.callback(server.close)
@@ -75,7 +76,7 @@ class Monitor:
         self._stack.close()
 
     def _open_taps(self, stack: ExitStack) -> Iterator[Tap]:
-        """Yield what gets every payload as it comes: recording, office, viewer."""
+        """Yield the functions that get every payload: recording, office, viewers."""
         options = self.options
         if options.record is not None:
             self._recorder = TeamRecorder(options.record, options.site.folder, options.border)
@@ -90,19 +91,19 @@ class Monitor:
             stack.callback(viewers.close)
             yield viewers.on_payload
 
-    def _ailments(self) -> Iterator[Condition]:
-        """Yield what is wrong with the monitor itself."""
+    def _own_conditions(self) -> Iterator[Condition]:
+        """Yield the conditions of the monitor itself."""
         recorder = self._recorder
         if recorder is not None and (recorder.failed or recorder.lost):
             words = recorder.failed or f"{recorder.lost} payloads not recorded, the disk is slow"
             yield Condition("", "recording", Severity.CRITICAL, words)
 
 
-class Beat:
-    """Calls something a few times a second on a thread of its own, until closed."""
+class PeriodicCall:
+    """Calls a function periodically on its own thread until closed."""
 
     def __init__(self, call: Callable[[], None], period: float = 0.1) -> None:
-        """Begin at once; period in s."""
+        """Start at once; period: pause between two calls, s."""
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run, args=(call, period), daemon=True)
         self._thread.start()
@@ -114,12 +115,12 @@ class Beat:
                 return
 
     def close(self) -> None:
-        """Let the last call end."""
+        """Stop after the present call and wait for it."""
         self._ending.set()
         self._thread.join()
 
 
 def until(duration: float | None) -> Callable[[], bool]:
-    """Return what tells whether a duration (s) from now is still going on; None: for ever."""
+    """Return a function that is True until a duration, s, from now is over; None: for ever."""
     end = math.inf if duration is None else time.monotonic() + duration
     return lambda: time.monotonic() < end

@@ -1,8 +1,8 @@
-"""The operator's end of the network: hears every robot, lets nobody in any further.
+"""The operator's end of the network: receives every robot's telemetry and sends nothing.
 
-A Zenoh router that the robots dial. Its access control denies everything but what robots need to
-report (``put`` and ``liveliness_token``, inwards only): nobody can subscribe, query or be sent
-anything through it, so robots stay unable to hear each other and nothing can reach one.
+A Zenoh router that the robots connect to. Its access control denies everything but ingress of
+``put`` and ``liveliness_token``, which robots need to report: no peer can subscribe, query or
+receive through it, so robots cannot receive from each other or from anybody else.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from tools.deploy.certificates import RobotName, known_robots
 from tools.monitor.team_state import TeamState
 
 Tap = Callable[[str, bytes, float], None]
-"""Gets the key, the bytes and the time (s since 1970) of a payload, as it came."""
+"""Called with key, bytes and reception time (s since 1970) of every payload, undecoded."""
 
 
 class OperatorError(ValueError):
@@ -28,16 +28,16 @@ class OperatorError(ValueError):
 
 
 class Operator:
-    """Listens for robots and keeps ``team`` up to date, until closed."""
+    """Listens to robots and keeps ``team`` up to date until closed."""
 
     def __init__(self, listen: str, taps: Sequence[Tap] = (), keys: Path | None = None) -> None:
         """Listen on an endpoint such as ``tcp/0.0.0.0:7447``; ``taps`` get every payload too.
 
-        keys: the operator's folder of ``patrol keys``, for a tls endpoint: each robot then can
-        publish under the name in its certificate only.
+        keys: the operator's folder of ``patrol keys``, needed for a tls endpoint: each robot can
+        then publish only under the name in its certificate.
 
         Raises:
-            OperatorError: the endpoint is not one, or is taken; tls without keys.
+            OperatorError: the endpoint is invalid or taken, or is tls without keys.
             KeysError: the keys cannot be read.
         """
         self.team = TeamState()
@@ -74,9 +74,9 @@ class Operator:
 
 
 def access_control(robots: Sequence[RobotName] | None) -> dict[str, object]:
-    """Return access control that lets robots report and denies everything else.
+    """Return Zenoh's access control that lets robots report and denies everything else.
 
-    robots: who may report, each under its own name, by its certificate; None: anybody.
+    robots: those that may report, each under its certificate's name only; None: any client.
     """
     allowed: list[tuple[str, list[str], dict[str, list[str]]]]
     if robots is None:

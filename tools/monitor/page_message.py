@@ -1,7 +1,7 @@
-"""What the page is sent: the changes since its last message, small and in plain numbers.
+"""Messages to the page: the changes since its last message as JSON.
 
-Lengths in m, angles in rad, scans in cm and particles in cm and mrad (whole numbers). Text from
-the network is cut to a sane length here and is only ever set as text by the page.
+Lengths in m, angles in rad, scans in cm and particles in cm and mrad (integers). Text from the
+network is cut to ``MAX_TEXT`` here, and the page sets it as text only, never as markup.
 """
 
 from __future__ import annotations
@@ -22,13 +22,16 @@ MAX_TEXT = 200
 MAX_BEAMS = 1000
 MAX_PARTICLES = 500
 MAX_TRACKS = 50
-FARTHEST = 1e4  # m; nothing real lies beyond
+FARTHEST = 1e4  # m; larger values are clipped
 _FIRST_SAMPLES = 30_000
-"""Samples of history a page gets when it connects, over all robots."""
+"""Most samples of history sent to a new page, all robots together."""
 
 
 def robot_message(robot: RobotState, since: int, now: float) -> dict[str, Any]:
-    """Return what has changed of a robot since the team's version ``since``."""
+    """Return a robot's summary and the streams that changed since the team's version ``since``.
+
+    now: operator's monotonic time, s.
+    """
     message: dict[str, Any] = {
         "id": robot.id,
         "team": robot.team,
@@ -174,7 +177,7 @@ def _track(entity: SceneEntity) -> dict[str, Any]:
 
 
 def track_kind(entity: SceneEntity) -> str:
-    """Return what a track is taken for: its kind if it tells one, else teammate or stranger."""
+    """Return a track's kind: as its metadata states, by default teammate or stranger."""
     facts = {pair.key: pair.value for pair in entity.metadata}
     if "kind" in facts:
         return facts["kind"]
@@ -213,7 +216,10 @@ _PARTS = {
 
 
 def alarm_message(alarm: Alarm, now: float, wall: float) -> dict[str, Any]:
-    """Return one alarm as the page lists it; times in s since 1970."""
+    """Return one alarm for the page, times in s since 1970.
+
+    now, wall: the present on the board's clock and in s since 1970.
+    """
     cleared = alarm.cleared
     return {
         "number": alarm.number,
@@ -228,10 +234,10 @@ def alarm_message(alarm: Alarm, now: float, wall: float) -> dict[str, Any]:
 
 
 class PageFeed:
-    """The messages of one page: remembers what that page already has."""
+    """The messages of one page: tracks what was already sent to it."""
 
     def __init__(self, watch: Watch) -> None:
-        """Begin with everything."""
+        """Start with nothing sent: the first message holds everything."""
         self._watch = watch
         self._version = 0
         self._why: dict[str, str] = {}
@@ -240,7 +246,7 @@ class PageFeed:
         self._covered_at = float("-inf")
 
     def message(self, extra: dict[str, Any]) -> bytes:
-        """Return the next message, with ``extra`` in it, and take it as sent."""
+        """Return the next message as JSON, with ``extra`` in it, and count it as sent."""
         watch = self._watch
         message: dict[str, Any] = {"now": watch.now, "wall": watch.wall, **extra}
         newest = self._version

@@ -1,4 +1,4 @@
-"""Plays recordings into a watch: several robots' files in step, paused, faster, from any time."""
+"""Plays recordings into a watch: several files in step, with pause, speed and seek."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ from tools.monitor.recorded_payloads import RecordedPayload, RecordedPayloads
 from tools.monitor.team_recorder import TEAM_METADATA
 from tools.monitor.watch import Watch
 
-BEFORE_S = 300.0
-"""So much before a chosen time is gone through, so that plots, trails and coverage are there."""
-_BEFORE_STEP_S = 1.0  # a patrolling robot does not drive past a point of the border meanwhile
-_BEFORE_STREAMS = ("pose", "decision", "status", "event")
-_LAST_S = 2.0  # before the chosen time all streams are taken: each has come at least once
+PREROLL_S = 300.0
+"""Time before a seek target that is played fast, to fill plots, trails and coverage."""
+_PREROLL_STEP_S = 1.0  # short enough that a patrolling robot visits every border point
+_PREROLL_STREAMS = ("pose", "decision", "status", "event")
+_LAST_S = 2.0  # all streams are read this long before the target: each has occurred by then
 _BUDGET_S = 0.05
-"""So long a step of catching up may take: pages are served in between."""
+"""Real time per step of the fast playback: pages are served in between."""
 _SPEEDS = (0.1, 100.0)
-_LATEST_STEP_S = 0.5
-"""A page that was held up does not make the recording leap."""
+_MAX_STEP_S = 0.5
+"""Most real time per step: a delayed step does not make the playback jump."""
 
 
 class Playback:
-    """A source of the past. Its time is the recordings' own wall-clock time, s since 1970."""
+    """Source of recorded telemetry; its time is the recordings' wall time, s since 1970."""
 
     def __init__(self, paths: Sequence[Path], clock: Callable[[], float] = time.monotonic) -> None:
-        """Open recordings; ``clock`` tells how real time passes, s.
+        """Open recordings; ``clock`` returns real time, s.
 
         Raises:
-            RecordingError: a file is none, or holds no telemetry.
+            RecordingError: a file is no recording, or holds no telemetry.
         """
         self.files = [RecordedPayloads(path) for path in paths]
         self.start = min(file.start for file in self.files)
@@ -45,13 +45,13 @@ class Playback:
         self.paused = False
         self._clock = clock
         self._last = clock()
-        self._wanted: float | None = None
-        self._goal: float | None = None  # catching up until then
+        self._seek_target: float | None = None
+        self._catch_up_target: float | None = None  # target of the fast playback
         self._rest = self._payloads(self.start)
         self._next: RecordedPayload | None = next(self._rest, None)
 
     def site_folder(self) -> MapFolder | None:
-        """Return the map folder the first recording carries, if any does."""
+        """Return the map folder of the first recording that holds one; None if none does."""
         for file in self.files:
             if file.map_files:
                 name, border = _map_of(file)
@@ -59,7 +59,7 @@ class Playback:
         return None
 
     def description(self) -> dict[str, Any]:
-        """Return what the page shows of the playback."""
+        """Return start, end and present time (s since 1970), speed and pause, for the page."""
         return {
             "kind": "playback",
             "start": self.start,
@@ -70,25 +70,28 @@ class Playback:
         }
 
     def steer(self, *, pause: bool | None, speed: float | None, seek: float | None) -> None:
-        """Hold or go on, at a speed (x real time), from a time (s); senseless wishes are bent."""
+        """Pause or resume, set the speed (x real time), seek (s since 1970); None: no change.
+
+        Values out of range are clamped. Resuming at the end starts again.
+        """
         if pause is not None:
             self.paused = pause
             if not pause and self.t >= self.end:
-                self._wanted = self.start
+                self._seek_target = self.start
         if speed is not None:
             self.speed = min(max(speed, _SPEEDS[0]), _SPEEDS[1])
         if seek is not None:
-            self._wanted = min(max(seek, self.start), self.end)
+            self._seek_target = min(max(seek, self.start), self.end)
 
     def advance(self, watch: Watch) -> None:
-        """Move on by the real time that has passed, times the speed."""
+        """Advance the watch by the elapsed real time, times the speed."""
         now = self._clock()
-        elapsed, self._last = min(now - self._last, _LATEST_STEP_S), now
-        if self._wanted is not None:
-            self._begin_before(watch, self._wanted)
-            self._goal, self._wanted = self._wanted, None
-        if self._goal is not None:
-            self._catch_up(watch, self._goal, now + _BUDGET_S)
+        elapsed, self._last = min(now - self._last, _MAX_STEP_S), now
+        if self._seek_target is not None:
+            self._restart_before(watch, self._seek_target)
+            self._catch_up_target, self._seek_target = self._seek_target, None
+        if self._catch_up_target is not None:
+            self._catch_up(watch, self._catch_up_target, now + _BUDGET_S)
         elif not self.paused:
             self.t = min(self.t + elapsed * self.speed, self.end)
             self._feed(watch, self.t)
@@ -100,37 +103,37 @@ class Playback:
             *(file.payloads(since) for file in self.files), key=lambda payload: payload.t
         )
 
-    def _begin_before(self, watch: Watch, t: float) -> None:
-        """Begin afresh, a while before t."""
+    def _restart_before(self, watch: Watch, t: float) -> None:
+        """Reset the watch and start ``PREROLL_S`` before t."""
         self.epoch += 1
         watch.restart()
-        self.t = max(self.start, t - BEFORE_S)
+        self.t = max(self.start, t - PREROLL_S)
         self._rest = self._payloads(self.t)
         self._next = next(self._rest, None)
 
     def _catch_up(self, watch: Watch, goal: float, until: float) -> None:
-        """Go on towards the goal quickly, as far as the clock allows."""
+        """Play fast towards the goal until real time ``until``."""
         while self.t < goal:
-            self.t = min(self.t + _BEFORE_STEP_S, goal)
+            self.t = min(self.t + _PREROLL_STEP_S, goal)
             self._feed_newest(watch, self.t, all_streams=goal - self.t < _LAST_S)
             watch.advance(self.t, self.t)
             if self._clock() >= until:
                 return
-        self._goal = None
+        self._catch_up_target = None
 
     def _feed(self, watch: Watch, t: float) -> None:
-        """Give the watch the payloads up to t."""
+        """Pass the payloads up to t to the watch."""
         for payload in self._up_to(t):
             watch.team.receive(payload.key, payload.data, payload.t, payload.t)
 
     def _feed_newest(self, watch: Watch, t: float, *, all_streams: bool) -> None:
-        """Give the watch the log up to t, and the newest payload of other streams."""
+        """Pass the events up to t to the watch, and the newest payload of each other stream."""
         newest: dict[str, RecordedPayload] = {}
         for payload in self._up_to(t):
             stream = payload.key.rpartition("/")[2]
             if stream == "event":
                 watch.team.receive(payload.key, payload.data, payload.t, payload.t)
-            elif all_streams or stream in _BEFORE_STREAMS:
+            elif all_streams or stream in _PREROLL_STREAMS:
                 newest[payload.key] = payload
         for payload in newest.values():
             watch.team.receive(payload.key, payload.data, payload.t, payload.t)

@@ -1,4 +1,4 @@
-"""What a robot does and why, in one sentence: the same words for the page and the terminal."""
+"""What a robot does and why, in one sentence: the same text for the page and the terminal."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from robot_agent.patrol.turn_log import TurnCause
 from tools.monitor.robot_state import RobotState
 
 STALE_S = 1.5
-"""Decisions older than this say nothing of the present."""
-_STANDING = 0.02  # m/s, rad/s
+"""Age from which a decision is stale."""
+_STANDSTILL = 0.02  # m/s, rad/s
 
 GATE_WORDS: dict[str, str] = {
-    GateReason.INVALID: "a number that is none",
+    GateReason.INVALID: "a number that is not finite",
     GateReason.STALE_BASE: "no fresh report of the base",
     GateReason.STALE_LASER: "no fresh laser scan",
     GateReason.OVERLOADED: "the computer is overloaded",
@@ -28,26 +28,26 @@ GATE_WORDS: dict[str, str] = {
     GateReason.MOTORS_OFF: "motors are off",
     GateReason.STALLED: "a motor is stalled",
     GateReason.BUMPER: "a bumper is pressed",
-    GateReason.OVERSPEED: "the base is faster than it was told",
+    GateReason.OVERSPEED: "the base is faster than commanded",
     GateReason.BACKING: "backwards is not allowed",
     GateReason.OBSTACLE: "obstacle ahead",
-    GateReason.LIMITED: "slow, its pose does not matter now",
-    GateReason.UNSURE: "unsure of its pose",
+    GateReason.LIMITED: "slow, driving without a pose",
+    GateReason.UNSURE: "pose uncertain",
     GateReason.SPEED_LIMIT: "speed limit",
     GateReason.ACCELERATION: "acceleration limit",
 }
 SOURCE_WORDS: dict[str, str] = {
     ObstacleSource.LASER: "seen by the laser",
     ObstacleSource.REMEMBERED: "seen by the laser before",
-    ObstacleSource.SONAR: "heard by a sonar",
+    ObstacleSource.SONAR: "seen by a sonar",
     ObstacleSource.MAP_WALL: "a wall of the map",
     ObstacleSource.TEAMMATE_ROOM: "room for a teammate to turn",
 }
 OVERRIDE_WORDS: dict[str, str] = {
-    OverrideReason.STANDOFF: "insists on its way, it was kept from it for long",
+    OverrideReason.STANDOFF: "takes its way after a long standoff",
     OverrideReason.HOLD_AT_END: "waits, caught between a teammate and an end of the border",
-    OverrideReason.BLOCKAGE: "gave up waiting for an object on its way",
-    OverrideReason.WAIT: "waits for a moment, not to turn in step with others",
+    OverrideReason.BLOCKAGE: "turns, waited too long for an object on its way",
+    OverrideReason.WAIT: "waits briefly, not to turn in step with others",
     OverrideReason.CLOSING_IN: "comes slowly closer than usual",
     OverrideReason.EVEN_GAPS: "for even gaps",
 }
@@ -60,23 +60,23 @@ TURN_WORDS: dict[str, str] = {
     TurnCause.EVEN_GAPS: "for even gaps",
 }
 HOLDING_REASONS = frozenset({*DENIALS, GateReason.OBSTACLE})
-"""Reasons of the gate that can hold a robot, not merely slow it."""
+"""Reasons of the gate that can stop a robot, not merely slow it."""
 
 
 def held_by_gate(decision: DecisionPayload) -> bool:
-    """Tell whether the gate keeps a robot that wishes to move from moving at all."""
-    asked = abs(decision.requested.v) > _STANDING or abs(decision.requested.w) > _STANDING
-    moves = abs(decision.command.v) > _STANDING or abs(decision.command.w) > _STANDING
+    """Return whether the gate stops a requested motion completely."""
+    asked = abs(decision.requested.v) > _STANDSTILL or abs(decision.requested.w) > _STANDSTILL
+    moves = abs(decision.command.v) > _STANDSTILL or abs(decision.command.w) > _STANDSTILL
     return decision.gate_reason in HOLDING_REASONS and asked and not moves
 
 
 def why(robot: RobotState, now: float) -> str:
-    """Return what a robot does and why, at the operator's time now (s, monotonic)."""
+    """Return what a robot does and why, at the operator's monotonic time now, s."""
     decision, status = robot.decision, robot.status
     age = robot.age("decision", now)
     if decision is None or age is None or age > STALE_S:
         if robot.last_heard is None or now - robot.last_heard > STALE_S:
-            return "nothing heard of it"
+            return "nothing received"
         if status is None:
             return "no decision yet"
         return f"takes no decisions: {status.health}"
@@ -99,7 +99,7 @@ def _gate_words(decision: DecisionPayload) -> str:
 
 
 def _action_words(decision: DecisionPayload) -> str:
-    """Return the action with the input that speaks for it."""
+    """Return the action in force, or the override in place of it, with its input."""
     if decision.override in STANDING_OVERRIDES or (decision.override is None and decision.holding):
         return OVERRIDE_WORDS.get(decision.override or "", "waits, caught between teammates")
     words = _chosen_words(decision)
@@ -108,7 +108,7 @@ def _action_words(decision: DecisionPayload) -> str:
 
 
 def turn_words(robot: RobotState, now: float) -> str:
-    """Return why and how long ago the robot last turned back; empty if it is not known to have."""
+    """Return why and how long ago the robot last turned back; empty if no turn was received."""
     if robot.last_turn is None:
         return ""
     t, cause = robot.last_turn
@@ -116,10 +116,10 @@ def turn_words(robot: RobotState, now: float) -> str:
 
 
 def _chosen_words(decision: DecisionPayload) -> str:
-    """Return the action in force with the input that speaks for it."""
+    """Return the action in force with the input that selected it."""
     sense = "clockwise" if decision.direction > 0 else "counter-clockwise"
     near = decision.distance_from_neighbor
-    teammate = "nobody near" if near is None else f"teammate {near:.1f} m away"
+    teammate = "no teammate near" if near is None else f"teammate {near:.1f} m away"
     match decision.action:
         case "reach_frontier":
             straight = decision.distance_from_border

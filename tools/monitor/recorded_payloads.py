@@ -1,7 +1,7 @@
-"""Telemetry out of recordings, an agent's or a monitor's: any part of them, in order of time.
+"""Reads telemetry from an agent's or a monitor's recording, from any time on, in order of time.
 
-A file is looked through once, without decompressing it; what is played is read chunk by chunk.
-One that was cut short gives everything before that place.
+A file is indexed once without decompressing it; payloads are then read chunk by chunk. A truncated
+file yields everything before the cut.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _CHUNK_TIMES = struct.Struct("<QQ")
 _CHANNEL_ID = struct.Struct("<H")
 _DAMAGE = (ValueError, McapError, struct.error, zstandard.ZstdError, MemoryError)
 _STREAM_OF_TOPIC = {name: name for name in STREAMS} | {"process_log": "event"}
-"""Under which stream the operator would have heard what an agent recorded on a topic."""
+"""Telemetry stream by topic of an agent's recording."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class RecordedPayload:
 
 @dataclass(slots=True)
 class _Index:
-    """What the look through a file finds."""
+    """Index of a file: metadata, attachments, chunks, channels."""
 
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     attachments: dict[str, bytes] = field(default_factory=dict)
@@ -58,7 +58,7 @@ class RecordedPayloads:
     """The telemetry of one recording."""
 
     def __init__(self, path: Path) -> None:
-        """Look through a recording.
+        """Index a recording.
 
         Raises:
             RecordingError: the file cannot be read, is no recording, or holds no telemetry.
@@ -66,7 +66,7 @@ class RecordedPayloads:
         self.path = path
         try:
             with path.open("rb") as file:
-                self._index = _look_through(path, file)
+                self._index = _index_file(path, file)
         except OSError as error:
             raise RecordingError(
                 f"{path}: cannot be read ({error.strerror}); give the path of a recording (.mcap)"
@@ -100,7 +100,10 @@ class RecordedPayloads:
         }
 
     def payloads(self, since: float) -> Iterator[RecordedPayload]:
-        """Yield the payloads from since (s) on, in order of time."""
+        """Yield the payloads from ``since``, s since 1970, on, in order of time.
+
+        Damaged chunks are skipped. Raises OSError if the file cannot be opened any more.
+        """
         with self.path.open("rb") as file:
             for offset, _, last in self._index.chunks:
                 if last < since:
@@ -108,7 +111,7 @@ class RecordedPayloads:
                 try:
                     found = sorted(self._of_chunk(file, offset), key=lambda payload: payload.t)
                 except _DAMAGE:
-                    continue  # the rest may still be sound
+                    continue  # the other chunks may be intact
                 yield from (payload for payload in found if payload.t >= since)
 
     def _of_chunk(self, file: BinaryIO, offset: int) -> Iterator[RecordedPayload]:
@@ -121,7 +124,7 @@ class RecordedPayloads:
                 yield RecordedPayload(log_time / 1e9, key, body[_MESSAGE.size :])
 
     def _telemetry_keys(self) -> dict[int, str]:
-        """Return the telemetry key of each channel that is telemetry."""
+        """Return the telemetry key by channel id, of telemetry channels only."""
         run = self.metadata.get(RUN_METADATA)
         if run is None:
             return dict(self._index.channels) if TEAM_METADATA in self.metadata else {}
@@ -137,7 +140,7 @@ _MESSAGE = struct.Struct("<HIQQ")  # channel, sequence, log time, publish time
 assert _MESSAGE.size == MESSAGE_HEAD.size - RECORD_HEAD.size
 
 
-def _look_through(path: Path, file: BinaryIO) -> _Index:
+def _index_file(path: Path, file: BinaryIO) -> _Index:
     if file.read(len(MCAP0_MAGIC)) != MCAP0_MAGIC:
         raise RecordingError(f"{path}: is not an MCAP file; give a recording (.mcap)")
     index = _Index()
@@ -149,24 +152,24 @@ def _look_through(path: Path, file: BinaryIO) -> _Index:
             end = offset + RECORD_HEAD.size + length
             if end > size or opcode == Opcode.DATA_END:
                 break
-            _take(index, file, opcode, offset, length)
+            _index_record(index, file, opcode, offset, length)
             offset = end
             file.seek(offset)
     except _DAMAGE:
-        pass  # what was found before the damage is played
+        pass  # the index holds what precedes the damage
     return index
 
 
-def _take(index: _Index, file: BinaryIO, opcode: int, offset: int, length: int) -> None:
-    """Take note of one record whose head has just been read."""
+def _index_record(index: _Index, file: BinaryIO, opcode: int, offset: int, length: int) -> None:
+    """Add one record, whose head has just been read, to the index."""
     if opcode == Opcode.CHUNK:
         first, last = _CHUNK_TIMES.unpack(file.read(_CHUNK_TIMES.size))
         if last:
             index.chunks.append((offset, first / 1e9, last / 1e9))
     elif opcode == Opcode.MESSAGE_INDEX:
         (channel,) = _CHANNEL_ID.unpack(file.read(_CHANNEL_ID.size))
-        if channel not in index.channels:  # it was introduced in the chunk before this index
-            _learn_channels(index, file)
+        if channel not in index.channels:  # it is defined in the chunk before this index
+            _index_channels(index, file)
     elif opcode == Opcode.METADATA:
         metadata = Metadata.read(ReadDataStream(BytesIO(file.read(length))))
         index.metadata[metadata.name] = metadata.metadata
@@ -177,7 +180,7 @@ def _take(index: _Index, file: BinaryIO, opcode: int, offset: int, length: int) 
             index.attachments[attachment.name] = attachment.data
 
 
-def _learn_channels(index: _Index, file: BinaryIO) -> None:
+def _index_channels(index: _Index, file: BinaryIO) -> None:
     offset, _, _ = index.chunks[-1]
     for opcode, body in _records(_chunk_data(file, offset)):
         if opcode == Opcode.CHANNEL:
@@ -186,7 +189,10 @@ def _learn_channels(index: _Index, file: BinaryIO) -> None:
 
 
 def _chunk_data(file: BinaryIO, offset: int) -> bytes:
-    """Return the records of the chunk at a place in a file."""
+    """Return the decompressed records of the chunk at an offset.
+
+    Raises ValueError if its stated size exceeds ``CHUNK_LIMIT_BYTES``; for damage, one of _DAMAGE.
+    """
     file.seek(offset)
     _, length = RECORD_HEAD.unpack(file.read(RECORD_HEAD.size))
     chunk = Chunk.read(ReadDataStream(BytesIO(file.read(length))))

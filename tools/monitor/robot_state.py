@@ -1,4 +1,4 @@
-"""One robot as the operator knows it, and how a payload changes that."""
+"""State of one robot from its telemetry, and its change by a payload."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ from robot_agent.messages.foxglove import (
 from robot_agent.messages.streams import DecisionPayload, Payload, ProcessPayload, StatusPayload
 
 POSES_KEPT = 30
-"""About 3 s of poses: a scan is drawn where the robot was when it was measured."""
+"""About 3 s of poses: a scan is drawn at the robot's pose when it was measured."""
 EVENTS_KEPT = 20
 
 
 @dataclass(frozen=True, slots=True)
 class HeardEvent:
-    """What a robot's log said, and when the operator heard it (s, operator's clock)."""
+    """One log entry of a robot; t: operator's monotonic time of reception; wall: s since 1970."""
 
     t: float
     wall: float
@@ -34,24 +34,24 @@ class HeardEvent:
 
 @dataclass(frozen=True, slots=True)
 class RobotState:
-    """One robot as last heard of; times are s on the operator's monotonic clock."""
+    """One robot's newest telemetry; times in s on the operator's monotonic clock."""
 
     team: str
     robot: str
-    online: bool = False  # its liveliness token is there
-    last_heard: float | None = None  # when its last payload came, of any stream
+    online: bool = False  # its liveliness token is present
+    last_heard: float | None = None  # time of its last payload of any stream; None: none yet
     payloads: Mapping[str, Payload] = field(default_factory=lambda: MappingProxyType({}))
     received: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     versions: Mapping[str, int] = field(default_factory=lambda: MappingProxyType({}))
-    version: int = 0  # the team's count of changes at this robot's latest
+    version: int = 0  # the team's version at this robot's last change
     malformed: int = 0  # payloads that could not be read
-    malformed_at: float | None = None  # when the last of them came
+    malformed_at: float | None = None  # time of the last of them
     skew: float | None = None  # s its clock was ahead of the operator's at its last status
     rates: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
-    """Measurements per second of ``base`` and ``laser``, between the last two statuses."""
-    poses: tuple[tuple[float, Pose], ...] = ()  # newest last, at the robot's own times
+    """Rates of ``base`` and ``laser``, 1/s, between the last two statuses."""
+    poses: tuple[tuple[float, Pose], ...] = ()  # newest last, with the robot's own time stamps
     last_turn: tuple[float, str] | None = None
-    """When it last turned back, s, and why (``turn`` of the decision)."""
+    """Time and cause (``turn`` of the decision) of its last turn; None: no turn received."""
     events: tuple[HeardEvent, ...] = ()  # newest last
 
     @property
@@ -97,17 +97,20 @@ class RobotState:
 
     @property
     def process(self) -> ProcessPayload | None:
-        """What the agent's process last said of itself."""
+        """The newest process report."""
         payload = self.payloads.get("process")
         return payload if isinstance(payload, ProcessPayload) else None
 
     def age(self, stream: str, now: float) -> float | None:
-        """Return how old a stream's newest payload is at now, s; None if there is none."""
+        """Return the age of a stream's newest payload at now, s; None if there is none."""
         received = self.received.get(stream)
         return None if received is None else now - received
 
     def pose_at(self, stamp: Timestamp) -> Pose | None:
-        """Return where the robot was at a time of its own, between the poses it sent."""
+        """Return the pose (map_from_base) at a time stamp of the robot's clock, interpolated.
+
+        Outside the kept poses: the newest one; None if there are none.
+        """
         t = seconds(stamp)
         after = next((item for item in self.poses if item[0] >= t), None)
         before = next((item for item in reversed(self.poses) if item[0] <= t), None)
@@ -118,8 +121,8 @@ class RobotState:
         return _between(before[1], after[1], share)
 
     def with_payload(self, stream: str, payload: Payload, t: float, wall: float) -> RobotState:
-        """Return the state after a payload that came at t (monotonic) and wall (s since 1970)."""
-        heard = replace(
+        """Return the state after a payload received at t (monotonic) and wall (s since 1970)."""
+        updated = replace(
             self,
             last_heard=t,
             payloads={**self.payloads, stream: payload},
@@ -127,16 +130,16 @@ class RobotState:
         )
         if isinstance(payload, StatusPayload):
             skew = seconds(payload.timestamp) - wall
-            return replace(heard, skew=skew, rates=_rates(self.status, payload) or self.rates)
+            return replace(updated, skew=skew, rates=_rates(self.status, payload) or self.rates)
         if isinstance(payload, PoseInFrame):
             at = (seconds(payload.timestamp), planar_pose(payload.pose))
-            return replace(heard, poses=(*self.poses[-POSES_KEPT + 1 :], at))
+            return replace(updated, poses=(*self.poses[-POSES_KEPT + 1 :], at))
         if isinstance(payload, DecisionPayload) and payload.turn is not None:
-            return replace(heard, last_turn=(t, payload.turn))
+            return replace(updated, last_turn=(t, payload.turn))
         if isinstance(payload, Log):
             event = HeardEvent(t, wall, payload)
-            return replace(heard, events=(*self.events[-EVENTS_KEPT + 1 :], event))
-        return heard
+            return replace(updated, events=(*self.events[-EVENTS_KEPT + 1 :], event))
+        return updated
 
 
 def seconds(stamp: Timestamp) -> float:
@@ -154,7 +157,7 @@ def _between(a: Pose, b: Pose, share: float) -> Pose:
 
 
 def _rates(before: StatusPayload | None, after: StatusPayload) -> Mapping[str, float] | None:
-    """Return measurements per second between two statuses; None where they do not follow."""
+    """Return the rates, 1/s, between two statuses; None for the first and after a restart."""
     if before is None or after.uptime <= before.uptime:
         return None
     elapsed = after.uptime - before.uptime

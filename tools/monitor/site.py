@@ -1,4 +1,4 @@
-"""The place under watch: its map as a picture and its border as a line, for the page."""
+"""The monitored site: its map as a picture and its border as a polyline, for the page."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ _BORDER_STEP = 0.1  # m between the points of the line drawn
 
 @dataclass(frozen=True, eq=False)
 class Site:
-    """A map folder as the page needs it; without one (None) the page draws a bare grid."""
+    """A map folder as the page needs it; folder None: no map, the page draws a grid."""
 
     folder: MapFolder | None
 
     def picture(self) -> bytes | None:
-        """Return the map as a PNG: grey 0 free, 128 unknown, 255 wall; the top row first."""
+        """Return the map as a PNG, top row first: 0 free, 128 unknown, 255 wall; None: no map."""
         if self.folder is None:
             return None
         grey = np.array([0, 255, 128], dtype=np.uint8)[self.folder.map.cells[::-1]]
         return cv2.imencode(".png", grey)[1].tobytes()
 
     def description(self) -> dict[str, object]:
-        """Return what the page draws of the place, m in the map frame."""
+        """Return map, border, footprint and laser mount for the page, m, map frame."""
         config = AgentConfig()
         gate = config.gate
         mount = config.laser.mount or load_model(config.base.model).laser_mount

@@ -1,4 +1,4 @@
-"""Where the time and the telemetry of a watch come from: now, or a recording."""
+"""Sources of a watch's time and telemetry: live, or a recording."""
 
 from __future__ import annotations
 
@@ -9,34 +9,34 @@ from tools.monitor.watch import Watch
 
 
 class Source(Protocol):
-    """Moves a watch on; a page may steer it."""
+    """Advances a watch; pages may steer it."""
 
     @property
     def epoch(self) -> int:
-        """Changes when the watch begins afresh: pages must forget what they have."""
+        """Changes when the watch is reset: pages must then be sent everything again."""
 
     def advance(self, watch: Watch) -> None:
-        """Move the watch on to the present."""
+        """Advance the watch to the source's present."""
 
     def steer(self, *, pause: bool | None, speed: float | None, seek: float | None) -> None:
-        """Do as a page asks: hold or go on, at a speed (x real time), from a time (s)."""
+        """Pause or resume, set the speed (x real time), seek (s since 1970); None: no change."""
 
     def description(self) -> dict[str, Any]:
-        """Return what the page shows of the source."""
+        """Return the source's state for the page."""
 
 
 class LiveSource:
-    """The present: the team is fed by the operator's session."""
+    """The present time; the operator's session feeds the team."""
 
     epoch = 0
 
     def advance(self, watch: Watch) -> None:
-        """Look at the team now."""
+        """Advance the watch to now."""
         watch.advance(time.monotonic(), time.time())
 
     def steer(self, *, pause: bool | None, speed: float | None, seek: float | None) -> None:
-        """The present can be neither held nor left."""
+        """Ignored: live telemetry cannot be paused or sought."""
 
     def description(self) -> dict[str, Any]:
-        """Return what the page shows: that this is live."""
+        """Return the kind of source, ``live``."""
         return {"kind": "live"}

@@ -1,7 +1,7 @@
-"""Writes every payload to an MCAP file as it came, under its own key.
+"""Writes every payload, undecoded, to an MCAP file under its own key.
 
 Layout: one channel per key ``patrol/<team>/<robot>/<stream>`` with its stream's schema, log times
-in wall-clock ns; what cannot be decoded is kept as well. The attachments ``map/<file>`` hold the
+in wall-clock ns; malformed payloads are kept as well. The attachments ``map/<file>`` hold the
 map folder, the metadata record ``team`` the names of map and border.
 """
 
@@ -25,20 +25,20 @@ TEAM_METADATA = "team"
 DRAIN_S = 0.1
 DRAINS_PER_FLUSH = 7
 CAPACITY = 50_000
-"""Payloads that may wait for the disk: half a minute of fifty robots."""
+"""Queue length in payloads: half a minute of fifty robots."""
 MAX_CHANNELS = 2000
-"""More keys than a team can have: the rest is counted as lost."""
+"""Most keys recorded; payloads of further ones are counted as lost."""
 
 
 class TeamRecorder:
-    """Records what the operator hears; a disk that refuses is told, never raised.
+    """Records the operator's telemetry; a disk error is reported by ``failed``, never raised.
 
-    ``failed`` is empty while all is well, else one line that says what the disk refused; from then
-    on nothing more is kept. ``lost`` counts payloads that could not be kept.
+    ``failed`` is empty, or after a disk error one line with its reason; from then on nothing is
+    recorded. ``lost`` counts payloads that were not recorded.
     """
 
     def __init__(self, path: Path, folder: MapFolder | None, border: str) -> None:
-        """Create the file and start writing; folder and border are the place on watch."""
+        """Start writing a new file; folder and border: the monitored site, folder None: no map."""
         self.path = path
         self.failed = ""
         self.lost = 0
@@ -50,7 +50,7 @@ class TeamRecorder:
         self._thread.start()
 
     def on_payload(self, key: str, payload: bytes, wall: float) -> None:
-        """Queue a payload that came at wall, s since 1970; takes microseconds, from any thread."""
+        """Queue a payload received at wall, s since 1970; takes microseconds, from any thread."""
         if self.failed or len(self._queue) >= CAPACITY:
             self.lost += 1
             return
@@ -71,7 +71,7 @@ class TeamRecorder:
             self._queue.clear()
 
     def _write(self, file: BinaryIO) -> None:
-        """Write until told to end; what was flushed is on the disk, not only on its way."""
+        """Write until closed; flushes are synced to the disk."""
         writer = Writer(file, chunk_size=CHUNK_BYTES)
         writer.start(profile="", library="border-patrol monitor")
         self._write_head(writer)
@@ -110,7 +110,7 @@ class TeamRecorder:
 
 
 def _register(writer: Writer, key: str) -> int:
-    """Register a key's channel; a stream outside the table is kept without a schema."""
+    """Register a key's channel and return its id; an unknown stream gets no schema."""
     stream = STREAMS.get(key.rpartition("/")[2])
     schema = 0
     if stream is not None:
@@ -120,7 +120,7 @@ def _register(writer: Writer, key: str) -> int:
 
 
 def _sync(file: BinaryIO) -> None:
-    """Have the disk take what was written; a device that is no file has nothing to sync."""
+    """Sync written data to the disk; does nothing for pipes and devices."""
     try:
         os.fdatasync(file.fileno())
     except OSError as error:

@@ -1,4 +1,4 @@
-"""What the operator knows of the team: the newest payload of every stream of every robot."""
+"""The team's telemetry: the newest payload of every stream of every robot."""
 
 from __future__ import annotations
 
@@ -11,17 +11,18 @@ from robot_agent.messages.streams import Payload, PayloadError, decode
 from tools.monitor.robot_state import RobotState
 
 MAX_ROBOTS = 64
-"""More names than this on one network are a fault, not a team."""
+"""Most robots kept; payloads under further names are counted as stray."""
 MAX_PAYLOAD_BYTES = 256 * 1024
-"""Our largest payload, 200 particles, has a tenth of this: more is a fault and is not decoded."""
+"""Larger payloads are not decoded; the largest real one, 200 particles, has a tenth of this."""
 _NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
-"""What a team or robot may be called, as the robots' configuration has it."""
+"""Valid names of a team or robot, as in the robots' configuration."""
 
 
 class TeamState:
-    """Collects telemetry by key; any thread may write, any thread may take a snapshot.
+    """Collects telemetry by key; thread-safe.
 
-    Nothing that arrives over the network can make it raise: what cannot be read is counted.
+    Nothing received over the network makes it raise: malformed payloads and unknown keys are
+    counted.
     """
 
     def __init__(self) -> None:
@@ -29,14 +30,14 @@ class TeamState:
         self._robots: dict[tuple[str, str], RobotState] = {}
         self._version = 0
         self.stray = 0
-        """How many messages came under a key that is no robot's, or of one robot too many."""
+        """Number of messages under a key of no robot, or of a robot beyond ``MAX_ROBOTS``."""
         self.stray_at: float | None = None
-        """When the last of them came, s on the operator's monotonic clock."""
+        """Operator's monotonic time of the last of them; None: none yet."""
 
     def receive(self, key: str, data: bytes, t: float, wall: float | None = None) -> None:
-        """Take one payload that arrived under ``patrol/<team>/<robot>/<stream>``.
+        """Take one payload received under ``patrol/<team>/<robot>/<stream>``.
 
-        t: s on the operator's monotonic clock; wall: s since 1970, by default t.
+        t: operator's monotonic time; wall: s since 1970, by default t.
         """
         at = t if wall is None else wall
         parts = key.split("/")
@@ -48,7 +49,7 @@ class TeamState:
             self._update(parts, t, lambda robot: robot.with_payload(stream, payload, t, at), stream)
 
     def set_liveliness(self, key: str, *, online: bool, t: float = 0.0) -> None:
-        """Take note that the robot of ``patrol/<team>/<robot>`` came or went."""
+        """Set whether the robot of ``patrol/<team>/<robot>`` is online."""
         self._update(key.split("/"), t, lambda robot: replace(robot, online=online))
 
     def _update(
@@ -76,13 +77,13 @@ class TeamState:
             return [self._robots[key] for key in sorted(self._robots)]
 
     def clear(self) -> None:
-        """Forget every robot; the count of changes goes on."""
+        """Remove every robot; the version keeps increasing."""
         with self._lock:
             self._robots.clear()
 
 
 def _decoded(stream: str, data: bytes) -> Payload | None:
-    """Return a payload, or None for bytes that are none."""
+    """Return the payload, or None if it is malformed or too large."""
     if len(data) > MAX_PAYLOAD_BYTES:
         return None
     try:
@@ -92,7 +93,7 @@ def _decoded(stream: str, data: bytes) -> Payload | None:
 
 
 def robot_name(parts: list[str]) -> tuple[str, str] | None:
-    """Return team and robot of a key's parts, or None if it is no robot's."""
+    """Return team and robot of a split key, or None if it is not a robot's."""
     if len(parts) != 3 or parts[0] != "patrol" or not all(map(_NAME.fullmatch, parts[1:])):
         return None
     return parts[1], parts[2]

@@ -1,4 +1,4 @@
-"""What the terminal tells besides the table: each robot's inner figures, and the border's wait."""
+"""Lines below the terminal's table: each robot's detailed figures, and the border's idleness."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tools.monitor.watch import Watch
 
 
 def detail_lines(watch: Watch) -> Iterator[str]:
-    """Yield one line per robot that has reported, and one of the border."""
+    """Yield one line per robot that has reported, then one on the border's idleness."""
     for robot in watch.robots:
         parts = [*_decision_parts(robot.decision), *_status_parts(robot), *_process_parts(robot)]
         turned = turn_words(robot, watch.now)

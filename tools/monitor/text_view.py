@@ -1,4 +1,4 @@
-"""The team as a table in a terminal, or as plain lines where there is none."""
+"""The team as a live table in a terminal, or as plain text for other outputs."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ABSENT = "-"
 
 
 class Row(NamedTuple):
-    """One robot's line; the field names are the headings."""
+    """One robot's row; the field names are the headings."""
 
     robot: str
     pose: str  # x, y (m), heading (deg)
@@ -45,7 +45,7 @@ class Row(NamedTuple):
 
 
 def row_of(robot: RobotState, now: float) -> Row:
-    """Tell one robot's state at the operator's time now (s, monotonic)."""
+    """Return one robot's row at the operator's monotonic time now, s."""
     decision, status = robot.decision, robot.status
     row = Row(
         robot=f"{robot.team}/{robot.robot}",
@@ -66,7 +66,7 @@ def row_of(robot: RobotState, now: float) -> Row:
 
 
 def _printable(cell: str) -> str:
-    """Keep control characters that came over the network out of the terminal."""
+    """Escape a cell with control characters: they came over the network."""
     return cell if cell.isprintable() else repr(cell)
 
 
@@ -91,7 +91,7 @@ def _quantity(value: float | None, unit: str, digits: int) -> str:
 
 
 def _gate(decision: DecisionPayload | None, status: StatusPayload | None) -> str:
-    """Tell why the robot is held back: the gate's reason, else what ails it."""
+    """Return the gate's reason, else the robot's health, else ``ABSENT``."""
     if decision is not None and decision.gate_reason:
         return decision.gate_reason
     if status is not None and status.health != "ok":
@@ -105,7 +105,7 @@ def _age(robot: RobotState, now: float) -> str:
 
 
 def team_table(team: Iterable[RobotState], now: float) -> Table:
-    """Return the table of the team at the operator's time now."""
+    """Return the table of the team at the operator's monotonic time now, s."""
     table = Table()
     for heading in Row._fields:
         table.add_column(heading)
@@ -116,7 +116,7 @@ def team_table(team: Iterable[RobotState], now: float) -> Table:
 
 
 def plain_table(team: Iterable[RobotState], now: float) -> str:
-    """Return the same as lines of text, columns aligned."""
+    """Return the table of the team as lines of text, columns aligned."""
     rows = [Row._fields, *(row_of(robot, now) for robot in team)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(Row._fields))]
     return "\n".join(
@@ -126,7 +126,7 @@ def plain_table(team: Iterable[RobotState], now: float) -> str:
 
 
 def plain_alarm(alarm: Alarm, now: float) -> str:
-    """Return one alarm as a line of text."""
+    """Return one alarm as a line of text; now: s on the board's clock."""
     robot = f"{alarm.robot}: " if alarm.robot else ""
     until = "" if alarm.active else ", over"
     words = f"{alarm.severity.name} {robot}{alarm.text} ({now - alarm.raised:.0f} s ago{until})"
@@ -139,12 +139,12 @@ def team_view(watch: Watch) -> Group:
 
 
 def plain_view(watch: Watch) -> str:
-    """Return the same as lines of text."""
+    """Return table, alarms and details of a team as lines of text."""
     return "\n".join([plain_table(watch.robots, watch.now), *_lines_below(watch)])
 
 
 def _lines_below(watch: Watch) -> list[str]:
-    """Return the active alarms, worst first, then the details."""
+    """Return the active alarms in the board's order, then the details."""
     active = [alarm for alarm in watch.alarms.alarms() if alarm.active]
     details = map(_printable, detail_lines(watch))
     return [*(plain_alarm(alarm, watch.now) for alarm in active), *details]
@@ -157,7 +157,7 @@ def show_team(
     out: TextIO | None = None,
     period: float = PLAIN_PERIOD_S,
 ) -> None:
-    """Show a team that is being watched for as long as something is going on.
+    """Show a team until ``going_on`` returns False.
 
     A terminal gets a live view; any other ``out`` (default: standard output) gets a plain one
     every ``period`` seconds, and one at the end.

@@ -1,4 +1,4 @@
-"""Everything the operator's side derives from the team's telemetry as time goes on."""
+"""Alarms, histories and coverage that the monitor derives from the team's telemetry."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _FRESH_S = 1.0
 
 
 class Watch:
-    """Alarms, histories and coverage of one team; pure but for the team it looks at.
+    """Alarms, histories and coverage of one team; reads no clock.
 
     ``advance`` must be called a few times a second, by one thread at a time.
     """
@@ -26,9 +26,9 @@ class Watch:
         self,
         team: TeamState,
         site: Site,
-        ailments: Callable[[], Iterable[Condition]] = tuple,
+        own_conditions: Callable[[], Iterable[Condition]] = tuple,
     ) -> None:
-        """Watch a team; ``ailments`` tells what is wrong with the monitor itself."""
+        """Watch a team at a site; own_conditions: returns the conditions of the monitor itself."""
         self.team = team
         self.site = site
         self.alarms = AlarmBoard()
@@ -37,20 +37,20 @@ class Watch:
         self.robots: list[RobotState] = []
         self.now = 0.0
         self.wall = 0.0
-        self._ailments = ailments
+        self._own_conditions = own_conditions
         self._visited_at = float("-inf")
 
     def advance(self, now: float, wall: float) -> None:
-        """Look at the team at now (s, monotonic) and wall (s since 1970)."""
+        """Take a snapshot of the team at now (monotonic) and wall (s since 1970); update all."""
         self.now, self.wall = now, wall
         self.robots = self.team.snapshot()
         self.alarms.update(self._conditions(), now, wall)
         for robot in self.robots:
             self.histories.setdefault(robot.id, RobotHistory()).sample(robot, now, wall)
-        self._cover()
+        self._update_coverage()
 
     def restart(self) -> None:
-        """Forget everything but the site: a recording is played from another place."""
+        """Discard everything but the site, for playback from another time."""
         self.team.clear()
         self.histories.clear()
         self.alarms = AlarmBoard()
@@ -60,14 +60,14 @@ class Watch:
     def _conditions(self) -> Iterator[Condition]:
         for robot in self.robots:
             yield from conditions_of(robot, self.now)
-        yield from self._ailments()
+        yield from self._own_conditions()
         stray_at = self.team.stray_at
         if stray_at is not None and self.now - stray_at < REMEMBERED_S:
             words = f"{self.team.stray} messages under names that are no robot's"
             yield Condition("", "stray", Severity.WARNING, words)
 
-    def _cover(self) -> None:
-        """Note where on the border robots are."""
+    def _update_coverage(self) -> None:
+        """Update the coverage from the robots' fresh poses."""
         folder = self.site.folder
         if folder is None or folder.border is None:
             return

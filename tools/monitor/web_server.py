@@ -1,7 +1,7 @@
-"""Serves the page and keeps every page that is open up to date.
+"""Serves the page and sends every open page its updates.
 
-Runs an event loop on a thread of its own. The page can do two things here, acknowledge an alarm
-and steer a playback; nothing it or anybody says reaches a robot.
+Runs an event loop on its own thread. A page can acknowledge an alarm and steer a playback, no more;
+nothing is sent on to a robot.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from tools.monitor.watch import Watch
 
 PAGE_FOLDER = Path(__file__).parent / "page"
 TICK_S = 0.04
-"""Telemetry comes ten times a second: waiting half of that at most costs little time or power."""
+"""Period of updates: adds less than half a period of the 10 Hz telemetry to the latency."""
 _REQUEST_LIMIT = 4096
 _TYPES = {
     ".html": "text/html",
@@ -45,13 +45,13 @@ _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
 
 class WebError(ValueError):
-    """The page cannot be served; the message names address, reason and remedy."""
+    """The address cannot be served; the message names address, reason and remedy."""
 
 
 class Request(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What a page may ask for."""
+    """A request of a page; None: not requested."""
 
-    seen: int | None = None  # how many messages the page has shown
+    seen: int | None = None  # number of messages the page has drawn
     acknowledge: int | None = None  # the number of an alarm
     pause: bool | None = None
     speed: float | None = None  # of a playback, times real time
@@ -61,8 +61,8 @@ class Request(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 _decode_request = msgspec.json.Decoder(Request).decode
 
 
-class _Pace:
-    """How far a page has kept up with what it was sent."""
+class _FlowControl:
+    """Flow control of one page: counts messages sent and messages drawn."""
 
     def __init__(self) -> None:
         self.sent = 0
@@ -70,18 +70,18 @@ class _Pace:
 
     @property
     def behind(self) -> bool:
-        """Whether the page has yet to show more than one message."""
+        """Whether more than one message sent is not drawn yet."""
         return self.sent - self.seen > 1
 
 
 class WebServer:
-    """Serves one watch at one address, until closed."""
+    """Serves one watch at one address until closed."""
 
     def __init__(self, watch: Watch, source: Source, address: str) -> None:
         """Listen on an address such as ``127.0.0.1:8080`` (port 0: any free one).
 
         Raises:
-            WebError: the address is not one, or is taken.
+            WebError: the address is invalid or taken.
         """
         self.watch = watch
         self.source = source
@@ -105,7 +105,7 @@ class WebServer:
 
     @property
     def url(self) -> str:
-        """Where the page is."""
+        """URL of the page."""
         host = f"[{self._host}]" if ":" in self._host else self._host
         return f"http://{host}:{self._port}/"
 
@@ -122,7 +122,7 @@ class WebServer:
             runner.run(self._serve(ready))
 
     async def _serve(self, ready: Future[int]) -> None:
-        """Serve until told to end, looking at the team 25 times a second."""
+        """Serve until closed, advancing the watch every ``TICK_S``."""
         runner = web.AppRunner(self._application(), access_log=None, shutdown_timeout=1.0)
         await runner.setup()
         try:
@@ -138,7 +138,7 @@ class WebServer:
             self.source.advance(self.watch)
             ticked, self._ticked = self._ticked, asyncio.Event()
             ticked.set()
-            due = max(due + TICK_S, self._loop.time())  # what was missed is not made up for
+            due = max(due + TICK_S, self._loop.time())  # missed ticks are dropped
             await asyncio.sleep(due - self._loop.time())
         self._ticked.set()
         await runner.cleanup()
@@ -158,7 +158,7 @@ class WebServer:
     async def _guard(
         self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
     ) -> web.StreamResponse:
-        """Refuse names that are not ours (a page elsewhere that resolves to us); add headers."""
+        """Add security headers; on loopback refuse other host names (DNS rebinding) with 403."""
         if self._host in _LOOPBACK and _host_name(request.host) not in _LOOPBACK:
             raise web.HTTPForbidden(text="this page is served to this computer only")
         response = await handler(request)
@@ -175,24 +175,27 @@ class WebServer:
         return web.Response(body=self._picture, content_type="image/png")
 
     async def _feed_page(self, request: web.Request) -> web.WebSocketResponse:
-        """Send one page what changes, until it goes away; a slow page gets fewer messages."""
+        """Send one page its updates until it disconnects; a slow page gets fewer, not older ones.
+
+        A connection opened by another site's page is refused with 403.
+        """
         origin = request.headers.get("Origin")
         if origin is not None and urlsplit(origin).netloc != request.host:
             raise web.HTTPForbidden(text="only this page may listen here")
         socket = web.WebSocketResponse(heartbeat=10.0, max_msg_size=_REQUEST_LIMIT, compress=False)
         await socket.prepare(request)
-        pace = _Pace()
-        listening = asyncio.create_task(self._listen(socket, pace))
+        flow = _FlowControl()
+        listening = asyncio.create_task(self._listen(socket, flow))
         try:
-            await self._feed(socket, pace)
+            await self._feed(socket, flow)
         except ConnectionError:
-            pass  # the page is gone; it comes back by itself if anybody still looks at it
+            pass  # the page is closed, or reconnects by itself
         finally:
             listening.cancel()
             await socket.close()
         return socket
 
-    async def _feed(self, socket: web.WebSocketResponse, pace: _Pace) -> None:
+    async def _feed(self, socket: web.WebSocketResponse, flow: _FlowControl) -> None:
         feed, epoch = PageFeed(self.watch), self.source.epoch
         fresh = True
         while not socket.closed and not self._ending.is_set():
@@ -200,27 +203,27 @@ class WebServer:
                 feed, epoch, fresh = PageFeed(self.watch), self.source.epoch, True
             extra: dict[str, Any] = {"source": self.source.description(), "fresh": fresh}
             await socket.send_str(feed.message(extra).decode())
-            pace.sent += 1
+            flow.sent += 1
             fresh = False
             await self._ticked.wait()
-            while pace.behind and not socket.closed and not self._ending.is_set():
+            while flow.behind and not socket.closed and not self._ending.is_set():
                 await self._ticked.wait()
 
-    async def _listen(self, socket: web.WebSocketResponse, pace: _Pace) -> None:
-        """Do what a page asks for; one that asks for anything else is shown out."""
+    async def _listen(self, socket: web.WebSocketResponse, flow: _FlowControl) -> None:
+        """Execute a page's requests; an invalid one closes the connection."""
         async for message in socket:
             request = _decoded(message)
             if request is None:
                 await socket.close(code=WSCloseCode.UNSUPPORTED_DATA)
                 return
-            pace.seen = request.seen or pace.seen
+            flow.seen = request.seen or flow.seen
             if request.acknowledge is not None:
                 self.watch.alarms.acknowledge(request.acknowledge)
             self.source.steer(pause=request.pause, speed=request.speed, seek=request.seek)
 
 
 def _decoded(message: WSMessage) -> Request | None:
-    """Return what a message asks for, or None if it is no request."""
+    """Return a message's request, or None if it is invalid."""
     if message.type is not WSMsgType.TEXT:
         return None
     try:
@@ -239,7 +242,7 @@ def _file_handler(path: Path) -> Callable[[web.Request], Awaitable[web.Response]
 
 
 def parsed_address(address: str, option: str) -> tuple[str, int]:
-    """Return host and port of an option's address; WebError if it is none."""
+    """Return host and port of an address; raises WebError, naming the option, if invalid."""
     host, _, port = address.rpartition(":")
     if not host or not port.isdecimal() or int(port) > 65535:
         raise WebError(f"{option} {address}: not an address; give host:port, e.g. 127.0.0.1:8080")
@@ -247,5 +250,5 @@ def parsed_address(address: str, option: str) -> tuple[str, int]:
 
 
 def _host_name(host: str) -> str:
-    """Return a Host header's name without port and brackets."""
+    """Return a Host header's name in lower case, without port and brackets."""
     return (urlsplit(f"//{host}").hostname or "").lower()

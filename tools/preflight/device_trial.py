@@ -1,4 +1,4 @@
-"""A device tried out for a moment: a real link and a real session, in real time, nothing moved."""
+"""Runs one device's session on its link for a short time, without moving anything."""
 
 from __future__ import annotations
 
@@ -13,60 +13,61 @@ from drivers.requests import Request, SetBaud
 
 TICK_S = 0.05
 POLL_S = 0.01
-FAREWELL_S = 0.3
-"""How long the last commands get to leave in their due order."""
+CLOSING_S = 0.3
+"""Time for the last commands to be sent in order."""
 
 T_co = TypeVar("T_co", covariant=True)
 T = TypeVar("T")
 
 
 class Session(Protocol[T_co]):
-    """What the sessions of base and laser have in common."""
+    """Common interface of the base's and the laser's sessions."""
 
     def link_up(self, t: float) -> None:
-        """Begin."""
+        """Start the session."""
 
     def link_down(self, t: float) -> None:
-        """Forget what was under way."""
+        """Reset the session."""
 
     def feed(self, data: bytes, t: float) -> Sequence[T_co]:
-        """Take bytes; return the measurements they complete."""
+        """Decode bytes; return the measurements they complete."""
 
     def tick(self, t: float) -> None:
-        """Notice what is overdue."""
+        """Handle time-outs."""
 
     def pop_requests(self) -> list[Request]:
-        """Return what the link must do."""
+        """Return and remove the requests to the link."""
 
     def shut_down(self, t: float) -> None:
-        """Leave the device as it should be left."""
+        """Request the commands that close the session and leave the device at rest."""
 
 
 @dataclass(frozen=True, slots=True)
-class _Heard:
+class _LineEvent:
     t: float
-    what: bytes | str | None
-    """Bytes received, why the link went down, or None when it came up."""
+    content: bytes | str | None
+    """Bytes received, the reason of a lost link, or None for a link that came up."""
 
 
 @dataclass(slots=True)
 class LineRecord:
-    """What happened on the line during a trial."""
+    """Record of the line during a trial."""
 
     opened: bool = False
     lost: str = ""
-    """Why the port could not be opened or was lost."""
+    """Reason why the port could not be opened or was lost; empty: it was not."""
     bauds_tried: list[int] = field(default_factory=list)
-    bytes_heard: int = 0
+    bytes_received: int = 0
     last_bytes: bytes = b""
-    """The end of what was heard last."""
+    """The last 8 bytes, at most, of the last piece received."""
     last_bytes_baud: int = 0
 
 
 class DeviceTrial(Generic[T]):
-    """Brings one device's session up and listens until there was ``enough``.
+    """Runs one device's session until ``enough(measurements)`` is true.
 
-    ``measurements`` holds (time of arrival s, measurement). The session stays readable afterwards.
+    ``measurements`` holds (monotonic time of arrival, measurement). The session can be read
+    afterwards.
     """
 
     def __init__(
@@ -80,29 +81,29 @@ class DeviceTrial(Generic[T]):
         self.measurements: list[tuple[float, T]] = []
         self._session = session
         self._enough = enough
-        self._inbox: SimpleQueue[_Heard] = SimpleQueue()
+        self._inbox: SimpleQueue[_LineEvent] = SimpleQueue()
         self._link = Link(url, baud, self, time.monotonic)
         self._baud = baud
         self._next_tick = 0.0
 
     @property
     def done(self) -> bool:
-        """Whether there is nothing more to wait for."""
+        """Whether the port was lost or there are enough measurements."""
         return bool(self.line.lost) or self._enough(self.measurements)
 
     # Called on the link's thread
 
     def received(self, t: float, data: bytes) -> None:
-        """Take bytes that arrived."""
-        self._inbox.put(_Heard(t, data))
+        """Queue bytes received."""
+        self._inbox.put(_LineEvent(t, data))
 
     def link_up(self, t: float) -> None:
-        """Take note that the port is open."""
-        self._inbox.put(_Heard(t, None))
+        """Queue that the port is open."""
+        self._inbox.put(_LineEvent(t, None))
 
     def link_down(self, t: float, reason: str) -> None:
-        """Take note that the port was lost or cannot be opened."""
-        self._inbox.put(_Heard(t, reason))
+        """Queue that the port was lost or cannot be opened."""
+        self._inbox.put(_LineEvent(t, reason))
 
     # Called by run_trials
 
@@ -111,7 +112,7 @@ class DeviceTrial(Generic[T]):
         self._link.start()
 
     def serve(self) -> None:
-        """Handle what was heard, and time."""
+        """Handle queued events and tick the session; does not block."""
         try:
             while True:
                 self._on_item(self._inbox.get_nowait())
@@ -124,7 +125,7 @@ class DeviceTrial(Generic[T]):
         self._carry_out()
 
     def shut_down(self) -> None:
-        """Say good-bye to the device."""
+        """Send the commands that close the session."""
         self._session.shut_down(time.monotonic())
         self._carry_out()
 
@@ -132,19 +133,19 @@ class DeviceTrial(Generic[T]):
         """Close the port; idempotent."""
         self._link.close()
 
-    def _on_item(self, heard: _Heard) -> None:
+    def _on_item(self, event: _LineEvent) -> None:
         line = self.line
-        if heard.what is None:
+        if event.content is None:
             line.opened = True
-            self._session.link_up(heard.t)
-        elif isinstance(heard.what, str):
-            line.lost = heard.what
-            self._session.link_down(heard.t)
+            self._session.link_up(event.t)
+        elif isinstance(event.content, str):
+            line.lost = event.content
+            self._session.link_down(event.t)
         else:
-            line.bytes_heard += len(heard.what)
-            line.last_bytes, line.last_bytes_baud = heard.what[-8:], self._baud
-            for measurement in self._session.feed(heard.what, heard.t):
-                self.measurements.append((heard.t, measurement))
+            line.bytes_received += len(event.content)
+            line.last_bytes, line.last_bytes_baud = event.content[-8:], self._baud
+            for measurement in self._session.feed(event.content, event.t):
+                self.measurements.append((event.t, measurement))
         self._carry_out()
 
     def _carry_out(self) -> None:
@@ -163,16 +164,16 @@ class AnyTrial(Protocol):
 
     @property
     def done(self) -> bool:
-        """Whether there is nothing more to wait for."""
+        """Whether the trial is over."""
 
     def start(self) -> None:
         """Open the port."""
 
     def serve(self) -> None:
-        """Handle what was heard, and time."""
+        """Handle queued events and tick the session."""
 
     def shut_down(self) -> None:
-        """Say good-bye to the device."""
+        """Send the commands that close the session."""
 
     def close(self) -> None:
         """Close the port."""
@@ -181,7 +182,10 @@ class AnyTrial(Protocol):
 def run_trials(
     trials: Sequence[AnyTrial], limit: float, progress: Callable[[float], None] = lambda _: None
 ) -> None:
-    """Run trials side by side until all are done, at most ``limit`` s; close every session."""
+    """Run trials concurrently until all are done, at most ``limit`` s; close sessions and ports.
+
+    progress: called with the elapsed time, s.
+    """
     started = time.monotonic()
     try:
         for trial in trials:
@@ -193,7 +197,7 @@ def run_trials(
             progress(elapsed)
         for trial in trials:
             trial.shut_down()
-        until = time.monotonic() + FAREWELL_S
+        until = time.monotonic() + CLOSING_S
         while time.monotonic() < until:
             _serve(trials)
     finally:

@@ -1,7 +1,7 @@
-"""Preflight of one robot: everything that can keep it from patrolling, with a remedy for each.
+"""Preflight of one robot: checks everything it needs to patrol, with a remedy for each failure.
 
-Base and laser are tried with their real sessions over their real lines. Nothing moves: the motors
-are never switched on, and both sessions are closed afterwards.
+Base and laser are tried with the agent's sessions over their lines. Nothing moves: the motors are
+never switched on, and both sessions are closed afterwards.
 """
 
 from __future__ import annotations
@@ -32,10 +32,10 @@ from tools.preflight.doctor_laser import LaserExamination
 from tools.preflight.finding import Finding, Verdict, failed, ok, skipped, warning
 
 TRIAL_LIMIT_S = 10.0
-"""How long silent devices are waited for: once through all their rates."""
+"""Time to wait for silent devices: one pass through all their rates."""
 MIN_DISK_BYTES = 500_000_000
 EARLIEST_YEAR = 2025
-"""A clock before this program was written is wrong."""
+"""A wall clock before this year is not set: this program is newer."""
 OPERATOR_LIMIT_S = 1.0
 
 
@@ -44,7 +44,11 @@ def examine(
     limit: float = TRIAL_LIMIT_S,
     progress: Callable[[float], None] = lambda _: None,
 ) -> list[Finding]:
-    """Check the robot that a configuration file describes; ``limit`` is for the devices, s."""
+    """Check the robot of a configuration file.
+
+    limit: longest wait for base and laser, s; progress: called with the elapsed time of that, s. An
+    invalid configuration is the only finding.
+    """
     try:
         config = load_config(path)
     except ConfigError as error:
@@ -60,12 +64,12 @@ def examine(
 
 
 def is_fit(findings: list[Finding]) -> bool:
-    """Tell whether a robot may patrol: nothing failed."""
+    """Return whether a robot may patrol: no check failed."""
     return all(finding.verdict is not Verdict.FAILED for finding in findings)
 
 
 def examine_config(config: AgentConfig) -> Finding:
-    """Check what the configuration's types cannot."""
+    """Check the base's model, which the configuration's types do not."""
     try:
         load_model(config.base.model)
     except UnknownModelError as error:
@@ -74,7 +78,7 @@ def examine_config(config: AgentConfig) -> Finding:
 
 
 def examine_map(config: AgentConfig, relative_to: Path) -> list[Finding]:
-    """Check map, border, the start on it, and the rules for that border."""
+    """Check map and border, then start pose and rules; paths are relative to a folder."""
     folder = find_map(config.map.folder, relative_to)
     report = check_map(folder, config.map.border)
     wrong = [
@@ -84,7 +88,7 @@ def examine_map(config: AgentConfig, relative_to: Path) -> list[Finding]:
         remedy = f"correct it; `patrol map show {folder} -o map.png` draws it"
         return [failed("map and border", "; ".join(wrong), remedy)]
     content = load_map(config, relative_to)
-    assert content.border is not None, "the check has seen it"
+    assert content.border is not None, "check_map requires it"
     summary = f"{content.name}, {config.map.border}: {content.border.length:.1f} m"
     return [
         ok("map and border", summary),
@@ -94,11 +98,11 @@ def examine_map(config: AgentConfig, relative_to: Path) -> list[Finding]:
 
 
 def examine_start(config: AgentConfig, content: MapFolder) -> Finding:
-    """Check that the start lies on free ground."""
+    """Check that the start pose, if any, is in a free cell of the map."""
     start = config.start
     if start is None:
         remedy = "set start, if you know where the robot stands"
-        return warning("start", "unknown: the robot must first find itself in the map", remedy)
+        return warning("start", "unknown: the robot begins with global localization", remedy)
     rows, cols = content.map.cells_at(np.array([[start.x, start.y]]))
     inside = bool(content.map.inside(rows, cols)[0])
     text = f"{start.x:g}, {start.y:g} m"
@@ -120,7 +124,7 @@ def _examine_rules(config: AgentConfig, content: MapFolder) -> Finding:
 def examine_devices(
     config: AgentConfig, limit: float, progress: Callable[[float], None] = lambda _: None
 ) -> list[Finding]:
-    """Try base, laser and camera side by side, base and laser for at most ``limit`` s."""
+    """Check base, laser and camera concurrently, base and laser for at most ``limit`` s."""
     base, laser = BaseExamination(config.base), LaserExamination(config.laser)
     trials = [trial for trial in (base.trial, laser.trial) if trial is not None]
     camera = CameraExamination(config.camera)
@@ -131,7 +135,7 @@ def examine_devices(
 def examine_clock(
     wall: Callable[[], float] = time.time, monotonic: Callable[[], float] = time.monotonic
 ) -> Finding:
-    """Check that the wall clock can label a recording, and that the monotonic one runs."""
+    """Check that the wall clock is set, to label recordings, and that the monotonic one runs."""
     now = datetime.datetime.fromtimestamp(wall(), datetime.UTC)
     before = monotonic()
     time.sleep(0.01)
@@ -145,8 +149,8 @@ def examine_clock(
     return ok("clock", text)
 
 
-def examine_recorder(folder: str, least: int = MIN_DISK_BYTES) -> Finding:
-    """Check that recordings can be written and have room, bytes."""
+def examine_recorder(folder: str, min_free: int = MIN_DISK_BYTES) -> Finding:
+    """Check that recordings can be written to a folder and have ``min_free`` bytes of space."""
     if not folder:
         return skipped("disk", "recorder.folder is not set: nothing is recorded")
     path = Path(folder)
@@ -158,14 +162,14 @@ def examine_recorder(folder: str, least: int = MIN_DISK_BYTES) -> Finding:
         remedy = f"make {path} a folder that user {_user()} may write, or set recorder.folder"
         return failed("disk", f"{path}: cannot be written ({error.strerror})", remedy)
     text = f"{path}: {free / 1e9:.1f} GB free"
-    if free < least:
+    if free < min_free:
         remedy = "delete or move old recordings"
-        return failed("disk", f"{text}, {least / 1e9:.1f} GB needed", remedy)
+        return failed("disk", f"{text}, {min_free / 1e9:.1f} GB needed", remedy)
     return ok("disk", text)
 
 
 def _nearest_existing(path: Path) -> Path:
-    """Return the folder itself, or the one in which it would be made."""
+    """Return the path itself, or its nearest existing parent."""
     return next(place for place in (path.absolute(), *path.absolute().parents) if place.exists())
 
 
@@ -174,9 +178,9 @@ def _user() -> str:
 
 
 def examine_operator(endpoint: str) -> Finding:
-    """See whether the operator answers; a robot patrols without, so this never fails."""
+    """Check whether the operator's endpoint accepts a connection; a warning at most if not."""
     if not endpoint:
-        return skipped("operator", "telemetry.operator is not set: nobody is told")
+        return skipped("operator", "telemetry.operator is not set: no telemetry is sent")
     address = urlsplit(endpoint.replace("/", "://", 1))
     try:
         with socket.create_connection((address.hostname, address.port), OPERATOR_LIMIT_S):

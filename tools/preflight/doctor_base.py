@@ -1,4 +1,4 @@
-"""Preflight of the robot base: found, itself, powered, free to move. Motors stay off."""
+"""Preflight of the robot base: session, limits, watchdog, battery, contacts. Motors stay off."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ WATCHDOG_LIMIT_MS = 2000  # a robot cut off must stop within this
 
 
 class BaseExamination:
-    """The base's part of a preflight: make it, run its ``trial`` if any, read ``findings``."""
+    """The base's part of a preflight: run ``trial`` unless it is None, then read ``findings``."""
 
     def __init__(self, settings: BaseSettings) -> None:
         self._settings = settings
@@ -34,7 +34,7 @@ class BaseExamination:
             self.trial = DeviceTrial(settings.url, settings.baud, self._session, self._enough)
 
     def _enough(self, states: Sequence[tuple[float, BaseState]]) -> bool:
-        """Listen for a while once the robot could be driven."""
+        """Return whether reports were received for LISTENING_S in state READY."""
         if self._session.state is SessionState.READY:
             self._reached = SessionState.READY
             self._trouble = self._session.trouble
@@ -42,7 +42,7 @@ class BaseExamination:
         return False
 
     def findings(self) -> list[Finding]:
-        """Return what there is to say; after the trial."""
+        """Return the findings; call it after the trial."""
         if self.trial is None:
             return [self._port]
         not_open = examine_opening("base port", self.trial.line)
@@ -66,7 +66,7 @@ class BaseExamination:
         assert self.trial is not None
         line = self.trial.line
         trouble = ""
-        if not line.bytes_heard:
+        if not line.bytes_received:
             remedy = "switch the robot on; check that the cable leads to its HOST port"
         elif self._session.framer.counters.good:
             trouble = (self._session.handshake.trouble or "").partition(";")[0]
@@ -78,7 +78,7 @@ class BaseExamination:
 
     def _identity(self) -> Finding:
         identity = self._session.identity
-        assert identity is not None, "there is no session without"
+        assert identity is not None, "a session has one"
         text = f"{identity.name}, {identity.robot_class} {identity.subclass}"
         text += f", at {self._session.baud} baud"
         try:
@@ -141,7 +141,7 @@ class BaseExamination:
 
 
 def examine_battery(volts: float) -> Finding:
-    """Judge a battery's voltage, V."""
+    """Check a battery's voltage, V."""
     text = f"{volts:.1f} V"
     if volts < BATTERY_EMPTY:
         return failed(
@@ -155,7 +155,7 @@ def examine_battery(volts: float) -> Finding:
 
 
 def examine_motors(state: BaseState) -> Finding:
-    """Judge whether the agent will be able to switch the motors on."""
+    """Check whether the agent will be able to switch the motors on."""
     if state.stop_button:
         return failed("motors", "the STOP button is pressed", "release the STOP button")
     if state.motors_enabled:
@@ -168,7 +168,7 @@ def examine_motors(state: BaseState) -> Finding:
 
 
 def examine_contacts(state: BaseState) -> Finding:
-    """Judge stalled wheels and pressed bumpers."""
+    """Check for stalled wheels and pressed bumpers."""
     sides = [
         side for side, stall in (("left", state.stall_left), ("right", state.stall_right)) if stall
     ]

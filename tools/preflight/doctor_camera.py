@@ -1,4 +1,4 @@
-"""Preflight of the camera: a picture grabbed, how many a second, what is fixed."""
+"""Preflight of the camera: picture, rate, fixed exposure and white balance."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from tools.preflight.finding import Finding, failed, ok, skipped, warning
 
 PICTURE_LIMIT_S = 5.0  # for the first picture
 LISTENING_S = 1.0
-DARK = 8.0  # mean of 0 to 255: less is a lens cap, or night
-FLAT = 3.0  # standard deviation of a picture that shows nothing
+DARK = 8.0  # mean, 0 to 255, below which a picture is dark: lens cap, or night
+FLAT = 3.0  # standard deviation, 0 to 255, below which a picture shows nothing
 ADJUSTMENTS = ("exposure", "white balance")
 
 
 class CameraExamination:
-    """The camera's part of a preflight: begins at once, read ``findings`` later."""
+    """The camera's part of a preflight: starts at once, read ``findings`` later."""
 
     def __init__(self, settings: CameraSettings, limit: float = PICTURE_LIMIT_S) -> None:
         self._settings = settings
@@ -28,7 +28,7 @@ class CameraExamination:
             self._camera.start()
 
     def findings(self) -> list[Finding]:
-        """Wait for pictures, close the camera and return what there is to say."""
+        """Wait for pictures, close the camera and return the findings."""
         if not self._settings.url:
             return [skipped("camera", "camera.url is not set: no decision needs one yet")]
         first = wait_for_picture(self._camera, self._limit)
@@ -36,7 +36,7 @@ class CameraExamination:
             reason = self._camera.status.reason or "no picture"
             self._camera.close()
             return [_no_picture(reason)]
-        last = self._listen(first)
+        last = self._last_picture(first)
         status = self._camera.status
         self._camera.close()
         return [
@@ -44,8 +44,8 @@ class CameraExamination:
             examine_adjustments(status.fixed),
         ]
 
-    def _listen(self, first: Picture) -> Picture:
-        """Return the last picture of a while, or of a file that ends sooner."""
+    def _last_picture(self, first: Picture) -> Picture:
+        """Return the last picture within LISTENING_S, or of a file that ends sooner."""
         until = time.monotonic() + LISTENING_S
         last = first
         while (left := until - time.monotonic()) > 0:
@@ -64,13 +64,13 @@ def _no_picture(reason: str) -> Finding:
 
 
 def _rate(first: Picture, last: Picture) -> float:
-    """Return pictures per second, 0 where there was but one."""
+    """Return pictures per second; 0 for a single picture."""
     passed = last.t - first.t
     return (last.number - first.number) / passed if passed > 0.0 else 0.0
 
 
 def examine_picture(url: str, picture: Picture, rate: float) -> Finding:
-    """Judge what a picture shows; ``rate`` is per second, 0 when unknown."""
+    """Check brightness and contrast of a picture; rate: pictures/s, 0: unknown."""
     height, width = picture.pixels.shape[:2]
     brightness, spread = float(np.mean(picture.pixels)), float(np.std(picture.pixels))
     often = f"{rate:.1f} pictures/s" if rate else "one picture"
@@ -83,7 +83,7 @@ def examine_picture(url: str, picture: Picture, rate: float) -> Finding:
 
 
 def examine_adjustments(fixed: tuple[str, ...]) -> Finding:
-    """Judge whether colours will look the same all day."""
+    """Check whether exposure and white balance are fixed, for stable colours."""
     loose = [name for name in ADJUSTMENTS if name not in fixed]
     if loose:
         return skipped("camera colours", f"{' and '.join(loose)} cannot be fixed from here")

@@ -1,4 +1,4 @@
-"""Preflight of the laser: found, healthy, streaming as fast as its line allows."""
+"""Preflight of the laser: session, identity, health, scan rate against the line's."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from tools.preflight.device_trial import DeviceTrial
 from tools.preflight.doctor_port import describe_line, examine_line, examine_opening, examine_port
 from tools.preflight.finding import Finding, failed, ok, warning
 
-LISTENING_S = 1.0  # to the stream
-MIN_SHARE = 0.8  # of the scans the line could carry
-MIN_RETURNS = 0.1  # of a scan's beams: fewer see nothing, or a cover
+LISTENING_S = 1.0
+MIN_SHARE = 0.8  # of the scan rate the line can carry
+MIN_RETURNS = 0.1  # share of a scan's beams; fewer: covered, or nothing in range
 
 _BITS_PER_BYTE = 10
 _SCAN_OVERHEAD = 10  # bytes of a scan's telegram besides its values
 
 
 class LaserExamination:
-    """The laser's part of a preflight: make it, run its ``trial`` if any, read ``findings``."""
+    """The laser's part of a preflight: run ``trial`` unless it is None, then read ``findings``."""
 
     def __init__(self, settings: LaserSettings) -> None:
         self._settings = settings
@@ -35,12 +35,12 @@ class LaserExamination:
             self.trial = DeviceTrial(settings.url, settings.baud, self._session, self._enough)
 
     def _enough(self, scans: Sequence[tuple[float, Scan]]) -> bool:
-        """Listen to the stream for a while."""
+        """Return whether scans were received for LISTENING_S."""
         self._state = self._session.state
         return len(scans) > 2 and scans[-1][0] - scans[0][0] >= LISTENING_S
 
     def findings(self) -> list[Finding]:
-        """Return what there is to say; after the trial."""
+        """Return the findings; call it after the trial."""
         if self.trial is None:
             return [self._port]
         not_open = examine_opening("laser port", self.trial.line)
@@ -70,7 +70,7 @@ class LaserExamination:
         where = "" if self._state is SessionState.DOWN else f", stuck at «{self._state}»"
         remedy = (
             "switch the laser off and on: it then listens at 9600 baud; check its cable"
-            if line.bytes_heard
+            if line.bytes_received
             else "switch the laser on (it needs up to a minute) and check its cable; if it is on, "
             "switch it off and on: it then listens at 9600 baud"
         )
@@ -110,14 +110,17 @@ class LaserExamination:
 
 
 def best_rate(beams: int, turns: int, baud: int) -> float:
-    """Return the scans per second that a line can carry: whole sweeps, one telegram at a time."""
+    """Return the scan rate, 1/s, that a line can carry: whole sweeps, one telegram at a time.
+
+    turns: of the mirror per scan.
+    """
     wire_time = (_SCAN_OVERHEAD + 2 * beams) * _BITS_PER_BYTE / baud
     sweep = turns * TURN
     return 1.0 / (sweep * max(1, math.ceil(wire_time / sweep - 1e-6)))
 
 
 def examine_health(health: LaserHealth) -> Finding:
-    """Judge what the laser says of itself."""
+    """Check the laser's status report."""
     if health.ok:
         return ok("laser status", "ok, no errors present, window clean")
     if health.pollution:

@@ -1,4 +1,4 @@
-"""Preflight of a device's port: does it exist, may we use it, is it free, what is it."""
+"""Preflight of a device's port: existence, permission, other users, adapter, line quality."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tools.preflight.ports import SerialPort, holders_of, list_serial_ports, own
 
 
 def examine_port(subject: str, url: str) -> Finding:
-    """Check a port without opening it; a URL of pyserial is left to the trial."""
+    """Check a port without opening it; a pyserial URL is ok, only the trial can check it."""
     if "://" in url:
         return ok(subject, url)
     path = Path(url)
@@ -42,7 +42,7 @@ def examine_port(subject: str, url: str) -> Finding:
 
 
 def examine_opening(subject: str, line: LineRecord) -> Finding | None:
-    """Say why a port that looked well could not be opened or was lost; None when it was open."""
+    """Return the finding on a port that could not be opened or was lost; None if it was neither."""
     if not line.lost:
         return None
     reason, _, remedy = line.lost.partition("; ")
@@ -52,15 +52,15 @@ def examine_opening(subject: str, line: LineRecord) -> Finding | None:
 
 
 class LineCounters(Protocol):
-    """What a framer counts on a line."""
+    """Counters of a framer."""
 
     @property
     def good(self) -> int:
-        """Whole frames with a right checksum."""
+        """Complete frames with a correct checksum."""
 
     @property
     def bad_checksum(self) -> int:
-        """Frames with a wrong one."""
+        """Frames with a wrong checksum."""
 
     @property
     def discarded_bytes(self) -> int:
@@ -68,7 +68,7 @@ class LineCounters(Protocol):
 
 
 def examine_line(subject: str, frames: str, counters: LineCounters, line: LineRecord) -> Finding:
-    """Judge a line by what came through it; ``frames`` is what the device calls its frames."""
+    """Check a line's share of bad frames; frames: the device's word for them, plural."""
     text = (
         f"{counters.good} {frames} good, {counters.bad_checksum} with a bad checksum, "
         f"{counters.discarded_bytes} bytes between {frames}; {describe_line(line)}"
@@ -79,12 +79,12 @@ def examine_line(subject: str, frames: str, counters: LineCounters, line: LineRe
 
 
 def describe_line(line: LineRecord) -> str:
-    """Tell what was tried on a line, and what was heard last."""
+    """Return the rates tried and the last bytes received, as text."""
     tried = f"tried {', '.join(map(str, line.bauds_tried))} baud"
-    if not line.bytes_heard:
-        return f"{tried}, not one byte heard"
+    if not line.bytes_received:
+        return f"{tried}, no byte received"
     last = line.last_bytes.hex(" ").upper()
-    return f"{tried}, {line.bytes_heard} bytes heard, last {last} at {line.last_bytes_baud} baud"
+    return f"{tried}, {line.bytes_received} bytes, last {last} at {line.last_bytes_baud} baud"
 
 
 def _describe(path: Path) -> str:
@@ -108,4 +108,4 @@ def _plug_in() -> str:
 
 def _present() -> str:
     devices = [port.device for port in list_serial_ports()]
-    return f"present: {', '.join(devices) or 'none'} (`patrol ports` tells more)"
+    return f"present: {', '.join(devices) or 'none'} (see `patrol ports`)"

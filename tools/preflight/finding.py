@@ -1,4 +1,4 @@
-"""One line of a preflight check."""
+"""Findings: results of checks, with remedies."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from enum import StrEnum
 
 
 class Verdict(StrEnum):
-    """What a check came to."""
+    """Result of a check."""
 
     OK = "ok"
     WARNING = "warning"
@@ -17,7 +17,7 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What was checked, what was found, and what to do about it unless it is well."""
+    """Subject of a check, its verdict, what was found, and the remedy; empty: none needed."""
 
     subject: str
     verdict: Verdict
@@ -31,15 +31,15 @@ def ok(subject: str, text: str) -> Finding:
 
 
 def warning(subject: str, text: str, remedy: str) -> Finding:
-    """Return a finding with which the robot can still patrol."""
+    """Return a finding that does not prevent a patrol."""
     return Finding(subject, Verdict.WARNING, text, remedy)
 
 
 def failed(subject: str, text: str, remedy: str) -> Finding:
-    """Return a finding that must be put right first."""
+    """Return a finding that prevents a patrol."""
     return Finding(subject, Verdict.FAILED, text, remedy)
 
 
 def skipped(subject: str, text: str) -> Finding:
-    """Return a check that was not made, with the reason."""
+    """Return a check that was not made, with the reason as text."""
     return Finding(subject, Verdict.SKIPPED, text)

@@ -1,10 +1,10 @@
-"""Serial adapters of this machine: what udev can tell them apart by, and who uses them.
+"""Serial ports of this machine: attributes for udev rules, permissions, processes using them.
 
-pyserial's list_ports tells what an adapter says of itself. Which ports there are, who may use them
-and who does comes from the kernel's files (``/sys``, ``/dev``, ``/proc``): pyserial lists numbers
-without a chip behind them and leaves out names it does not know. Names such as ttyUSB0 follow the
-order of plugging; a udev rule gives each role a name of its own, by the adapter's serial number, or
-by the socket it is plugged into where several adapters are alike.
+USB attributes come from pyserial's list_ports. The list of ports, permissions and users come from
+the kernel's files (``/sys``, ``/dev``, ``/proc``): pyserial lists numbers without a chip behind
+them and leaves out names it does not know. Names such as ttyUSB0 follow the order of plugging; a
+udev rule gives each role its own name, by the adapter's serial number, or by its USB socket where
+several adapters have the same.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from serial.tools.list_ports_linux import SysFS
 from drivers.adapter_name import lasting_name
 
 PHANTOM_UART = "0"
-"""What ``type`` of a serial port says when there is no chip behind its number."""
+"""Content of a serial port's ``type`` file if there is no chip behind its number."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SerialPort:
-    """One serial port; texts are empty where the kernel has nothing to say."""
+    """One serial port; texts are empty where unknown."""
 
     device: str
     """Path, e.g. /dev/ttyUSB0."""
@@ -38,7 +38,7 @@ class SerialPort:
     product: str = ""
     """Maker and product name of the adapter."""
     location: str = ""
-    """Where it is plugged in: bus and sockets, then configuration and interface, e.g. 1-1.2:1.0."""
+    """USB bus and sockets, then configuration and interface, e.g. 1-1.2:1.0."""
     by_id: str = ""
     """Link below /dev/serial/by-id."""
     owner: str = ""
@@ -46,17 +46,17 @@ class SerialPort:
     usable: bool = False
     """Whether this user may read and write it."""
     holders: tuple[str, ...] = ()
-    """Processes that have it open, as «number name»; those of other users only show to root."""
+    """Processes that have it open, as ``number name``; those of other users only for root."""
 
     @property
     def adapter(self) -> tuple[str, str, str]:
-        """What one adapter is told from another by: vendor, product, serial number."""
+        """Identity of the adapter: vendor id, product id, serial number."""
         return self.vendor_id, self.product_id, self.serial
 
 
 @dataclass(frozen=True, slots=True)
 class KernelFiles:
-    """Where the kernel's files are; another place in tests."""
+    """Folders of the kernel's files; others in tests."""
 
     sys: Path = Path("/sys")
     dev: Path = Path("/dev")
@@ -64,14 +64,14 @@ class KernelFiles:
 
 
 def list_serial_ports(files: KernelFiles | None = None) -> list[SerialPort]:
-    """Return the serial ports that exist in hardware, by name."""
+    """Return the serial ports that exist in hardware, in order of name."""
     files = files or KernelFiles()
     entries = sorted((files.sys / "class" / "tty").glob("tty*"))
     return [_describe(entry, files) for entry in entries if _is_hardware(entry)]
 
 
 def _is_hardware(entry: Path) -> bool:
-    """Tell serial ports from consoles, and chips from numbers reserved for none."""
+    """Return whether a tty is a serial port (no console) with a chip behind it."""
     return (entry / "device").exists() and _text(entry / "type") != PHANTOM_UART
 
 
@@ -90,13 +90,13 @@ def _describe(entry: Path, files: KernelFiles) -> SerialPort:
 
 
 def _usb_facts(name: str) -> dict[str, str]:
-    """Return what is known of a port by its USB device; nothing where it has none.
+    """Return the attributes of a port's USB device; empty if it has none.
 
-    Its place is the interface below the device: one adapter may have several ports.
+    The location is that of the interface, since one adapter may have several ports.
     """
     try:
         adapter = SysFS(f"/dev/{name}")
-    except (TypeError, ValueError):  # what pyserial does when it is unplugged meanwhile
+    except (TypeError, ValueError):  # raised by pyserial if it is unplugged meanwhile
         return {}
     if adapter.usb_interface_path is None:
         return {}
@@ -130,7 +130,7 @@ def holders_of(device: Path, proc: Path = Path("/proc")) -> tuple[str, ...]:
 
 
 def _open_files(process: Path) -> set[str]:
-    """Return what a process has open; nothing where we may not look."""
+    """Return the paths of a process's open files; empty without permission."""
     opened: set[str] = set()
     try:
         descriptors = list((process / "fd").iterdir())
@@ -145,11 +145,11 @@ def _open_files(process: Path) -> set[str]:
 
 
 def udev_lines(ports: Sequence[SerialPort]) -> list[str]:
-    """Return a rule line for each port that names it for a role.
+    """Return for each port a udev rule line that gives it a role's name.
 
-    By the adapter's serial number where that tells it from all others, else by the place where it
-    is plugged in. All matches of one line must hold for one parent of the port: the serial number
-    and the ids belong to the USB device, the interface's place to the interface.
+    It matches the adapter's serial number where that is unique, else the location. All matches of
+    one line must hold for one parent of the port: serial number and ids belong to the USB device,
+    the location to the interface.
     """
     alike = Counter(port.adapter for port in ports)
     return [_udev_line(port, unique=alike[port.adapter] == 1) for port in ports]

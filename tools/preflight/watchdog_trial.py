@@ -1,8 +1,7 @@
-"""Whether the base stops by itself when nobody talks to it any more.
+"""Measures the base's watchdog: the time it takes to stop by itself when commands cease.
 
-The only thing that stops a robot that is cut off. It can be seen only on turning wheels: they
-turn slowly for a second, then the test falls silent and listens until the reports show them at
-rest. The wheels must be off the ground.
+Only the watchdog stops a disconnected robot. The wheels turn slowly for a second, then the test
+sends nothing until the reports show them at rest. The wheels must be off the ground.
 """
 
 from __future__ import annotations
@@ -20,11 +19,11 @@ SPEED = 0.1  # m/s
 TURNING_S = 1.0
 LONGEST_WATCHDOG_S = 2.0
 ADVISED_WATCHDOG_S = 1.2
-"""With it a robot that is cut off at patrol speed stands within 2 s; 2 s are set in the factory."""
+"""With it a robot disconnected at patrol speed stands within 2 s; the factory sets 2 s."""
 RAMP_S = 0.7
-"""From that speed to rest, and a report's age."""
+"""Time from SPEED to rest, and a report's age."""
 GIVE_UP_S = 5.0
-"""Of silence; a base that still moves then has no watchdog: it is told to stand."""
+"""Time without commands after which a moving base has no watchdog, and is commanded to stop."""
 LIMIT_S = 25.0
 WARNING = (
     "This turns the wheels for about three seconds: lift the robot so that they are OFF THE GROUND"
@@ -32,13 +31,13 @@ WARNING = (
 
 
 class WatchdogTrial:
-    """A session that drives slowly once it is ready, then keeps silent and listens."""
+    """A base session that drives slowly once it is ready, then sends nothing and measures."""
 
     def __init__(self, settings: BaseSettings) -> None:
         self.session = P2osSession(settings)
         self.over = False
         self.stopped_after: float | None = None
-        """s from the last byte to the base until its report of rest."""
+        """Time from the last byte sent to the report of rest, s; None: not at rest yet."""
         self._moving_since: float | None = None
         self._last_sent: float | None = None
         self._silent = False
@@ -46,20 +45,20 @@ class WatchdogTrial:
 
     @property
     def moved(self) -> bool:
-        """Whether the wheels have turned at all."""
+        """Whether the wheels have turned."""
         return self._moving_since is not None
 
     def link_up(self, t: float) -> None:
-        """The port is open."""
+        """Start the session."""
         self.session.link_up(t)
 
     def link_down(self, t: float) -> None:
-        """The port is lost, which ends the test."""
+        """End the test: the port is lost."""
         self.session.link_down(t)
         self.over = True
 
     def feed(self, data: bytes, t: float) -> list[BaseState]:
-        """Take bytes of the base; drive, fall silent, or see that it stands."""
+        """Decode bytes; drive, stop sending, or detect rest."""
         states = self.session.feed(data, t)
         self._t = t
         for state in states:
@@ -70,7 +69,7 @@ class WatchdogTrial:
         return states
 
     def tick(self, t: float) -> None:
-        """Let the session go on, until the silence."""
+        """Tick the session while sending; end the test GIVE_UP_S after the last command."""
         self._t = t
         if not self._silent:
             self.session.tick(t)
@@ -78,7 +77,7 @@ class WatchdogTrial:
             self.over = True
 
     def pop_requests(self) -> list[Request]:
-        """Return what the session sends; nothing in the silence."""
+        """Return the session's requests; none while measuring."""
         requests = self.session.pop_requests()
         if self._silent and not self.over:
             return []
@@ -87,7 +86,7 @@ class WatchdogTrial:
         return requests
 
     def shut_down(self, t: float) -> None:
-        """Stop the wheels, motors off, close the session."""
+        """Stop the wheels, switch the motors off, close the session."""
         self._silent, self.over = False, True
         self.session.shut_down(t)
 
@@ -109,9 +108,9 @@ class WatchdogTrial:
 def try_watchdog(
     settings: BaseSettings, progress: Callable[[float], None] = lambda _: None
 ) -> Finding:
-    """Turn the wheels, fall silent, and judge how the base takes it; about 10 s.
+    """Turn the wheels, stop sending, and check the base's time to rest; takes about 10 s.
 
-    The robot's wheels must be off the ground: the caller has made sure of that.
+    The caller must have made sure that the wheels are off the ground.
     """
     tested = WatchdogTrial(settings)
     trial = DeviceTrial(settings.url, settings.baud, tested, lambda _: tested.over)

@@ -1,1 +1,1 @@
-"""Checks of the code itself: mutants of the safety gate, decisions kept as regression."""
+"""Checks of the code itself: mutation test of the safety gate, regression test of decisions."""

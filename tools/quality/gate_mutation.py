@@ -1,8 +1,8 @@
-"""Mutation test of the safety gate: which changes of its code does its table of cases notice?
+"""Mutation test of the safety gate against its table of cases.
 
-Every mutant of the gate and of what it is made of is run in this process on the cases of
-``tests/robot_agent/motion/gate_cases.py`` until one of them fails. Mutants that no case can tell
-from the original are known, each with the reason.
+Every mutant of the gate's modules is run in this process on the cases of
+``tests/robot_agent/motion/gate_cases.py`` until one of them fails. Equivalent mutants, which no
+case can kill, are listed in ``SURVIVORS`` with the reason.
 """
 
 from __future__ import annotations
@@ -60,23 +60,23 @@ SURVIVORS = [
     ("gate.__init__: 0.0 -> 1.0", _FIRST_STEP),
     ("gate.__init__: 0.0 -> -1.0", _FIRST_STEP),
 ]
-"""Mutants that survive, and why that is no gap in the cases; equal names are different places."""
+"""Equivalent mutants and the reason; equal names are different places in the code."""
 
 
 class MutationError(ValueError):
-    """The mutation test cannot be run; the message says why."""
+    """The mutation test cannot be run; the message names the reason."""
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """What became of one mutant."""
+    """Result of one mutant: killed, or not."""
 
     mutant: str
     killed: bool
 
 
 def load_cases() -> ModuleType:
-    """Load the table of cases, which only a checkout has.
+    """Return the module of the table of cases, which only a checkout has.
 
     Raises MutationError.
     """
@@ -98,9 +98,9 @@ def mutant_names() -> list[str]:
 
 
 def judge(cases: ModuleType, every: int = 1, first: int = 0) -> Iterator[Verdict]:
-    """Yield what becomes of each mutant, or of every so many-th from the ``first`` on.
+    """Yield the verdict of each mutant, or of those numbered first, first + every and so on.
 
-    Raises MutationError when the original does not pass.
+    first: at most every - 1. Raises MutationError if the original fails its cases.
     """
     trees = {part: _parsed(part) for part in PARTS}
     if _killed(cases, trees):
@@ -114,7 +114,7 @@ def judge(cases: ModuleType, every: int = 1, first: int = 0) -> Iterator[Verdict
 
 
 def unexplained(survivors: list[str]) -> list[str]:
-    """Return the survivors that are not known ones."""
+    """Return the survivors that ``SURVIVORS`` does not list."""
     known = [name for name, _ in SURVIVORS]
     return [name for name in survivors if name not in known]
 
@@ -130,20 +130,20 @@ def _mutants_of(part: ModuleType, tree: ast.Module) -> Iterator[str]:
 
 
 def _killed(cases: ModuleType, trees: dict[ModuleType, ast.Module]) -> bool:
-    """Tell whether some case fails on a gate made of these trees."""
+    """Return whether a case fails on a gate built from these trees."""
     originals = {part.__name__: sys.modules[part.__name__] for part in PARTS}
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return not cases.all_hold(_built(trees))
-    except Exception:  # noqa: BLE001 - a mutant that fails to run is dead too
+    except Exception:  # noqa: BLE001 - a mutant that raises is killed too
         return True
     finally:
         sys.modules.update(originals)
 
 
 def _built(trees: dict[ModuleType, ast.Module]) -> ModuleType:
-    """Build the gate's modules afresh, in the place of the shipped ones; return the gate."""
+    """Build the gate's modules from trees and put them into sys.modules; return the gate's."""
     for part, tree in trees.items():
         module = ModuleType(part.__name__)
         sys.modules[part.__name__] = module

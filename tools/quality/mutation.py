@@ -1,4 +1,4 @@
-"""Mutants of source code: every comparison, constant, sign and operator changed, one at a time."""
+"""Generates mutants of source code: one comparison, constant, sign or operator changed each."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ _OTHER_OPERATORS: dict[type[ast.operator], type[ast.operator]] = {
     ast.BitAnd: ast.BitOr,
     ast.BitOr: ast.BitAnd,
 }
-_LEFT_OUT = ("annotation", "returns", "decorator_list", "keywords", "bases")
-"""Parts of a definition that decide nothing."""
+_INERT_PARTS = ("annotation", "returns", "decorator_list", "keywords", "bases")
+"""Parts of a definition that do not affect behaviour."""
 
 
 def mutants(tree: ast.Module) -> Iterator[str]:
-    """Mutate a tree in place, one change at a time, each undone before the next.
+    """Mutate a tree in place; each change is undone before the next.
 
-    Yields the name of each: where it is, source before -> source after. Annotations, imports and
-    aliases of types are left alone.
+    Yields each mutant's name: place, source before -> source after. Annotations, imports and
+    type aliases are not mutated.
     """
     for place, parent, attribute, index, node in list(_code_nodes(tree)):
         for text, mutant in _mutations(node):
@@ -53,32 +53,32 @@ def _put(parent: ast.AST, attribute: str, index: int | None, node: ast.AST) -> N
 
 
 def _code_nodes(tree: ast.Module) -> Iterator[tuple[str, ast.AST, str, int | None, ast.AST]]:
-    """Yield (place, parent, attribute, index, node) of every node of the code proper."""
+    """Yield (place, parent, attribute, index, node) of every node that may be mutated."""
     stack: list[tuple[str, ast.AST]] = [("", tree)]
     while stack:
         place, parent = stack.pop()
         if isinstance(parent, ast.FunctionDef | ast.ClassDef):
             place = parent.name
         for attribute, value in ast.iter_fields(parent):
-            if attribute in _LEFT_OUT and not isinstance(parent, ast.Call):
+            if attribute in _INERT_PARTS and not isinstance(parent, ast.Call):
                 continue
             children = enumerate(value) if isinstance(value, list) else [(None, value)]
             for index, child in children:
-                if isinstance(child, ast.AST) and not _decides_nothing(child):
+                if isinstance(child, ast.AST) and not _is_inert(child):
                     yield place, parent, attribute, index, child
                     stack.append((place, child))
 
 
-def _decides_nothing(node: ast.AST) -> bool:
+def _is_inert(node: ast.AST) -> bool:
     is_alias = isinstance(node, ast.Assign) and "Annotated" in ast.unparse(node)
     return is_alias or isinstance(node, ast.Import | ast.ImportFrom)
 
 
 def _mutations(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
-    """Yield changed copies of one node, each with its name."""
+    """Yield name and changed copy of one node, for each mutation."""
     changed: list[ast.AST] = []
     if isinstance(node, ast.Compare):
-        changed = _compared_otherwise(node)
+        changed = _other_comparisons(node)
     elif isinstance(node, ast.Constant):
         changed = _other_constants(node.value)
     elif isinstance(node, ast.UnaryOp):
@@ -91,7 +91,7 @@ def _mutations(node: ast.AST) -> Iterator[tuple[str, ast.AST]]:
         yield f"{ast.unparse(node)} -> {ast.unparse(mutant)}", mutant
 
 
-def _compared_otherwise(node: ast.Compare) -> list[ast.AST]:
+def _other_comparisons(node: ast.Compare) -> list[ast.AST]:
     changed: list[ast.AST] = []
     for place, operator in enumerate(node.ops):
         for other in _OTHER_COMPARISONS[type(operator)]:

@@ -1,8 +1,8 @@
-"""Decisions that must not change unnoticed: short runs, each with its kept list of decisions.
+"""Regression test of decisions: short runs, each compared with a stored list of decisions.
 
-A list has one line per decision with what the base is told in its own units (mm/s, degrees/s), so
-it is the same on every machine whose arithmetic agrees to far less than these. References lie
-beside the tests; ``patrol regression --update`` writes them anew and prints what has changed.
+A list has one line per decision with the command in the base's integer units (mm/s, degrees/s), so
+it does not depend on the machine's rounding. References are beside the tests; ``patrol regression
+--update`` rewrites them and prints the changes.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from tools.replay.carmen_recording import convert
 
 REFERENCES = Path(__file__).resolve().parents[2] / "tests" / "tools" / "quality" / "regression"
 SHOWN = 6
-"""Differing lines that are printed."""
+"""Most differing lines printed."""
 RUN_S = 30.0
 SCANS = 30
 
@@ -42,19 +42,19 @@ class RegressionError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A short run: its name, and what makes its recordings in a folder."""
+    """A short run: its name, and the function that makes its recordings in a folder."""
 
     name: str
     record: Callable[[Path], list[Path]]
 
     @property
     def reference(self) -> Path:
-        """Where its decisions are kept."""
+        """File of its reference decisions."""
         return REFERENCES / f"{self.name}.z"
 
 
 def two_robots_meet(target: Path) -> list[Path]:
-    """Two emulated robots drive towards each other on the paper's border; one goes blind."""
+    """Record two emulated robots that meet on the paper's border; robot1's laser fails for 2 s."""
     folder = load_map_folder(find_map("paper_lab", Path()))
     with closing(FleetRecorder(folder, target)) as recorder:
         fleet = Fleet(
@@ -70,9 +70,9 @@ def two_robots_meet(target: Path) -> list[Path]:
 
 
 def real_log(target: Path) -> list[Path]:
-    """The first scans of the Intel log, as device bytes.
+    """Convert the first scans of the Intel log to a recording of device bytes.
 
-    Raises RegressionError where the data are not there.
+    Raises RegressionError if the data are missing.
     """
     source = _data_folder() / "logs" / "intel-corrected.log.gz"
     if not source.is_file():
@@ -95,7 +95,7 @@ CASES = (Case("two_robots_meet", two_robots_meet), Case("real_log", real_log))
 
 
 def chosen_cases(names: list[str]) -> list[Case]:
-    """Return the cases of these names, all of them if there is none; raises RegressionError."""
+    """Return the cases of these names, all for no names; raises RegressionError if unknown."""
     known = {case.name: case for case in CASES}
     for name in names:
         if name not in known:
@@ -125,25 +125,28 @@ def _lines(path: Path) -> list[str]:
 
 
 def read_reference(case: Case) -> list[str]:
-    """Return the kept decisions, none where there is no reference yet."""
+    """Return the reference decisions, empty if there is no reference yet.
+
+    Raises RegressionError if the file is damaged.
+    """
     if not case.reference.is_file():
         return []
     try:
         return zlib.decompress(case.reference.read_bytes()).decode().splitlines()
     except zlib.error as error:
         raise RegressionError(
-            f"{case.reference}: damaged ({error}); make it anew by `patrol regression --update`"
+            f"{case.reference}: damaged ({error}); rewrite it by `patrol regression --update`"
         ) from error
 
 
 def write_reference(case: Case, lines: list[str]) -> None:
-    """Keep these decisions as the reference."""
+    """Store these decisions as the reference."""
     case.reference.parent.mkdir(parents=True, exist_ok=True)
     case.reference.write_bytes(zlib.compress("\n".join(lines).encode(), 9))
 
 
 def difference(kept: list[str], now: list[str]) -> list[str]:
-    """Return what has changed, for people; nothing where all is the same."""
+    """Return the differing decisions as lines of text; empty if there are none."""
     pairs = list(zip_longest(kept, now, fillvalue="(none)"))
     changed = [(a, b) for a, b in pairs if a != b]
     if not changed:

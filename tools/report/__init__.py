@@ -1,1 +1,1 @@
-"""The report of a run: figures and numbers out of the recordings of one robot or a team."""
+"""The report of a run: figures and numbers from the recordings of one robot or a team."""

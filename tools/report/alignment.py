@@ -1,4 +1,4 @@
-"""One clock for a team's recordings: told, shared, or found where robots saw each other."""
+"""Aligns a team's recordings to one clock: stated, shared, or estimated from mutual sightings."""
 
 from __future__ import annotations
 
@@ -11,31 +11,31 @@ import numpy as np
 from tools.report.run_log import Floats, RunLog
 
 SEARCH_S = 120.0
-"""Wall clocks of two robots are not further apart than this."""
+"""Largest difference of two robots' wall clocks."""
 COARSE_S = 0.5
 FINE_S = 0.02
 SEEN_M = 1.0
-"""A sighting further than this from the teammate's own pose counts as this far: it is of another
-robot, or of another time."""
+"""Distances of a sighting from the teammate's own pose are clipped to this: beyond, it is of
+another robot or another time."""
 NEEDED = 30
-"""Sightings of a pair, at ten a second, that say something about its clocks."""
+"""Fewest sightings of a pair, at ten a second, to estimate its clock offset from."""
 MOVED_M = 0.4
-"""Nothing is learned from a teammate that moved less than this while it was seen."""
+"""Least extent of a teammate's seen path: a standing one does not show the clock offset."""
 
 
 class AlignmentError(ValueError):
-    """Recordings that cannot be put on one clock; the message names option and remedy."""
+    """Recordings cannot be put on one clock; the message names option and remedy."""
 
 
 @dataclass(frozen=True, slots=True)
 class ClockNote:
-    """How one robot's clock was set: what was added to its wall clock, s, and why."""
+    """Correction added to one robot's wall clock, s, and its source."""
 
     robot: str
     correction: float
     how: str
     residual: float | None = None
-    """Median distance of sightings from where the teammate says it was, m."""
+    """Median distance of sightings from the teammate's own poses, m; None: not by sightings."""
 
 
 def align(
@@ -44,11 +44,11 @@ def align(
     *,
     trust_host: bool = True,
 ) -> list[ClockNote]:
-    """Set each run's ``shift``, so that all share one clock that starts with the first of them.
+    """Set each run's ``shift``, so that all share one clock that starts at the first recording.
 
-    A correction that is stated (robot -> s) is taken. Runs recorded on one host share its
-    monotonic clock, unless told otherwise. Else the wall clocks are corrected by what makes
-    sightings fit the teammates' own poses. Raises AlignmentError for a robot that is not there.
+    stated: corrections by robot, s, which are used unchecked. trust_host: runs recorded on one host
+    use its monotonic clock. Other wall clocks are corrected to fit sightings to the teammates' own
+    poses. Returns one note per run. Raises AlignmentError for a stated robot without a recording.
     """
     stated = stated or {}
     for robot in stated:
@@ -78,7 +78,7 @@ def _set_clock(
     *,
     trust_host: bool,
 ) -> ClockNote:
-    """Correct one run's shift by those before it."""
+    """Correct one run's shift by the runs before it; return how."""
     before = run.shift
     if run.name in stated:
         run.shift += stated[run.name]
@@ -101,16 +101,16 @@ def _set_clock(
 
 
 def best_correction(run: RunLog, others: Sequence[RunLog]) -> tuple[float, float] | None:
-    """Return the correction of a run's shift, s, that makes sightings fit, and their residual, m.
+    """Return the correction of a run's shift, s, that fits the sightings best, and the residual, m.
 
-    Sightings of the run by the others count as well as its own of them; None where there are too
-    few that would tell.
+    Sightings of the run by the others count as well as its own of them. None if there are too few.
     """
     pairs = [
         pair
         for other in others
-        for seer, seen in permutations((run, other))
-        if (pair := _Sightings.of(seer, seen, sign=1.0 if seer is run else -1.0)) is not None
+        for observer, seen in permutations((run, other))
+        if (pair := _Sightings.of(observer, seen, sign=1.0 if observer is run else -1.0))
+        is not None
     ]
     if not pairs:
         return None
@@ -131,38 +131,38 @@ def best_correction(run: RunLog, others: Sequence[RunLog]) -> tuple[float, float
 
 @dataclass(frozen=True, eq=False)
 class _Sightings:
-    """Where one robot saw a teammate, beside where another says it was."""
+    """Positions of a teammate as one robot saw it, and the teammate's own track."""
 
     t: Floats
-    """Team time by the seer's clock, s."""
-    place: Floats
+    """Team time by the observer's clock, (n,), s."""
+    position: Floats
     track_t: Floats
-    """Team time by the seen one's clock, s."""
+    """Team time by the teammate's clock, (m,), s."""
     track: Floats
     sign: float
-    """+1 where correcting the run moves the seer's clock, -1 where it moves the seen one's."""
+    """+1: the correction shifts the observer's clock; -1: the teammate's."""
 
     @classmethod
-    def of(cls, seer: RunLog, seen: RunLog, sign: float) -> _Sightings | None:
-        """Return the sightings of a pair, None where they would tell nothing."""
-        there = np.isfinite(seer.neighbor[:, 0])
+    def of(cls, observer: RunLog, seen: RunLog, sign: float) -> _Sightings | None:
+        """Return the sightings of a pair; None if too few, or the teammate hardly moved."""
+        there = np.isfinite(observer.neighbor[:, 0])
         if there.sum() < NEEDED or seen.decision_t.size < NEEDED:
             return None
-        place = seer.neighbor[there]
-        if np.ptp(place, axis=0).max() < MOVED_M:
+        position = observer.neighbor[there]
+        if np.ptp(position, axis=0).max() < MOVED_M:
             return None
         return cls(
-            seer.decision_t[there] + seer.shift,
-            place,
+            observer.decision_t[there] + observer.shift,
+            position,
             seen.decision_t + seen.shift,
             seen.pose[:, :2],
             sign,
         )
 
     def misses(self, correction: float) -> Floats:
-        """Return (n,) how far each sighting is from the seen one's track, m, at most SEEN_M."""
+        """Return each sighting's distance from the teammate's track, (n,), m, at most SEEN_M."""
         t = self.t + self.sign * correction
         x, y = (np.interp(t, self.track_t, self.track[:, axis]) for axis in (0, 1))
-        misses = np.hypot(x - self.place[:, 0], y - self.place[:, 1])
+        misses = np.hypot(x - self.position[:, 0], y - self.position[:, 1])
         misses[(t < self.track_t[0]) | (t > self.track_t[-1])] = SEEN_M
         return np.minimum(misses, SEEN_M)

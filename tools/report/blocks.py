@@ -1,4 +1,4 @@
-"""What a report's sections are made of; how each looks is the template's affair."""
+"""The blocks of a report's sections: content without layout, which the template defines."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Paragraph:
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """A drawing and what it shows."""
+    """A drawing with its caption."""
 
     form: ClassVar = "figure"
     drawing: Drawing
@@ -35,7 +35,7 @@ class Cell:
 
     @property
     def number(self) -> bool:
-        """Whether it is set as a number: it begins with a digit or minus."""
+        """Whether to align it as a number: it begins with a digit or minus."""
         return self.text[:1].isdigit() or self.text[:1] == "-"
 
 
@@ -49,7 +49,7 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Rows below heads."""
+    """Rows below column headings."""
 
     form: ClassVar = "table"
     heads: Sequence[str]
@@ -58,7 +58,7 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Folded:
-    """A table that is opened by its summary."""
+    """A table that is unfolded by a click on its summary."""
 
     form: ClassVar = "folded"
     summary: str

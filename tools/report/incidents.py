@@ -1,4 +1,4 @@
-"""What went wrong in a run, when, and what the robot did about it."""
+"""Finds the incidents of a run, their times, and the robot's reaction."""
 
 from __future__ import annotations
 
@@ -12,40 +12,40 @@ from robot_agent.motion.gate_hold import STOPPING
 from tools.report.run_log import Floats, RunLog
 
 SILENT_S = {"base": 0.35, "laser": 0.6}
-"""A link that says nothing for this long is silent: some three of its messages are missing."""
+"""Time without bytes after which a link is silent: about three of its messages are missing."""
 FROZEN_S = 0.3
 NOISE_PAUSE_S = 3.0
 UNSURE_S = 2.0
-"""A localization that is unsure for less than this is not worth a line."""
+"""Shorter periods of unsure localization are ignored."""
 JUMP_M = 0.25
 MERGE_S = 1.0
 STOP_WATCH_S = 1.0
-"""So long after something of a moment an order to stand can be an answer to it."""
-STILL_MUTE_S = 0.05
+"""Time after the start of a short incident within which a stop command counts as its reaction."""
+END_MARGIN_S = 0.05
 GOOD_STATES = {"base": "ready", "laser": "streaming"}
 
 
 _BROKEN_OFF = "recording breaks off"
-_MUTE = frozenset(("agent frozen", "base port lost"))
-"""While these last the agent can tell the base nothing."""
+_NO_COMMANDS = frozenset(("agent frozen", "base port lost"))
+"""Incidents during which the agent cannot send commands to the base."""
 
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """Something that lasted from ``start`` to ``end``, agent time, s."""
+    """An incident or state from ``start`` to ``end``, agent time, s."""
 
     start: float
     end: float
     what: str
 
     def overlaps(self, other: Span) -> bool:
-        """Tell whether two spans are about the same time."""
+        """Return whether two spans overlap or are less than MERGE_S apart."""
         return self.start < other.end + MERGE_S and other.start < self.end + MERGE_S
 
 
 @dataclass(frozen=True, slots=True)
 class Incident:
-    """Something that went wrong with one robot. Times are team times, s."""
+    """One incident of one robot; times are team times, s."""
 
     robot: str
     start: float
@@ -53,13 +53,13 @@ class Incident:
     what: str
     reaction: str
     stopped_after: float | None = None
-    """From the start until the base was told to stand, s; None if it was not."""
+    """Time from the start to the stop command, s; 0 if it stood; None without a stop command."""
     moved_after: float | None = None
-    """From the end until it was told to move again, s; None if it was not."""
+    """Time from the end to the next motion command, s; None without one."""
 
     @property
     def is_end(self) -> bool:
-        """Whether it is that the recording breaks off."""
+        """Whether the incident is the truncation of the recording."""
         return self.what.startswith(_BROKEN_OFF)
 
 
@@ -67,7 +67,7 @@ def incidents(run: RunLog) -> list[Incident]:
     """Return a run's incidents in order of time."""
     seen = merged(_freezes(run))
     for link in GOOD_STATES:
-        # What explains it best first: a lost port is silent, and its session is lost as well.
+        # Causes first: a lost port is silent too, and its session is lost.
         known = list(seen)
         for find in (_lost_ports, _silences, _lost_sessions):
             fresh = [span for span in merged(find(run, link)) if not any(map(span.overlaps, known))]
@@ -75,7 +75,7 @@ def incidents(run: RunLog) -> list[Incident]:
             seen += fresh
     others = (_noise, _lost_poses, _held, _recorder, _operator, _death)
     spans = seen + merged(span for look in others for span in look(run))
-    # A pose that is found again at the end of something else is no news.
+    # A pose jump at the end of another incident belongs to that.
     spans += [jump for jump in merged(_jumps(run)) if not any(map(jump.overlaps, seen))]
     return [_with_reaction(run, span) for span in sorted(spans, key=lambda span: span.start)]
 
@@ -93,13 +93,13 @@ def merged(spans: Iterable[Span]) -> list[Span]:
 
 
 def gate_holds(run: RunLog) -> list[Span]:
-    """Return the stretches in which the gate held the robot, one per reason."""
+    """Return the spans in which the gate held the robot, with the reason."""
     held = [reason if reason in STOPPING else "" for reason in run.gate]
     return merged(_stretches(run, held))
 
 
 def gate_times(run: RunLog) -> dict[str, tuple[int, float]]:
-    """Return how often, and for how many seconds, each reason of the gate applied."""
+    """Return count and total duration, s, of each reason of the gate."""
     result: dict[str, tuple[int, float]] = {}
     for span in merged(_stretches(run, run.gate)):
         count, seconds = result.get(span.what, (0, 0.0))
@@ -108,7 +108,7 @@ def gate_times(run: RunLog) -> dict[str, tuple[int, float]]:
 
 
 def override_times(run: RunLog) -> dict[str, tuple[int, float]]:
-    """Return how often, and for how many seconds, each override was in force."""
+    """Return count and total duration, s, of each override."""
     result: dict[str, tuple[int, float]] = {}
     for span in _stretches(run, run.override):
         count, seconds = result.get(span.what, (0, 0.0))
@@ -117,7 +117,10 @@ def override_times(run: RunLog) -> dict[str, tuple[int, float]]:
 
 
 def _stretches(run: RunLog, words: Sequence[str]) -> Iterator[Span]:
-    """Yield each stretch of decisions with one word, of a word each; empty words are left out."""
+    """Yield a span for each run of decisions with the same word; words: one per decision.
+
+    Empty words are skipped; a pause of MERGE_S between decisions ends a span.
+    """
     start = 0
     for index in range(1, len(words) + 1):
         whole = index < len(words) and words[index] == words[start]
@@ -131,7 +134,7 @@ def _stretches(run: RunLog, words: Sequence[str]) -> Iterator[Span]:
 
 
 def _last(run: RunLog, index: int) -> float:
-    """Return when the decision before ``index`` no longer held: a step later."""
+    """Return the end of the decision before ``index``: one control step later."""
     return float(run.decision_t[index - 1]) + 0.1
 
 
@@ -150,11 +153,11 @@ def _lost_ports(run: RunLog, link: str) -> Iterator[Span]:
 
 
 def _silences(run: RunLog, link: str) -> Iterator[Span]:
-    """Yield the pauses of a link that had been in service; a log's scans are thinned out."""
+    """Yield the silences of a link once in service; none for a log, whose scans are sparse."""
     settled = _in_service(run, link)
     if run.is_log or settled is None:
         return
-    times = run.heard[link]
+    times = run.received[link]
     times = times[times >= settled]
     if not run.ended_in_order:
         times = np.append(times, run.end)
@@ -163,7 +166,7 @@ def _silences(run: RunLog, link: str) -> Iterator[Span]:
 
 
 def _in_service(run: RunLog, link: str) -> float | None:
-    """Return when a link's session was first seen in service."""
+    """Return the time of the first status with a link's session in service; None if never."""
     good = (
         t
         for t, status in zip(run.status_t, run.status, strict=True)
@@ -187,7 +190,7 @@ def _lost_sessions(run: RunLog, link: str) -> Iterator[Span]:
 
 
 def _noise(run: RunLog) -> Iterator[Span]:
-    """Yield stretches with damaged packets while the session was in service."""
+    """Yield spans with damaged packets while the session was in service."""
     for link, good in GOOD_STATES.items():
         bad = np.array([getattr(status, link).packets_bad for status in run.status])
         well = np.array([getattr(status, link).state == good for status in run.status])
@@ -210,10 +213,10 @@ def _freezes(run: RunLog) -> Iterator[Span]:
 
 
 def _lost_poses(run: RunLog) -> Iterator[Span]:
-    told = [line for line in run.lines if line.part == "localization"]
-    sure = next((line.t for line in told if line.message == "localized"), math.inf)
-    ends = [*(line.t for line in told), run.end][1:]
-    for line, until in zip(told, ends, strict=True):
+    changes = [line for line in run.lines if line.part == "localization"]
+    sure = next((line.t for line in changes if line.message == "localized"), math.inf)
+    ends = [*(line.t for line in changes), run.end][1:]
+    for line, until in zip(changes, ends, strict=True):
         if line.t < sure or line.message == "localized":
             continue
         if line.message == "lost" or until - line.t > UNSURE_S:
@@ -221,7 +224,7 @@ def _lost_poses(run: RunLog) -> Iterator[Span]:
 
 
 def _jumps(run: RunLog) -> Iterator[Span]:
-    """Yield the places where the pose changed by more than the robot can have driven."""
+    """Yield pose changes between decisions by more than the robot can have driven."""
     if run.is_log or run.decision_t.size < 2:
         return
     steps = np.hypot(*np.diff(run.pose[:, :2], axis=0).T)
@@ -231,7 +234,7 @@ def _jumps(run: RunLog) -> Iterator[Span]:
 
 
 _OWN_INCIDENT = frozenset(("stale_base", "stale_laser", "not_localized"))
-"""Reasons of the gate that follow from incidents that have their own line."""
+"""Reasons of the gate that follow from incidents reported themselves."""
 
 
 def _held(run: RunLog) -> Iterator[Span]:
@@ -249,7 +252,7 @@ def _recorder(run: RunLog) -> Iterator[Span]:
 
 
 def _operator(run: RunLog) -> Iterator[Span]:
-    """Yield the times the operator was away, after having been there."""
+    """Yield the spans in which the operator was disconnected, after the first connection."""
     seen, gone = False, math.nan
     for t, report in zip(run.process_t.tolist(), run.process, strict=True):
         if report.operator is False and seen and math.isnan(gone):
@@ -268,11 +271,11 @@ def _death(run: RunLog) -> Iterator[Span]:
 
 
 def absences(earlier: RunLog, later: RunLog) -> Incident:
-    """Return the time without an agent between two runs of one robot."""
+    """Return the incident of the time without an agent between two runs of one robot."""
     start, end = earlier.end + earlier.shift, later.shift
-    how = "told to end" if earlier.ended_in_order else "killed, or power cut"
+    how = "shut down" if earlier.ended_in_order else "killed, or power cut"
     moved = _first(later.order_t[later.moving_order], 0.0)
-    again = "" if moved is None else f", set off {moved:.2f} s after the new start"
+    again = "" if moved is None else f", moved {moved:.2f} s after the new start"
     stands = "stopped the robot first" if earlier.ended_in_order else "base's own watchdog stops it"
     return Incident(
         earlier.name, start, end, f"no agent ({how})", f"{stands}{again}", moved_after=moved
@@ -290,26 +293,26 @@ def _with_reaction(run: RunLog, span: Span) -> Incident:
         span.start + run.shift,
         span.end + run.shift,
         span.what,
-        _words(run, span, stopped, moved),
+        _reaction_text(run, span, stopped, moved),
         stopped,
         moved,
     )
 
 
 def _stopped_after(run: RunLog, span: Span) -> float | None:
-    """Return how long after a span's start the base was told to stand; 0 where it stood.
+    """Return the time from a span's start to the stop command, s; 0 if the base stood already.
 
-    None where it was not, or could not be: a frozen agent, or one without a port, orders nothing.
+    None without a stop command: a frozen agent, or one without a port, sends none.
     """
     before = np.searchsorted(run.order_t, span.start, side="right") - 1
     if before < 0 or not run.moving_order[before]:
         return 0.0
     stop = _first(run.order_t[~run.moving_order], span.start)
     latest = max(span.end, span.start + STOP_WATCH_S)
-    if span.what in _MUTE:
-        latest = span.end - STILL_MUTE_S
-    if run.told_to_end is not None:
-        latest = min(latest, run.told_to_end - STILL_MUTE_S)
+    if span.what in _NO_COMMANDS:
+        latest = span.end - END_MARGIN_S
+    if run.shutdown_at is not None:
+        latest = min(latest, run.shutdown_at - END_MARGIN_S)
     return None if stop is None or stop > latest else stop - span.start
 
 
@@ -318,21 +321,21 @@ def _first(times: Floats, after: float) -> float | None:
     return float(times[index]) if index < times.size else None
 
 
-def _words(run: RunLog, span: Span, stopped: float | None, moved: float | None) -> str:
+def _reaction_text(run: RunLog, span: Span, stopped: float | None, moved: float | None) -> str:
     if stopped is None and _drives(run, span):
         return "patrolled on"
     if stopped is None:
-        first = "no order possible: the base's own watchdog stops it"
+        first = "no command possible: the base's own watchdog stops it"
     else:
-        first = "was standing" if stopped == 0.0 else f"told to stand after {stopped:.2f} s"
+        first = "was standing" if stopped == 0.0 else f"stop command after {stopped:.2f} s"
     if moved is None:
-        return f"{first}, did not set off again"
-    return f"{first}, set off {max(moved, 0.0):.2f} s after it was over"
+        return f"{first}, did not move again"
+    return f"{first}, moved {max(moved, 0.0):.2f} s after its end"
 
 
 def _drives(run: RunLog, span: Span) -> bool:
-    """Tell whether decisions were made during a span."""
-    if span.what in _MUTE or span.what.startswith(_BROKEN_OFF):
+    """Return whether decisions were made during a span, or within 1 s of its start."""
+    if span.what in _NO_COMMANDS or span.what.startswith(_BROKEN_OFF):
         return False
     inside = (run.decision_t >= span.start) & (run.decision_t <= max(span.end, span.start + 1.0))
     return bool(inside.any())

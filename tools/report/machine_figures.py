@@ -1,4 +1,4 @@
-"""The figures about the machines: localization, gate, battery, lines, process."""
+"""Figures of the machines: localization, gate, battery, lines, process."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from tools.report.team import Team
 
 _GATE_COLORS = ("#c8323f", "#e9a23b", "#3f7fce", "#8557a8", "#4d9a8a", "#a3742c", "#66727f")
 WINDOW_S = 10.0
-"""Rates of packets are counted in windows of this length."""
+"""Length of the windows in which packet rates are counted."""
 
 
 def localization(team: Team) -> Figure:
-    """Draw how well each robot knew where it was: 95 % bound, and true error where known."""
+    """Draw each robot's localization: 95 % bound of the position, true error if known, health."""
     colors = style.robot_colors(team.names)
     figure, panels = style.rows(len(team.runs), 1.3)
     for axes, run in zip(panels, team.runs, strict=True):
@@ -43,18 +43,18 @@ def localization(team: Team) -> Figure:
 
 
 def _top(bounds: Floats, errors: Floats) -> float:
-    """Return an axis limit that shows what is usual; the numbers name the extremes."""
+    """Return an axis limit, m, by the 99th percentile: outliers are cut off."""
     seen = np.concatenate((bounds[np.isfinite(bounds)], errors))
     return max(0.1, float(np.percentile(seen, 99)) * 1.4) if seen.size else 1.0
 
 
 def _health_spans(run: RunLog, health: Health) -> list[tuple[float, float]]:
-    """Return the team times during which the localization said so."""
-    told = [line for line in run.lines if line.part == "localization"]
-    ends = [*(line.t for line in told[1:]), run.end]
+    """Return start and end, team time, s, of each period of a health of the localization."""
+    changes = [line for line in run.lines if line.part == "localization"]
+    ends = [*(line.t for line in changes[1:]), run.end]
     return [
         (line.t + run.shift, end + run.shift)
-        for line, end in zip(told, ends, strict=False)
+        for line, end in zip(changes, ends, strict=False)
         if line.message == health
     ]
 
@@ -70,7 +70,7 @@ def gate(team: Team) -> Figure | None:
     axes = figure.subplots()
     for run in team.runs:
         for span in holds[run.path]:
-            # A hold of a moment must still be seen on an axis of an hour.
+            # A short hold must be visible on an axis of an hour.
             width = max(span.end - span.start, team.end / 400)
             axes.broken_barh(
                 [(span.start + run.shift, width)],
@@ -89,7 +89,7 @@ def gate(team: Team) -> Figure | None:
 
 
 def gate_table(team: Team) -> list[tuple[str, str, int, float]]:
-    """Return robot, reason, times and seconds of everything the gate changed."""
+    """Return robot, reason, count and duration, s, of each reason of the gate."""
     return [
         (run.name, reason, count, seconds)
         for run in team.runs
@@ -98,7 +98,7 @@ def gate_table(team: Team) -> list[tuple[str, str, int, float]]:
 
 
 def machines(team: Team) -> Figure:
-    """Draw battery, lines, load and lateness of all robots, one row each."""
+    """Draw battery, packet rates, load and lateness of all robots, one row each."""
     has_process = any(run.process for run in team.runs)
     figure, panels = style.rows(5 if has_process else 3, 1.25)
     _battery(panels[0], team)
@@ -149,7 +149,7 @@ def _bad_packets(axes: Axes, team: Team) -> None:
 
 
 def _rate(t: Floats, count: Floats) -> tuple[Floats, Floats]:
-    """Return windows' middle times and counts per second in them."""
+    """Return the middles of windows, s, and the rates of a counter in them, 1/s."""
     if t.size < 2:
         return np.empty(0), np.empty(0)
     edges = np.append(np.arange(t[0], t[-1], WINDOW_S), t[-1])

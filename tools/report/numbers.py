@@ -1,4 +1,4 @@
-"""The numbers of a report, for programs: everything the page shows, in SI units."""
+"""The numbers of a report as JSON: everything the page shows, in SI units."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ARRIVED_M = 0.10
 
 
 def numbers(team: Team) -> dict[str, Any]:
-    """Return the report's numbers; times are s since the first recording's start."""
+    """Return the report's numbers; times are in s since the first recording's start."""
     border = team.folder.border
     return {
         "duration_s": team.end,
@@ -111,13 +111,13 @@ def _robot(team: Team, run: RunLog) -> dict[str, Any]:
 
 
 def reach_time(run: RunLog) -> float | None:
-    """Return when, agent time, s, the robot first was within 0.10 m of the border by itself."""
+    """Return the agent time of the first pose estimate within ARRIVED_M of the border, or None."""
     arrived = np.flatnonzero(run.distance <= ARRIVED_M)
     return float(run.decision_t[arrived[0]]) if arrived.size else None
 
 
 def _patrolling_distances(run: RunLog) -> np.ndarray[Any, np.dtype[np.float64]]:
-    """Return the distances from the border after arrival while a patrol action is in force, m."""
+    """Return the distances from the border after arrival during patrol actions, (n,), m."""
     arrived = np.flatnonzero(run.distance <= ARRIVED_M)
     if not arrived.size:
         return np.empty(0)
@@ -136,11 +136,11 @@ def _closest(team: Team) -> float | None:
 
 
 def _health_share(run: RunLog) -> dict[str, float]:
-    """Return the share of status reports with each word of the localization, once it began."""
-    told = [status.localization.health for status in run.status]
-    begun = next((i for i, health in enumerate(told) if health == "localized"), len(told))
-    told = told[begun:]
-    return {health: told.count(health) / len(told) for health in sorted(set(told))}
+    """Return the share of statuses with each health, from the first localized one on."""
+    stated = [status.localization.health for status in run.status]
+    begun = next((i for i, health in enumerate(stated) if health == "localized"), len(stated))
+    stated = stated[begun:]
+    return {health: stated.count(health) / len(stated) for health in sorted(set(stated))}
 
 
 def _battery(run: RunLog) -> dict[str, float | None]:
@@ -153,7 +153,7 @@ def _battery(run: RunLog) -> dict[str, float | None]:
 
 
 def _lines(run: RunLog) -> dict[str, Any]:
-    """Return what each line carried, from the last status."""
+    """Return each line's counters from the last status; empty without one."""
     if not run.status:
         return {}
     last = run.status[-1]
@@ -169,7 +169,7 @@ def _lines(run: RunLog) -> dict[str, Any]:
 
 
 def process_numbers(run: RunLog) -> dict[str, float] | None:
-    """Return load and lateness of the process; None for runs that had none of their own."""
+    """Return load and lateness of the agent process; None without process reports (benches)."""
     if not run.process:
         return None
     cpu = np.array([report.cpu for report in run.process])

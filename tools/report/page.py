@@ -1,4 +1,4 @@
-"""The report as one HTML page that needs nothing beside it."""
+"""The report as one self-contained HTML page."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class _Tile:
 
 @dataclass(frozen=True, slots=True)
 class _Section:
-    """What stands below one title."""
+    """The blocks below one title."""
 
     anchor: str
     title: str
@@ -39,7 +39,10 @@ class _Section:
 
 
 def page(team: Team, figures: dict[str, Any], progress: Callable[[float], None]) -> str:
-    """Return the page; ``figures`` are the report's numbers, ``progress`` hears the sections."""
+    """Return the page as HTML.
+
+    figures: the report's numbers; progress: called with the number of sections done.
+    """
     sections = []
     with mpl.rc_context(style.RC):
         for done, (anchor, title, build) in enumerate(SECTIONS):
@@ -56,7 +59,7 @@ def page(team: Team, figures: dict[str, Any], progress: Callable[[float], None])
     return templates.get_template("page.html.j2").render(
         title=f"{', '.join(team.names)} on {team.folder.name}",
         subtitle=_subtitle(team),
-        style=Markup((_FOLDER / "page.css").read_text()),  # noqa: S704 - a file of ours
+        style=Markup((_FOLDER / "page.css").read_text()),  # noqa: S704 - a file of this package
         tiles=_tiles(figures),
         sections=sections,
     )
@@ -79,7 +82,7 @@ def _subtitle(team: Team) -> str:
 
 
 def _tiles(figures: dict[str, Any]) -> list[_Tile]:
-    """Return the few numbers that say whether the run was good."""
+    """Return the headline numbers, marked where they miss their limits."""
     robots = figures["robots"]
     p99 = _largest(robot["border_distance_m"]["p99"] for robot in robots)
     reach = [robot["reach_s"] for robot in robots if robot["reach_s"] is not None]

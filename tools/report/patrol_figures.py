@@ -1,4 +1,4 @@
-"""The figures about the patrol: where the robots went, what they chose, how they met."""
+"""Figures of the patrol: paths, distance from the border, actions, meetings, idleness."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from tools.report.team import Team
 
 SHOWN_MEETINGS = 3
 AROUND_S = 6.0
-"""A meeting's picture shows this long before and after its closest approach."""
-_VIEW_M = 2.6  # from the middle of a meeting to each side of its picture
-_ON_BORDER = 1.0  # m; further away a robot has no place along the border
+"""Time drawn before and after a meeting's closest approach."""
+_VIEW_M = 2.6  # half the side of a meeting's picture
+_ON_BORDER = 1.0  # m; farther away a robot's abscissa is not drawn
 _FLAT = 0.12
-"""m; smaller distances are what a patrol is made of, and get most of the axis."""
+"""Distance, m, up to which the axis is linear: usual on patrol."""
 
 
 def trajectories(team: Team) -> Figure:
-    """Draw map, border and where every robot went."""
+    """Draw map, border, every robot's path, references and meetings."""
     colors = style.robot_colors(team.names)
     figure = style.new_figure(style.WIDTH * _aspect(team) * 0.82 + 0.4)
     axes = figure.subplots()
@@ -57,7 +57,7 @@ def _aspect(team: Team) -> float:
 
 
 def _corners(team: Team) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return two opposite corners of the part of the map that is known, m."""
+    """Return the lower left and upper right corner of the known part of the map, m."""
     grid = team.folder.map
     known = np.argwhere((grid.cells == FREE) | (grid.cells == OCCUPIED))
     (r0, c0), (r1, c1) = known.min(axis=0), known.max(axis=0) + 1
@@ -67,7 +67,7 @@ def _corners(team: Team) -> tuple[tuple[float, float], tuple[float, float]]:
 
 
 def _draw_map(axes: Axes, team: Team) -> None:
-    """Draw walls as they are and the border as a quiet line."""
+    """Draw walls, free space and border."""
     grid = team.folder.map
     rows, cols = np.nonzero(grid.cells == OCCUPIED)
     res = grid.resolution
@@ -90,7 +90,7 @@ def _draw_map(axes: Axes, team: Team) -> None:
 
 
 def places(team: Team) -> Figure | None:
-    """Draw where along the border each robot was; None without a border."""
+    """Draw each robot's abscissa along the border over time; None without a border."""
     border = team.folder.border
     if border is None:
         return None
@@ -120,7 +120,7 @@ def places(team: Team) -> Figure | None:
 
 
 def border_distance(team: Team) -> Figure:
-    """Draw each robot's distance from the border over time, small distances enlarged."""
+    """Draw each robot's distance from the border over time, logarithmic beyond _FLAT."""
     colors = style.robot_colors(team.names)
     figure, panels = style.rows(len(team.runs), 1.45)
     for axes, run in zip(panels, team.runs, strict=True):
@@ -138,7 +138,7 @@ def border_distance(team: Team) -> Figure:
 
 
 def action_selection(team: Team) -> Figure:
-    """Draw which action each robot had chosen when."""
+    """Draw each robot's selected action over time."""
     figure = style.new_figure(0.75 + 0.42 * len(team.names))
     axes = figure.subplots()
     for row, run in enumerate(team.sampled):
@@ -154,7 +154,7 @@ def action_selection(team: Team) -> Figure:
 
 
 def _spans(run: RobotRun) -> dict[str, list[tuple[float, float]]]:
-    """Return (start, duration) of each stretch of one action."""
+    """Return (start, duration), s, of each period of an action, by action."""
     step = run.t[1] - run.t[0] if run.t.size > 1 else 0.1
     found: dict[str, list[tuple[float, float]]] = {}
     for action, group in groupby(zip(run.t.tolist(), run.action, strict=True), lambda p: p[1]):
@@ -176,7 +176,7 @@ def _action_legend(figure: Figure, seen: Collection[str] = tuple(style.ACTIONS))
 
 
 def action_shares(team: Team) -> Figure:
-    """Draw the share of its time each robot spent in each action."""
+    """Draw each robot's share of time in each action."""
     figure = style.new_figure(0.7 + 0.4 * len(team.names))
     axes = figure.subplots()
     for row, run in enumerate(team.sampled):
@@ -203,8 +203,8 @@ def action_shares(team: Team) -> Figure:
 
 
 def meeting_close_ups(team: Team) -> Figure | None:
-    """Draw the robots' ways through the closest meetings; None if there was none."""
-    chosen = _telling(team.meetings)
+    """Draw the robots' paths through up to SHOWN_MEETINGS meetings; None if there was none."""
+    chosen = _distinct_closest(team.meetings)
     if not chosen:
         return None
     figure = style.new_figure(4.5)
@@ -217,8 +217,8 @@ def meeting_close_ups(team: Team) -> Figure | None:
     return figure
 
 
-def _telling(meetings: Sequence[Meeting]) -> list[Meeting]:
-    """Return the closest meetings, of different pairs and outcomes where there are such."""
+def _distinct_closest(meetings: Sequence[Meeting]) -> list[Meeting]:
+    """Return the closest meetings, those of different pairs and outcomes first."""
     closest = sorted(meetings, key=lambda meeting: meeting.closest_m)
     firsts = {(m.robots, m.outcome): m for m in reversed(closest)}.values()
     rest = [meeting for meeting in closest if meeting not in firsts]
@@ -226,7 +226,7 @@ def _telling(meetings: Sequence[Meeting]) -> list[Meeting]:
 
 
 def _close_up(axes: Axes, team: Team, meeting: Meeting) -> None:
-    """Draw one meeting: a dot each half second in the action's color, joined while closest."""
+    """Draw one meeting: a dot each 0.5 s in the action's color, a line at the closest approach."""
     colors = style.robot_colors(team.names)
     a, b = _pair(team, meeting)
     closest = _closest(team, meeting)
@@ -280,7 +280,7 @@ def _middle(team: Team, meeting: Meeting) -> tuple[float, float]:
 
 
 def idleness(team: Team) -> Figure | None:
-    """Draw how long each place of the border waited; None where it was never patrolled."""
+    """Draw worst and mean idleness along the border; None without border or visits."""
     visits = team.visits
     if visits is None or team.folder.border is None:
         return None

@@ -1,4 +1,4 @@
-"""What a report needs of one recording, as arrays over agent time (s)."""
+"""One recording's data for a report, as arrays over agent time."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ Floats = NDArray[np.float64]
 
 T = TypeVar("T")
 
-_FIVE_PERCENT = 5.991  # 95 % quantile of chi squared with two degrees of freedom
+_CHI_SQUARE_95 = 5.991  # 95 % quantile of chi squared with two degrees of freedom
 
 
 class _Decision(msgspec.Struct):
-    """What a report uses of a decision payload."""
+    """The fields of a decision payload that a report uses."""
 
     action: str
     direction: int
@@ -42,7 +42,7 @@ class _Decision(msgspec.Struct):
 
 
 class _Status(msgspec.Struct):
-    """What a report uses of a status payload."""
+    """The fields of a status payload that a report uses."""
 
     health: str
     base: DeviceStatus
@@ -52,7 +52,7 @@ class _Status(msgspec.Struct):
 
 
 class _Process(msgspec.Struct):
-    """What a report uses of a process payload."""
+    """The fields of a process payload that a report uses."""
 
     cpu: float
     memory_mb: float
@@ -89,7 +89,7 @@ class _Gap(msgspec.Struct):
 
 @dataclass(frozen=True, slots=True)
 class LogLine:
-    """Something the agent, or the process round it, said."""
+    """One log entry of the agent or its process."""
 
     t: float
     level: int
@@ -99,7 +99,7 @@ class LogLine:
 
 @dataclass(frozen=True, slots=True)
 class LinkChange:
-    """A port that was opened, or lost for a reason."""
+    """A port was opened, or lost for a reason."""
 
     t: float
     link: str
@@ -109,7 +109,7 @@ class LinkChange:
 
 @dataclass(eq=False)
 class RunLog:
-    """One robot's run. Arrays named ``x_t`` are the times of the arrays beside them."""
+    """One robot's run. Arrays named ``x_t`` are the times of the arrays that follow them."""
 
     path: Path
     header: RunHeader
@@ -118,8 +118,8 @@ class RunLog:
     truncated: str | None = None
     end: float = 0.0
     """Agent time of the last message, s."""
-    told_to_end: float | None = None
-    """Agent time at which the agent was told to end, s; None if it was not."""
+    shutdown_at: float | None = None
+    """Agent time of the shutdown event, s; None if the recording has none."""
 
     decision_t: Floats = field(default_factory=lambda: np.empty(0))
     pose: Floats = field(default_factory=lambda: np.empty((0, 3)))
@@ -127,16 +127,16 @@ class RunLog:
     action: list[str] = field(default_factory=list)
     direction: NDArray[np.int8] = field(default_factory=lambda: np.empty(0, np.int8))
     distance: Floats = field(default_factory=lambda: np.empty(0))
-    """From the border, by the robot's own estimate, m."""
+    """Distance from the border by the pose estimate, (n,), m."""
     abscissa: Floats = field(default_factory=lambda: np.empty(0))
     command: Floats = field(default_factory=lambda: np.empty((0, 2)))
     """(n, 2) m/s and rad/s, after the gate."""
     gate: list[str] = field(default_factory=list)
     """The gate's reason at each decision, empty for none."""
     override: list[str] = field(default_factory=list)
-    """What was in force beyond the paper's choice, empty for nothing."""
+    """The override at each decision, empty for none."""
     turn: list[str] = field(default_factory=list)
-    """Why the robot turned back at a decision, empty where it did not."""
+    """The cause of a turn at each decision, empty for none."""
     neighbor: Floats = field(default_factory=lambda: np.empty((0, 2)))
     """(n, 2) the nearest teammate in the map, m; nan for none."""
 
@@ -149,12 +149,12 @@ class RunLog:
     gaps: list[tuple[float, int]] = field(default_factory=list)
     reference_t: Floats = field(default_factory=lambda: np.empty(0))
     reference: Floats = field(default_factory=lambda: np.empty((0, 3)))
-    heard: dict[str, Floats] = field(default_factory=dict)
-    """Times at which bytes came, by link."""
+    received: dict[str, Floats] = field(default_factory=dict)
+    """Times at which bytes were received, by link."""
     tick_t: Floats = field(default_factory=lambda: np.empty(0))
     order_t: Floats = field(default_factory=lambda: np.empty(0))
     moving_order: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, np.bool_))
-    """Whether the orders to the base, from that time on, were to move."""
+    """Whether the commands to the base from ``order_t`` on were to move."""
 
     @property
     def name(self) -> str:
@@ -163,20 +163,23 @@ class RunLog:
 
     @property
     def ended_in_order(self) -> bool:
-        """Whether the agent was told to end."""
-        return self.told_to_end is not None
+        """Whether the agent was shut down, not killed."""
+        return self.shutdown_at is not None
 
     @property
     def is_log(self) -> bool:
-        """Whether it was converted from a log, whose robot did not obey the agent."""
+        """Whether it was converted from a log, whose robot the agent did not control."""
         return self.header.source not in ("live", "bench")
 
     def bounds(self) -> Floats:
-        """Return (n,) half the longer axis of the position's 95 % ellipse at each status, m."""
+        """Return the semi-major axis of the position's 95 % ellipse at each status, (n,), m."""
         return np.array([error_bound(status.localization.covariance) for status in self.status])
 
     def reference_errors(self) -> tuple[Floats, Floats]:
-        """Return times (n,) s and distances (n,) m of the decisions' poses from the references."""
+        """Return times (n,), s, and position errors (n,), m, of the poses at the references.
+
+        Empty without references.
+        """
         if not self.reference_t.size or self.decision_t.size < 2:
             return np.empty(0), np.empty(0)
         nearest = np.searchsorted(self.decision_t, self.reference_t).clip(
@@ -194,22 +197,28 @@ class RunLog:
 
 
 def error_bound(covariance: list[float]) -> float:
-    """Return half the longer axis of the 95 % ellipse of (x, y), m; nan where nothing is known."""
+    """Return the semi-major axis of the 95 % ellipse of (x, y), m; nan without a covariance.
+
+    covariance: of (x, y, theta), 9 values row by row.
+    """
     if len(covariance) != 9:
         return math.nan
     a, b, c = covariance[0], covariance[1], covariance[4]
     largest = (a + c) / 2.0 + math.hypot((a - c) / 2.0, b)
-    return math.sqrt(_FIVE_PERCENT * max(largest, 0.0))
+    return math.sqrt(_CHI_SQUARE_95 * max(largest, 0.0))
 
 
 def read_run(path: Path, progress: Callable[[float], None] = lambda _: None) -> RunLog:
-    """Read one recording for a report, as far as it is whole; raises RecordingError."""
+    """Read one recording, up to a truncation, for a report.
+
+    progress: called with the agent time read, s. Raises RecordingError for an unreadable file.
+    """
     recording = read_recording(path)
     return _Reader(recording).read(progress)
 
 
 class _Reader:
-    """Goes once through a recording, decoding only what a report shows."""
+    """Reads a recording once, decoding only what a report uses."""
 
     def __init__(self, recording: Recording) -> None:
         self._recording = recording
@@ -221,7 +230,7 @@ class _Reader:
         self._framer = PacketFramer()
         self._v = self._w = 0
         log = self._log
-        self._takers: dict[str, Callable[[float, bytes], object]] = {
+        self._handlers: dict[str, Callable[[float, bytes], object]] = {
             "decision": _appender(_Decision, self._decisions),
             "status": _appender(_Status, log.status),
             "process": _appender(_Process, log.process),
@@ -238,22 +247,22 @@ class _Reader:
         }
 
     def read(self, progress: Callable[[float], None]) -> RunLog:
-        takers = self._takers
-        times: dict[str, list[float]] = {topic: [] for topic in takers}
+        handlers = self._handlers
+        times: dict[str, list[float]] = {topic: [] for topic in handlers}
         t = 0.0
-        for topic, t, data in self._recording.messages(takers.keys()):
+        for topic, t, data in self._recording.messages(handlers.keys()):
             times[topic].append(t)
-            takers[topic](t, data)
+            handlers[topic](t, data)
             if topic == "status":
                 progress(t)
         self._times = times
         self._log.end = t
         self._log.truncated = self._recording.truncated
-        self._fill()
+        self._fill_arrays()
         return self._log
 
-    def _fill(self) -> None:
-        """Turn what was collected into arrays."""
+    def _fill_arrays(self) -> None:
+        """Convert the collected messages to arrays."""
         log, decisions = self._log, self._decisions
         log.decision_t = self._array("decision")
         log.pose = _table([(d.pose.x, d.pose.y, d.pose.theta) for d in decisions], 3)
@@ -273,7 +282,7 @@ class _Reader:
         log.process_t = self._array("process")
         log.reference_t = self._array("reference")
         log.reference = _table([(r.x, r.y, r.theta) for r in self._references], 3)
-        log.heard = {link: self._array(f"{link}/rx") for link in ("base", "laser")}
+        log.received = {link: self._array(f"{link}/rx") for link in ("base", "laser")}
         log.tick_t = self._array("tick")
         log.order_t = np.array([t for t, _moving in self._orders])
         log.moving_order = np.array([moving for _t, moving in self._orders], np.bool_)
@@ -290,10 +299,10 @@ class _Reader:
         self._log.links.append(LinkChange(t, change.link, change.up, change.reason))
 
     def _on_end(self, t: float, _data: bytes) -> None:
-        self._log.told_to_end = t
+        self._log.shutdown_at = t
 
     def _on_orders(self, t: float, data: bytes) -> None:
-        """Follow what the base is told: to move, or to stand."""
+        """Note changes between commands to move and to stand in bytes sent to the base."""
         for packet in self._framer.feed(data):
             command = decode_command(packet)
             number, value = command.number, command.integer

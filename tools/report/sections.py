@@ -1,4 +1,4 @@
-"""The sections of a report: which figures and tables, from which numbers."""
+"""The sections of a report: their figures, tables and texts."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ _LEVELS = {1: "debug", 2: "info", 3: "warning", 4: "error", 5: "fatal"}
 
 
 def _drawn(drawn: mpl_figure.Figure | None, caption: str) -> Blocks:
-    """Yield a figure, where there is something to draw."""
+    """Yield a figure; nothing for None."""
     if drawn is not None:
         yield Figure(style.drawing(drawn), caption)
 
 
 def _incidents(team: Team, _figures: dict[str, Any]) -> Blocks:
     if not team.incidents:
-        yield Paragraph("Nothing went wrong that a recording can show.", "good")
+        yield Paragraph("No incident found in the recordings.", "good")
         return
     rows = [
         (
@@ -52,12 +52,12 @@ def _incidents(team: Team, _figures: dict[str, Any]) -> Blocks:
 def _overview(team: Team, _figures: dict[str, Any]) -> Blocks:
     yield from _drawn(
         patrol_figures.trajectories(team),
-        "Where the robots went, by their own poses; a dot is a start, a cross a meeting.",
+        "The robots' paths by their own poses; a dot is a start, a cross a meeting.",
     )
     yield from _drawn(
         patrol_figures.places(team),
         "Place along the border over time; a dot is a meeting. Where two lines touch, two robots "
-        "met; a gap between all lines is a stretch that waited.",
+        "met; a gap between all lines is a stretch without a visit.",
     )
 
 
@@ -95,9 +95,9 @@ def _actions(team: Team, figures: dict[str, Any]) -> Blocks:
     if turns:
         yield table(("robot", "turned back", "times"), turns)
     overrides = [
-        (robot["robot"], style.words(reason), str(told["times"]), f"{told['seconds']:.1f}")
+        (robot["robot"], style.words(reason), str(sums["times"]), f"{sums['seconds']:.1f}")
         for robot in figures["robots"]
-        for reason, told in robot["overrides"].items()
+        for reason, sums in robot["overrides"].items()
     ]
     if overrides:
         yield table(("robot", "beyond the rules", "times", "for (s)"), overrides)
@@ -135,7 +135,7 @@ def _idleness(team: Team, figures: dict[str, Any]) -> Blocks:
         f"{_number(idle['worst_average'], '{:.1f}')} s, longest wait "
         f"{_number(idle['worst'], '{:.1f}')} s; counted from when the last robot had arrived."
     )
-    yield Figure(style.drawing(figure), f"How long each place waited for a robot. {words}")
+    yield Figure(style.drawing(figure), f"Time between visits at each place. {words}")
 
 
 def _gate(team: Team, _figures: dict[str, Any]) -> Blocks:
@@ -145,7 +145,7 @@ def _gate(team: Team, _figures: dict[str, Any]) -> Blocks:
     ]
     if not rows:
         return
-    caption = "When the safety gate held a robot, and why; moments are drawn wider than they were."
+    caption = "Holds of the safety gate by reason; short ones are drawn wider than they were."
     heads = ("robot", "reason", "times", "together (s)")
     yield from _drawn(machine_figures.gate(team), caption)
     yield table(heads, rows)
@@ -172,8 +172,8 @@ def _localization(team: Team, figures: dict[str, Any]) -> Blocks:
         "localized",
     )
     caption = (
-        "Half the longer axis of the ellipse that holds the position with 95 %, by the filter's "
-        "own covariance; dots: distance from the true position, where the recording knows it."
+        "Semi-major axis of the position's 95 % ellipse, by the filter's covariance; dots: "
+        "distance from the true position, where recorded."
     )
     yield from _drawn(machine_figures.localization(team), caption)
     yield table(heads, rows)
@@ -269,7 +269,7 @@ def _events(team: Team, _figures: dict[str, Any]) -> Blocks:
 
 
 Section = tuple[str, str, Callable[[Team, dict[str, Any]], Blocks]]
-"""Anchor, title, and what yields the blocks from a team and its numbers."""
+"""Anchor, title, and the function that yields the blocks from a team and its numbers."""
 SECTIONS: tuple[Section, ...] = (
     ("incidents", "Incidents and reactions", _incidents),
     ("map", "Where they went", _overview),

@@ -1,4 +1,4 @@
-"""How a report's figures look: colors, sizes, and SVG that sits in a page."""
+"""Style of a report's figures: colors, sizes, helpers, conversion to inline SVG."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ mpl.use("svg")
 
 INK, QUIET, RULE = "#1f2933", "#66727f", "#e3e7ec"
 ROBOTS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8a6d00", "#56b4e9")
-"""Okabe and Ito's colors, told apart by people with any kind of color vision."""
+"""Okabe and Ito's colors, distinguishable with any kind of color vision."""
 ACTIONS = {
     str(Action.REACH_FRONTIER): "#a5b1bf",
     str(Action.KEEP_GOING): "#5aa469",
@@ -32,9 +32,9 @@ ACTIONS = {
 }
 ALARM = "#c8323f"
 WIDTH = 11.0
-"""Of a whole-width figure, inches."""
+"""Width of a figure, inches."""
 POINTS = 1600
-"""A line is drawn with at most this many points: more cannot be told apart."""
+"""Most points of a line: more are not distinguishable."""
 
 RC: Any = {
     "svg.fonttype": "none",
@@ -66,7 +66,7 @@ RC: Any = {
 
 
 def words(name: str) -> str:
-    """Return a name of the code as people write it."""
+    """Return an identifier with blanks for display."""
     return name.replace("_", " ").replace("counter clockwise", "counter-clockwise")
 
 
@@ -80,9 +80,12 @@ def new_figure(height: float, width: float = WIDTH) -> Figure:
     return Figure(figsize=(width, height), layout="constrained")
 
 
-def rows(count: int, each: float, most: float = 12.0) -> tuple[Figure, list[Axes]]:
-    """Return a figure of ``count`` rows that share their time axis."""
-    figure = new_figure(min(0.55 + each * count, most))
+def rows(count: int, each: float, max_height: float = 12.0) -> tuple[Figure, list[Axes]]:
+    """Return a figure of ``count`` rows with a shared time axis, and the rows' axes.
+
+    each, max_height: heights of a row and of the figure, inches.
+    """
+    figure = new_figure(min(0.55 + each * count, max_height))
     axes = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0].tolist()
     return figure, axes
 
@@ -96,7 +99,7 @@ def time_axis(axes: Axes, start: float, end: float) -> None:
 
 
 def thinned(t: Floats, y: Floats, points: int = POINTS) -> tuple[Floats, Floats]:
-    """Return at most so many points of a line, the extremes of every stretch among them."""
+    """Return a line with at max_height that many points: minimum and maximum of every interval."""
     if t.size <= points:
         return t, y
     edges = np.linspace(0, t.size, points // 2 + 1).astype(int)
@@ -112,21 +115,21 @@ def thinned(t: Floats, y: Floats, points: int = POINTS) -> tuple[Floats, Floats]
 
 
 def with_breaks(t: Floats, y: Floats, longest: float) -> tuple[Floats, Floats]:
-    """Return a line that is interrupted where its points are further apart than ``longest`` s."""
+    """Return a line with a nan inserted where points are farther apart than ``longest`` s."""
     places = np.flatnonzero(np.diff(t) > longest) + 1
     return np.insert(t, places, t[places - 1] + longest / 2), np.insert(y, places, np.nan)
 
 
 @dataclass(frozen=True, slots=True)
 class Drawing:
-    """A figure as SVG: the attributes of its element, and all from its first child to its end."""
+    """A figure as SVG: the element's attributes, and its content with the end tag."""
 
     attributes: Markup
     content: Markup
 
 
 def drawing(figure: Figure) -> Drawing:
-    """Return a figure as an SVG element that scales with its page: of no size of its own."""
+    """Return a figure as an SVG element without width and height, which scales with its page."""
     out = io.StringIO()
     with mpl.rc_context(RC):
         figure.savefig(out, format="svg", transparent=True, metadata={"Date": None})
@@ -135,7 +138,7 @@ def drawing(figure: Figure) -> Drawing:
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
     head, _, content = text.removeprefix("<svg").partition(">")
     attributes = re.sub(r' (?:width|height)="[^"]*"', "", head)
-    return Drawing(Markup(attributes), Markup(content))  # noqa: S704 - Matplotlib escapes texts
+    return Drawing(Markup(attributes), Markup(content))  # noqa: S704 - escaped by Matplotlib
 
 
 def robot_colors(names: Sequence[str]) -> dict[str, str]:

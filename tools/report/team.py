@@ -1,4 +1,4 @@
-"""A team's runs on one clock, sampled evenly: what figures and numbers are made of."""
+"""A team's runs on one clock, resampled at a fixed rate, for figures and numbers."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from tools.report.run_log import Floats, RunLog
 
 STEP_S = 0.1
 VISIT_STEPS = 5
-"""Idleness is sampled every 0.5 s: a robot moves less than a visit's radius in that time."""
+"""Steps between samples for idleness, 0.5 s: a robot moves less than the visit radius meanwhile."""
 PAUSE_S = 1.0
-"""Between decisions further apart than this the robot's place is not known."""
+"""Age of a decision from which the robot's position is unknown."""
 
 
 @dataclass(eq=False)
@@ -34,12 +34,12 @@ class Team:
 
     @cached_property
     def names(self) -> list[str]:
-        """The robots, in the order of their first recording."""
+        """The robots' names in the order of their first recording."""
         return list(dict.fromkeys(run.name for run in self.runs))
 
     @cached_property
     def end(self) -> float:
-        """When the last recording ends."""
+        """End of the last recording."""
         return max(run.end + run.shift for run in self.runs)
 
     @cached_property
@@ -53,12 +53,12 @@ class Team:
 
     @cached_property
     def t(self) -> Floats:
-        """Even times, s."""
+        """Sampling times, (n,), STEP_S apart."""
         return np.arange(0.0, self.end + STEP_S, STEP_S)
 
     @cached_property
     def sampled(self) -> list[RobotRun]:
-        """One run per robot at the even times, by the robots' own poses; nan where not known."""
+        """One run per robot at the times ``t``, by its own poses; nan where unknown."""
         return [
             _sampled(name, self.t, [run for run in self.runs if run.name == name])
             for name in self.names
@@ -71,7 +71,7 @@ class Team:
 
     @cached_property
     def incidents(self) -> list[Incident]:
-        """What went wrong, in order of time."""
+        """The incidents of all robots, in order of time."""
         last = {run.name: run for run in sorted(self.runs, key=lambda run: run.shift)}
         found = [
             incident
@@ -86,7 +86,7 @@ class Team:
 
     @cached_property
     def visits(self) -> BorderVisits | None:
-        """When the border's points were visited since all robots had reached it; None if never."""
+        """Visits of the border's points since all robots had reached it; None if none did."""
         border = self.folder.border
         if border is None:
             return None
@@ -104,7 +104,7 @@ class Team:
 
 
 def _sampled(name: str, t: Floats, runs: Sequence[RunLog]) -> RobotRun:
-    """Sample a robot's decisions; of several recordings each has its own time."""
+    """Resample a robot's decisions from its recordings, which do not overlap, at times t (n,)."""
     position = np.full((t.size, 2), np.nan)
     action = np.full(t.size, "", dtype=object)
     direction = np.zeros(t.size, np.int8)

@@ -1,1 +1,1 @@
-"""Studies over many runs: seeds and settings compared, the paper's experiment, the soak."""
+"""Studies over many simulated runs: seeds and settings, the paper's experiment, the soak test."""

@@ -1,8 +1,8 @@
-"""The paper's experiment: three robots on its 51 m border, its figures and its claims, checked.
+"""The paper's experiment: three robots on its 51 m border; checks the paper's claims.
 
-Figure 4: distance from the border over time. Figure 5: the actions over time. Figure 6: where two
-robots that meet go. The claims (section III): on the border the distance stays small; one robot's
-change to Patrol CW comes with the other's to Patrol CCW; afterwards both keep going, apart.
+Figure 4: distance from the border over time. Figure 5: the actions over time. Figure 6: paths of
+two robots that meet. The claims (section III): on the border the distance stays small; one robot's
+change to Patrol CW coincides with the other's to Patrol CCW; afterwards both keep going, apart.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from tools.studies.worker_pool import worker_pool
 MAP, BORDER, ROBOTS, DURATION_S = "paper_lab", "border", 3, 1800.0
 P99_M, MAX_M = 0.05, 0.10
 STEPS = 2
-"""Control steps between the turns of two robots that count as at the same time."""
+"""Control steps between the turns of two robots up to which they count as simultaneous."""
 _REACTION_S = 12.0  # to turn after coming within sight, or to keep going again after turning
 
 _TURNS = (Action.PATROL_CLOCKWISE, Action.PATROL_COUNTER_CLOCKWISE)
@@ -35,10 +35,11 @@ _TURNS = (Action.PATROL_CLOCKWISE, Action.PATROL_COUNTER_CLOCKWISE)
 
 @dataclass(frozen=True)
 class Turn:
-    """A meeting as the paper tells it.
+    """A head-on meeting of two robots and its outcome by the paper's claims.
 
     steps_apart: control steps between the two robots' turns, None if not both turned.
-    opposite: one patrolled CW, the other CCW. parted: both kept going afterwards, in those ways.
+    opposite: one changed to Patrol CW, the other to Patrol CCW. parted: both kept going afterwards,
+    in opposite directions. closest_m: smallest distance of the centres.
     """
 
     t: float
@@ -59,25 +60,25 @@ class PaperRun:
 
     @property
     def meetings(self) -> list[Meeting]:
-        """All meetings that ended before the run did."""
+        """All meetings that ended within the run."""
         return [meeting for meeting in meetings(self.runs) if meeting.parted]
 
 
 @dataclass(frozen=True)
 class PaperTrial:
-    """The experiment but for the seed."""
+    """Settings of the experiment, without the seed."""
 
     map_folder: Path
     border: str
     sensing: Sensing
     duration: float
-    """s, virtual."""
+    """Simulated time, s."""
     config: AgentConfig = field(default_factory=AgentConfig)
-    """Of every robot."""
+    """Configuration of every robot."""
 
 
 def run_seeds(trial: PaperTrial, seeds: Sequence[int], jobs: int) -> Iterator[PaperRun]:
-    """Run the experiment with every seed, ``jobs`` processes at a time; yield in their order.
+    """Run the experiment with every seed, ``jobs`` processes at a time; yield in the seeds' order.
 
     Raises MapError, BorderError for a map or border that cannot be used.
     """
@@ -89,7 +90,10 @@ def run_seeds(trial: PaperTrial, seeds: Sequence[int], jobs: int) -> Iterator[Pa
 
 
 def run_paper(trial: PaperTrial, seed: int) -> PaperRun:
-    """Run the experiment once; with bytes: full noise, every byte encoded."""
+    """Run the experiment once.
+
+    Raises MapError, BorderError for a map or border that cannot be used.
+    """
     folder = load_map_folder(trial.map_folder, trial.border)
     if trial.sensing is Sensing.IDEAL:
         ideal = IdealFleet(folder, ROBOTS, seed, trial.config)
@@ -103,20 +107,20 @@ def run_paper(trial: PaperTrial, seed: int) -> PaperRun:
 
 
 def turns(run: PaperRun) -> list[Turn]:
-    """Return every meeting of two robots that patrol towards each other, as the paper tells it."""
+    """Return every head-on meeting of two robots in Keep Going with its outcome."""
     by_name = {each.name: each for each in run.runs}
     found = [_turn(by_name, meeting) for meeting in run.meetings]
     return [turn for turn in found if turn is not None]
 
 
 def _turn(by_name: dict[str, RobotRun], meeting: Meeting) -> Turn | None:
-    """Tell of a meeting; None if it is not one of two that keep going head-on.
+    """Return a meeting's outcome; None unless both robots were in Keep Going, head-on.
 
-    One may be turning from a third, or have reversed by chance just before.
+    Others: one is turning from a third robot, or has just reversed at random.
     """
     pair = [by_name[name] for name in meeting.robots]
     start = int(np.searchsorted(pair[0].t, meeting.t))
-    turned = [_first(run, start, _TURNS) for run in pair]
+    turned = [_first_index(run, start, _TURNS) for run in pair]
     first = min((index for index in turned if index is not None), default=None)
     if first is None or first == 0:
         return None
@@ -127,7 +131,7 @@ def _turn(by_name: dict[str, RobotRun], meeting: Meeting) -> Turn | None:
     if one is None or other is None:
         return Turn(meeting.t, meeting.robots, None, False, False, meeting.closest_m)
     after = [
-        int(run.direction[_first(run, since, (Action.KEEP_GOING,)) or since])
+        int(run.direction[_first_index(run, since, (Action.KEEP_GOING,)) or since])
         for run, since in zip(pair, (one, other), strict=True)
     ]
     return Turn(
@@ -140,14 +144,14 @@ def _turn(by_name: dict[str, RobotRun], meeting: Meeting) -> Turn | None:
     )
 
 
-def _first(run: RobotRun, start: int, actions: Sequence[str]) -> int | None:
-    """Index of the first of some actions within a reaction's time, None if there is none."""
+def _first_index(run: RobotRun, start: int, actions: Sequence[str]) -> int | None:
+    """Return the index of the first of some actions within _REACTION_S; None if there is none."""
     end = int(np.searchsorted(run.t, run.t[start] + _REACTION_S))
     return next((i for i in range(start, end) if run.action[i] in actions), None)
 
 
 def claims(run: PaperRun) -> dict[str, Any]:
-    """Return the paper's claims with what was measured, and whether each held."""
+    """Return the measured figures of a run and whether each of the paper's claims held."""
     found, distance = turns(run), run.figures["border_distance_m"]
     both = [turn for turn in found if turn.steps_apart is not None]
     paired = [turn for turn in both if turn.opposite and turn.parted]
@@ -177,28 +181,28 @@ def claims(run: PaperRun) -> dict[str, Any]:
     }
 
 
-def over_seeds(told: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return the claims of all seeds in one: the worst of each figure, and what held in all."""
-    distances = [each["border_distance_m"] for each in told]
+def over_seeds(claimed: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """Return the claims of all seeds (one or more) in one: worst figures, claims held by all."""
+    distances = [each["border_distance_m"] for each in claimed]
     counts = ("head_on", "cw_and_ccw_then_apart", "within_two_steps")
     return {
-        "sensing": told[0]["sensing"],
-        "seeds": [each["seed"] for each in told],
-        "duration_s": told[0]["duration_s"],
+        "sensing": claimed[0]["sensing"],
+        "seeds": [each["seed"] for each in claimed],
+        "duration_s": claimed[0]["duration_s"],
         "border_distance_m": {
             "worst_p99": _worst(distance["p99"] for distance in distances),
             "worst_max": _worst(distance["max"] for distance in distances),
             "p99_by_seed": [distance["p99"] for distance in distances],
         },
-        "contacts": sum(each["contacts"] for each in told),
+        "contacts": sum(each["contacts"] for each in claimed),
         "closest_m": min(
-            (each["closest_m"] for each in told if each["closest_m"] is not None), default=None
+            (each["closest_m"] for each in claimed if each["closest_m"] is not None), default=None
         ),
         "meetings": {
-            **{name: sum(each["meetings"][name] for each in told) for name in counts},
-            "max_steps_apart": max(each["meetings"]["max_steps_apart"] for each in told),
+            **{name: sum(each["meetings"][name] for each in claimed) for name in counts},
+            "max_steps_apart": max(each["meetings"]["max_steps_apart"] for each in claimed),
         },
-        "held": {name: all(each["held"][name] for each in told) for name in told[0]["held"]},
+        "held": {name: all(each["held"][name] for each in claimed) for name in claimed[0]["held"]},
     }
 
 

@@ -1,4 +1,4 @@
-"""The paper's figures 4, 5 and 6, drawn from a run of its experiment."""
+"""Draws the paper's figures 4, 5 and 6 from a run of its experiment."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from tools.report import style
 from tools.studies.paper import PaperRun, turns
 
 _LEVELS = ("ARF", "AKGCW", "AKGCCW", "APCW", "APCCW", "ATA")
-_AROUND_S = 12.0  # of a meeting that are drawn, before and after
+_AROUND_S = 12.0  # drawn before and after a meeting
 _ARROW_S = 2.0  # between two arrows
-_VIEW_M = 4.0  # round the place of a meeting
+_VIEW_M = 4.0  # half the side of the drawn square around a meeting
 
 
 def write_figures(run: PaperRun, folder: Path) -> bool:
-    """Write all as SVG and PNG; return False if no two robots met: then figure 6 is missing."""
+    """Write the figures as SVG and PNG; return False if figure 6 is missing: no robots met."""
     drawn = {
         "distance_from_border": distances(run),
         "actions": actions(run),
@@ -37,7 +37,7 @@ def write_figures(run: PaperRun, folder: Path) -> bool:
 
 
 def distances(run: PaperRun) -> Figure:
-    """Figure 4: each robot's distance from the border over time, m."""
+    """Return figure 4: each robot's distance from the border, m, over time."""
     assert run.folder.border is not None
     with mpl.rc_context(style.RC):
         figure, panels = style.rows(len(run.runs), 1.5)
@@ -54,7 +54,7 @@ def distances(run: PaperRun) -> Figure:
 
 
 def actions(run: PaperRun) -> Figure:
-    """Figure 5: each robot's action over time, Keep Going told apart by direction."""
+    """Return figure 5: each robot's action over time, Keep Going split by direction."""
     with mpl.rc_context(style.RC):
         figure, panels = style.rows(len(run.runs), 1.7)
         for axes, each, color in zip(panels, run.runs, style.ROBOTS, strict=False):
@@ -81,17 +81,17 @@ def _level(action: str, direction: int) -> float:
 
 
 def meeting(run: PaperRun) -> Figure | None:
-    """Figure 6: the ways of two robots that meet and turn; None if no two did."""
-    told = {turn.t for turn in turns(run) if turn.opposite and turn.parted}
-    met = next((each for each in run.meetings if each.t in told), None)
+    """Return figure 6: the paths of two robots that meet and turn; None if no two did."""
+    times = {turn.t for turn in turns(run) if turn.opposite and turn.parted}
+    met = next((each for each in run.meetings if each.t in times), None)
     if met is None:
         return None
     with mpl.rc_context(style.RC):
         figure = style.new_figure(6.5, 6.5)
         axes = figure.subplots()
-        _draw_place(axes, run.folder)
+        _draw_map(axes, run.folder)
         for each, color in zip(run.runs, style.ROBOTS, strict=False):
-            _draw_way(axes, each, met, color)
+            _draw_path(axes, each, met, color)
         x, y = _place(run, met)
         axes.set_xlim(x - _VIEW_M, x + _VIEW_M)
         axes.set_ylim(y - _VIEW_M, y + _VIEW_M)
@@ -110,7 +110,7 @@ def _place(run: PaperRun, met: Meeting) -> tuple[float, float]:
     return float(x), float(y)
 
 
-def _draw_place(axes: Axes, folder: MapFolder) -> None:
+def _draw_map(axes: Axes, folder: MapFolder) -> None:
     """Draw walls and border."""
     assert folder.border is not None
     grid = folder.map
@@ -127,13 +127,13 @@ def _draw_place(axes: Axes, folder: MapFolder) -> None:
     axes.plot(*folder.border.polyline(0.05).T, color=style.QUIET, linewidth=0.8, linestyle=":")
 
 
-def _draw_way(axes: Axes, each: RobotRun, met: Meeting, color: str) -> None:
-    """Draw a robot's way about a meeting, its start as a dot and arrows as it drives on."""
+def _draw_path(axes: Axes, each: RobotRun, met: Meeting, color: str) -> None:
+    """Draw a robot's path around a meeting: a dot at its start, arrows along it."""
     if each.name not in met.robots:
         return
     start, end = np.searchsorted(each.t, (met.t - _AROUND_S, met.t + _AROUND_S))
     way = each.position[start:end]
-    # Two ways on one line: each a little to its side, to be told apart.
+    # Both paths follow the border: each is shifted a little to be distinguishable.
     aside = 0.06 if each.name == met.robots[0] else -0.06
     way = way + aside
     axes.plot(*way.T, color=color, label=each.name)

@@ -1,4 +1,4 @@
-"""A picture of a rule file: its fuzzy sets, and which action wins where."""
+"""Draws a rule file: its fuzzy sets, and maps of the winning action."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ _COLORS = {
 }
 _ACTIONS = tuple(Action)
 _GRID_COLUMNS = 12
-_STEP = 0.025  # m between the places of a decision map
-_BEYOND = 1.25  # how much farther than the last corner of a set an axis goes
+_STEP = 0.025  # m between the points of a decision map
+_BEYOND = 1.25  # end of an axis, in multiples of the last corner of a set
 _FAR = {"distance_from_left_end": math.inf, "distance_from_right_end": math.inf}
 _PLACES = {  # rows of decision maps on an open border
     "far from both ends": _FAR,
@@ -49,8 +49,8 @@ def draw_rules(
     """Write a PNG of a rule file in one reading.
 
     First the fuzzy sets of each input and of the outputs; then, for each neighbor state, the
-    action the arbiter takes over distance from border and from neighbor. An open border has such
-    a row for each of its ends too.
+    winning action over distance from border and from neighbor. An open border also has such a row
+    for each of its ends.
 
     Raises RulesError as ``load_rules`` does; OSError if it cannot be written.
     """
@@ -88,10 +88,10 @@ def decision_map(
     gamma: float,
     ends: Mapping[str, float],
 ) -> NDArray[np.intp]:
-    """Return which action wins, (neighbors, borders), as its place in the order of Action.
+    """Return the winning action, (neighbors, borders), as its index in the order of Action.
 
-    border (borders,), neighbor (neighbors,): distances, m. A tie goes as in a robot that has no
-    present action.
+    border (borders,), neighbor (neighbors,): distances, m; gamma: neighbor state; ends: distances
+    from the border's ends by input, m. Ties are resolved as without a present action.
     """
     winners = np.empty((len(neighbor), len(border)), dtype=np.intp)
     for (row, column), _ in np.ndenumerate(winners):
@@ -123,7 +123,7 @@ def _draw_sets(axes: Axes, variable: Variable) -> None:
 
 
 def _span(variable: Variable) -> tuple[float, float]:
-    """Return the part of a variable to draw: a little beyond its last corner if it has no end."""
+    """Return the range of a variable to draw: beyond its last corner if a set is unbounded."""
     sets = variable.sets.values()
     corners = [x for s in sets for x in (s.a, s.b, s.c, s.d)]
     finite = [x for x in corners if math.isfinite(x)]

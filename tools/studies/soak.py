@@ -1,7 +1,7 @@
-"""A team under random faults for hours, in lockstep: does anything wear out?
+"""Soak test: a team under random faults for hours, in lockstep.
 
-Every hour of simulated time gives one row: contacts, idleness, memory, stops, recordings. Persons
-come where a robot asks for one: they switch its motors off and on again.
+Every hour of simulated time gives one row: contacts, idleness, memory, stops, recordings. A
+simulated person comes where a gate latch asks for one and switches the motors off and on again.
 """
 
 from __future__ import annotations
@@ -34,9 +34,9 @@ from tools.metrics.idleness import border_visits, idleness_figures
 HOUR_S = 3600.0
 SAMPLE_S = 0.5
 KEEP_MB = 120.0
-"""Of recordings of each robot: about two hours, so that old ones must go."""
+"""Size of each robot's recordings kept: about two hours, so that old ones are deleted."""
 BLIND_DRIVE_S = 4.5
-"""For so long a robot whose agent died may still move: the base's watchdog and its ramp."""
+"""Time for which a robot may move after its agent died: the base's watchdog and its ramp."""
 PERSON_COMES_S = 20.0
 _MEMORY = Path("/proc/self/statm")
 
@@ -49,37 +49,37 @@ _LASTS = {
     FaultKind.CARRIED: (0.1, 0.2),
     FaultKind.AWAY: (0.1, 0.2),
 }
-"""How long a fault of each kind lasts, s, from and to."""
+"""Shortest and longest duration of a fault of each kind, s."""
 
 
 @dataclass(frozen=True, slots=True)
 class SoakHour:
-    """What one hour of simulated time has shown."""
+    """Figures at the end of one hour of simulated time; counts are since the start."""
 
     hour: float
-    """At its end, from the start."""
+    """Simulated time since the start, h."""
     wall_s: float
     faults: int
     contacts: int
     contacts_blind: int
-    """Of robots whose agent a fault had killed: nothing but the base's watchdog could stop them."""
+    """Contacts while an agent was killed by a fault: only a base's watchdog could prevent them."""
     idleness_average_s: float | None
     idleness_worst_s: float | None
     memory_mb: float
     gate_stops: int
     latched: int
-    """Visits of a person to a robot that asked for one."""
+    """Visits of the person to robots held by a latch of the gate."""
     batteries: int
-    """Exchanged when empty."""
+    """Empty batteries exchanged."""
     recordings_mb: float
     recordings: int
     records_lost: int
     touched: tuple[str, ...] = ()
-    """The contacts of this hour: when each began, s, and who touched what."""
+    """The contacts of this hour: time, s, robot and what it touched."""
 
 
 def random_faults(robots: int, duration: float, every: float, seed: int) -> list[BenchFault]:
-    """Return faults of every kind for each robot, about ``every`` s apart, up to ``duration``."""
+    """Return random faults for each robot, on average ``every`` s apart, until ``duration``, s."""
     rng = np.random.default_rng(seed)
     faults = []
     for number in range(1, robots + 1):
@@ -93,10 +93,10 @@ def random_faults(robots: int, duration: float, every: float, seed: int) -> list
 
 
 class HourlyRecording:
-    """The live recorder of one robot, with a new run every hour; old ones make room."""
+    """The flight recorder of one robot with a new file every hour; old ones are deleted."""
 
     def __init__(self, target: Path, name: str, header: RunHeader) -> None:
-        """Record to ``target``/<name>-<time>.mcap."""
+        """Start recording to ``target``/<name>-<time>.mcap."""
         self._target = target
         self._name = name
         self._header = header
@@ -124,18 +124,18 @@ class HourlyRecording:
         self._recorder.record_effect(t, effect)
 
     def rotate(self) -> None:
-        """End this run and begin another."""
+        """Finish this file and start another."""
         self.close()
         self._recorder = self._start()
 
     def close(self) -> None:
-        """End the present run."""
+        """Finish the present file."""
         self._recorder.close()
         self.lost += self._recorder.lost
 
 
 class Person:
-    """Looks at a robot that asks for it: motors off, and on again; a full battery for an empty."""
+    """A simulated person: releases a latched gate by the MOTORS button, exchanges the battery."""
 
     def __init__(self, robot: FleetRobot) -> None:
         self._robot = robot
@@ -145,7 +145,7 @@ class Person:
         self.batteries = 0
 
     def watch(self, t: float) -> None:
-        """Come; exchange an empty battery, else press, wait a second and press again."""
+        """Act at t: PERSON_COMES_S after a request exchange an empty battery, or press twice."""
         base = self._robot.rig.base
         if self._pressed_at is not None:
             if t - self._pressed_at >= 1.0:
@@ -171,12 +171,15 @@ class Person:
 
 
 class Soak:
-    """Runs a team for hours; ``hours`` yields a row after each."""
+    """Runs a team for hours; ``hours`` yields a row after each simulated hour."""
 
     def __init__(
         self, folder: MapFolder, robots: int, seed: int, duration: float, every: float, target: Path
     ) -> None:
-        """Plan the faults of ``duration`` s, one per robot about ``every`` s; record to target."""
+        """Draw the faults and make the team; records to the folder ``target``.
+
+        duration: simulated time, s; every: mean time between two faults of a robot, s.
+        """
         self.duration = duration
         self.recordings: list[HourlyRecording] = []
         self.faults = random_faults(robots, duration, every, seed)
@@ -196,7 +199,7 @@ class Soak:
         self._touched: list[str] = []
 
     def hours(self, progress: Callable[[float], None] = lambda _: None) -> Iterator[SoakHour]:
-        """Run to the end, an hour at a time."""
+        """Run to the end; yield a row after each hour."""
         fleet, started = self.fleet, time.monotonic()
         while fleet.t < self.duration:
             until = min(fleet.t + HOUR_S, self.duration)
@@ -217,7 +220,7 @@ class Soak:
         next_sample = fleet.t
         while fleet.t < until:
             fleet.step()
-            self._blame()
+            self._count_contacts()
             if fleet.t >= next_sample:
                 next_sample += SAMPLE_S
                 progress(fleet.t)
@@ -227,8 +230,8 @@ class Soak:
                     place.append((robot.rig.body.pose.x, robot.rig.body.pose.y))
         return times, places
 
-    def _blame(self) -> None:
-        """Tell contacts that the base alone could have prevented from all others."""
+    def _count_contacts(self) -> None:
+        """Count new contacts, separately those within BLIND_DRIVE_S of an agent's death."""
         fleet = self.fleet
         for number, robot in enumerate(fleet.robots):
             if robot.injector is not None and robot.injector.agent_dead:
@@ -276,19 +279,19 @@ class Soak:
 
 
 class SoakLog:
-    """Keeps what a soak has shown so far in files, hour by hour: a kill loses the last hour only.
+    """Writes the rows of a soak to files, hour by hour: a kill loses the last hour only.
 
-    ``path`` gets a JSON line per hour, and beside it ``.summary.json`` the summary of them all.
+    ``path`` gets a JSON line per hour; the summary is beside it as ``.summary.json``.
     """
 
     def __init__(self, path: Path) -> None:
-        """Begin anew; what an earlier run has left there goes."""
+        """Empty the file, also of an earlier run's rows."""
         self._path = path
         self._rows: list[SoakHour] = []
         path.write_text("")
 
     def add(self, row: SoakHour) -> None:
-        """Write an hour's row, and the summary up to it."""
+        """Append an hour's row, and rewrite the summary."""
         self._rows.append(row)
         with self._path.open("a") as file:
             file.write(json.dumps(dataclasses.asdict(row)) + "\n")
@@ -298,7 +301,7 @@ class SoakLog:
 
 
 def summary(rows: list[SoakHour]) -> dict[str, Any]:
-    """Return the whole run: its last row, all contacts, slopes over the hours after the first."""
+    """Return the summary of a run: its last row, all contacts, speed and slopes per hour."""
     return {
         **dataclasses.asdict(rows[-1]),
         "touched": [words for row in rows for words in row.touched],
@@ -311,7 +314,7 @@ def summary(rows: list[SoakHour]) -> dict[str, Any]:
 
 
 def slope(points: list[tuple[float, float]]) -> float | None:
-    """Return the slope of a line through points by least squares; None for fewer than two."""
+    """Return the least-squares slope of points (x, y); None for fewer than two."""
     if len(points) < 2:
         return None
     x, y = np.array(points).T

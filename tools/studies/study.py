@@ -1,6 +1,6 @@
 """Studies: many benches over seeds and settings, resumable, compared in one table.
 
-A study file names what all runs share and what is varied:
+A study file holds the common settings and the varied ones:
 
     [study]
     map = "paper_lab"        # folder or shipped name
@@ -14,8 +14,8 @@ A study file names what all runs share and what is varied:
     robots = [3, 5]
     "patrol.reversal_probability" = [0.0, 0.25, 0.5]
 
-``[vary]`` may also name ``map``, ``border`` and ``faults`` (each choice what ``bench --fault``
-takes, several apart by blanks). Any other key is one of a robot's configuration.
+``[vary]`` may also name ``map``, ``border`` and ``faults`` (each value as for ``bench --fault``,
+several separated by blanks). Any other key is one of a robot's configuration.
 """
 
 from __future__ import annotations
@@ -48,30 +48,30 @@ ROBOTS = "robots"
 MAP = "map"
 BORDER = "border"
 FAULTS = "faults"
-_OF_THE_BENCH = (ROBOTS, MAP, BORDER, FAULTS)
+_BENCH_KEYS = (ROBOTS, MAP, BORDER, FAULTS)
 RUNS_FOLDER = "runs"
 
 Setting = int | float | str | bool | tuple[str, ...]
 
 
 class StudyError(ValueError):
-    """A study that cannot be run; one line naming file, key and remedy."""
+    """A study cannot be run; the message, one line, names file, key and remedy."""
 
 
 class StudySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """What all runs of a study share."""
+    """Common settings of all runs of a study."""
 
     map: str = "paper_lab"
     border: str = "border"
     duration: Annotated[float, msgspec.Meta(gt=0.0)] = 900.0
-    """s, virtual, of each run."""
+    """Simulated time of each run, s."""
     seeds: Annotated[int, msgspec.Meta(ge=1)] = 20
     first_seed: Annotated[int, msgspec.Meta(ge=0)] = 1
     sensing: Sensing = Sensing.BYTES
 
 
 class StudyFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A study file as it stands."""
+    """Content of a study file."""
 
     study: StudySettings = StudySettings()
     vary: dict[str, list[Setting]] = {}
@@ -79,13 +79,13 @@ class StudyFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
 @dataclass(frozen=True)
 class Case:
-    """One combination of what is varied, in the order of the study file."""
+    """One combination of the varied settings, in the order of the study file."""
 
     values: tuple[tuple[str, Setting], ...]
 
     @property
     def robots(self) -> int:
-        """Size of the team."""
+        """Number of robots; 0 if the value is not an integer."""
         robots = self.get(ROBOTS, 3)
         return robots if isinstance(robots, int) else 0
 
@@ -95,13 +95,13 @@ class Case:
         return str(self.get(FAULTS, "")).split()
 
     def get(self, key: str, default: Setting) -> Setting:
-        """Return what the case says of a key, else the default."""
+        """Return the case's value of a key, else the default."""
         return dict(self.values).get(key, default)
 
     @property
     def settings(self) -> dict[str, Setting]:
-        """What differs from the default configuration, by dotted key."""
-        return {key: value for key, value in self.values if key not in _OF_THE_BENCH}
+        """Changes of the default configuration by dotted key."""
+        return {key: value for key, value in self.values if key not in _BENCH_KEYS}
 
     def __str__(self) -> str:
         return ", ".join(f"{key} {_label(key, value)}" for key, value in self.values) or "defaults"
@@ -118,11 +118,11 @@ class Run:
     duration: float
     sensing: Sensing = Sensing.BYTES
     changes: tuple[str, ...] = ()
-    """``section.key=value`` that hold in every case."""
+    """Common changes of the configuration, ``section.key=value``."""
 
     @property
     def file_name(self) -> str:
-        """Name of the run's result file: a digest of all that the result depends on."""
+        """Name of the run's result file: a digest of everything the result depends on."""
         content = (
             *(self.case.values, self.seed, self.map_folder, self.border, self.duration),
             *(str(self.sensing), *self.changes),
@@ -142,7 +142,7 @@ class Study:
 
 @dataclass(frozen=True)
 class Result:
-    """One run with its figures, as ``patrol bench --json`` gives them."""
+    """One run with its figures, as ``patrol bench --json`` writes them."""
 
     run: Run
     figures: dict[str, Any]
@@ -151,8 +151,8 @@ class Result:
 def read_study(path: Path, changes: Sequence[str] = ()) -> Study:
     """Read and check a study file; a map folder is relative to it, or a shipped name.
 
-    changes: ``section.key=value``, settings that all cases have in common.
-    Raises StudyError; MapError, BorderError and ConfigError for what it names.
+    changes: ``section.key=value``, common to all cases. Raises StudyError for the file; MapError,
+    BorderError and ConfigError for maps, borders and settings it names.
     """
     try:
         content = msgspec.convert(tomllib.loads(path.read_text(encoding="utf-8")), StudyFile)
@@ -188,7 +188,7 @@ def read_study(path: Path, changes: Sequence[str] = ()) -> Study:
             settings.sensing,
             common,
         )
-        for seed in seeds  # a study that is stopped has something of every case
+        for seed in seeds  # outermost: an interrupted study has results of every case
         for case in cases
     )
     return Study(settings, cases, runs)
@@ -216,9 +216,9 @@ def _border_of(case: Case, settings: StudySettings, base: Path) -> tuple[Path, s
 
 
 def configuration(case: Case, source: str, changes: Sequence[str] = ()) -> AgentConfig:
-    """Return the configuration of a case's robots, with ``section.key=value`` changes under it.
+    """Return the configuration of a case's robots, ``changes`` applied before the case's settings.
 
-    Raises ConfigError for a key that is not one of a robot's, naming ``source``.
+    Raises ConfigError for an unknown key, naming ``source``.
     """
     tree: dict[str, Any] = {}
     for key, value in case.settings.items():
@@ -246,7 +246,7 @@ def _label(key: str, value: Setting) -> str:
 
 
 def _shown(value: Setting) -> str:
-    """Return a setting as TOML has it, words without quotes."""
+    """Return a setting in TOML syntax, strings without quotes."""
     if isinstance(value, tuple):
         return str(list(value))
     return str(value).lower() if isinstance(value, bool) else str(value)
@@ -259,10 +259,11 @@ def run_study(
     progress: Callable[[float], None] = lambda _: None,
     cluster: str | None = None,
 ) -> list[Result]:
-    """Run what is not yet in the folder, ``jobs`` processes at a time or on the cluster at an
-    address; return all results.
+    """Run the runs without a result in the folder; return all results in the study's order.
 
-    Each result is written when its run ends: a study that was killed goes on where it was.
+    jobs: local processes at a time; cluster: address of a Dask scheduler, used instead. Each result
+    is written when its run ends, so a killed study can be resumed. Raises StudyError for a damaged
+    result, ClusterError for an unusable cluster.
     """
     runs_folder = folder / RUNS_FOLDER
     runs_folder.mkdir(parents=True, exist_ok=True)
@@ -290,8 +291,8 @@ def _execute(runs: Sequence[Run], jobs: int) -> Iterator[Result]:
 
 
 def bench_run(run: Run) -> Result:
-    """Carry out one run."""
-    cv2.setNumThreads(1)  # a process per core is busy enough
+    """Execute one run in this process."""
+    cv2.setNumThreads(1)  # one process per core uses them all
     folder = load_map_folder(Path(run.map_folder), run.border)
     config = configuration(run.case, "study", run.changes)
     figures = bench(
@@ -307,7 +308,7 @@ def bench_run(run: Run) -> Result:
 
 
 def _store(folder: Path, result: Result) -> None:
-    """Write a result so that it is there whole or not at all."""
+    """Write a result atomically."""
     content = {
         "case": dict(result.run.case.values),
         "seed": result.run.seed,

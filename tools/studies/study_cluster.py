@@ -1,7 +1,7 @@
-"""Runs of a study on a Dask cluster, given by its scheduler's address.
+"""Executes runs of a study on a Dask cluster.
 
-The workers need this product, and the map folder under the same path. Dask comes with the extra
-``cluster``; studies on one machine do without it.
+The workers need this product, and the map folder under the same path. Dask is in the extra
+``cluster``; studies on one machine do not need it.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ _Result = TypeVar("_Result")
 
 
 class ClusterError(ValueError):
-    """A cluster that cannot be used; the message says what to do."""
+    """A cluster cannot be used; the message names reason and remedy."""
 
 
 def run_on_cluster(
     runs: Sequence[_Run], run: Callable[[_Run], _Result], address: str
 ) -> Iterator[_Result]:
-    """Yield the results of runs as they end; those not begun are cancelled when the caller stops.
+    """Yield the results of runs as they end; pending ones are cancelled when the caller stops.
 
-    Raises ClusterError without Dask, or where no scheduler answers at the address.
+    address: of the Dask scheduler. Raises ClusterError without Dask, or if no scheduler answers.
     """
     try:
         from distributed import Client, as_completed

@@ -19,13 +19,13 @@ CONFIDENCE = 0.95
 
 
 def _after_wrecks(figures: dict[str, Any], name: str) -> float | None:
-    """What came of the border once robots stood on it; None where none did."""
+    """Return a figure of the border after robots died on it; None if none did."""
     value: float | None = (figures.get("after_wrecks") or {}).get(name)
     return value
 
 
 def _intruder(figures: dict[str, Any], dwell: float) -> float | None:
-    """Chance that an intruder is seen who waits so long, s, at the weakest place."""
+    """Return the probability of seeing an intruder that dwells so long, s, at the worst place."""
     seen = figures.get("intruder_seen")
     return None if seen is None else seen["weakest_place"][seen["dwell_s"].index(dwell)]
 
@@ -57,11 +57,11 @@ COLUMNS: dict[str, Extract] = {
 
 @dataclass(frozen=True)
 class Summary:
-    """One figure over the runs of a case."""
+    """Statistics of one figure over the runs of a case."""
 
     mean: float
     half_width: float
-    """Of the confidence interval of the mean; nan for a single run."""
+    """Half width of the mean's confidence interval; nan for a single run."""
     worst: float
     runs: int
 
@@ -72,7 +72,7 @@ class Summary:
 
 
 def summarize(values: NDArray[np.float64]) -> Summary | None:
-    """Return mean and Student's interval of values (n,); None where there are none."""
+    """Return mean and Student's interval of values (n,); None for n = 0."""
     n = len(values)
     if n == 0:
         return None
@@ -82,7 +82,7 @@ def summarize(values: NDArray[np.float64]) -> Summary | None:
 
 
 def table(results: Sequence[Result]) -> dict[Case, dict[str, Summary | None]]:
-    """Return every column's summary by case, in the order of first appearance."""
+    """Return every column's summary by case, cases in order of first appearance."""
     by_case: dict[Case, list[dict[str, Any]]] = {}
     for result in results:
         by_case.setdefault(result.run.case, []).append(result.figures)
@@ -98,7 +98,7 @@ def _column(extract: Extract, runs: Sequence[dict[str, Any]]) -> Summary | None:
 
 
 def write_csv(results: Sequence[Result], path: Path) -> None:
-    """Write one line per run: what was varied, the seed, every column."""
+    """Write one line per run: varied settings, seed, every column. results: at least one."""
     varied = [key for key, _ in results[0].run.case.values]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)

@@ -1,7 +1,7 @@
-"""Worker processes for long studies, started anew and never forked.
+"""Worker processes for long studies, spawned and never forked.
 
-A fork copies a process whose other threads (OpenCV's, Zenoh's) may hold locks; the copy of such a
-lock is never released, and the child waits for ever.
+A fork copies locks held by other threads (OpenCV's, Zenoh's); such a copy is never released, and
+the child deadlocks.
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ import multiprocessing
 from concurrent.futures import ProcessPoolExecutor  # noqa: TID251 - the one place
 
 START = multiprocessing.get_context("spawn")
-"""How every process of ours starts that is not a program of its own."""
+"""Start method of every child process that runs a function."""
 
 
 def worker_pool(processes: int) -> ProcessPoolExecutor:
-    """Return a pool of that many processes, each begun with a fresh interpreter."""
+    """Return a pool of that many processes, each with a fresh interpreter."""
     return ProcessPoolExecutor(processes, mp_context=START)

@@ -1,4 +1,4 @@
-"""The benchmark of the localizer: its table covers what is asked, its map keeps the limit."""
+"""The localizer's benchmark: complete table, scans on the map, memory of a large map in limits."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tools.benchmark.localize_benchmark import (
 )
 
 
-def test_table_has_every_number_of_particles_and_beams(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_costs_cover_every_number_of_particles_and_beams(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(localize_benchmark, "UPDATES", 8)
     costs = list(update_costs(find_map("intel_lab", Path.cwd())))
     assert {(c.particles, c.beams) for c in costs} == {(p, b) for p in PARTICLES for b in BEAMS}
@@ -43,5 +43,5 @@ def test_scans_lie_on_the_map() -> None:
         assert np.median(distance[rows, cols]) <= folder.map.resolution
 
 
-def test_a_large_map_keeps_its_memory_limit() -> None:
+def test_large_map_stays_within_its_memory_limit() -> None:
     assert large_map_mb() < 60.0

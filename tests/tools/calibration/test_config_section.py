@@ -1,4 +1,4 @@
-"""Keys are set in any valid TOML file, however it is written, and nothing else changes."""
+"""Keys are set in valid TOML files of any layout, and nothing else changes."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def test_keys_are_set_and_nothing_else(text: str, section: str, values: dict[str
     assert changed.count("\r\n") in (0, changed.count("\n"))
 
 
-def test_a_comment_stays_above_its_section() -> None:
+def test_comment_stays_above_its_section() -> None:
     changed = with_keys(CONFIGS["array over lines"], "camera", CAMERA)
     assert changed == (
         '[camera]\nmount = [0.1, 0.0, 0.2]  # end\nurl = "a]b[c" # q\nfocal_length = 210.0\n'
@@ -86,7 +86,9 @@ TABLES = st.permutations(["[camera]", "[perception]", "[perception.color]", "[ '
 
 
 @given(TABLES, st.lists(SCALARS, min_size=4, max_size=4), st.integers(0, 4), st.booleans())
-def test_any_layout(headers: list[str], values: list[Any], count: int, dotted: bool) -> None:
+def test_keys_are_set_in_any_layout(
+    headers: list[str], values: list[Any], count: int, dotted: bool
+) -> None:
     blocks = [
         f"{header} # of {number}\nkey = {value} # {number}\n\n# before the next\n"
         for number, (header, value) in enumerate(zip(headers[:count], values, strict=False))
@@ -100,7 +102,7 @@ def test_any_layout(headers: list[str], values: list[Any], count: int, dotted: b
 
 
 @pytest.mark.parametrize("name", ["inline table", "dotted parent", "array over lines"])
-def test_a_robots_file(tmp_path: Path, name: str) -> None:
+def test_robots_file_keeps_its_other_settings_and_mode(tmp_path: Path, name: str) -> None:
     robot = tmp_path / "robot.toml"
     robot.write_text(CONFIGS[name])
     robot.chmod(0o640)
@@ -113,13 +115,13 @@ def test_a_robots_file(tmp_path: Path, name: str) -> None:
     assert list(tmp_path.iterdir()) == [robot]
 
 
-def test_a_file_that_is_not_there_yet(tmp_path: Path) -> None:
+def test_missing_file_is_made(tmp_path: Path) -> None:
     robot = tmp_path / "robot.toml"
     set_keys(robot, "camera", CAMERA)
     assert load_config(robot).camera.focal_length == 210.0
 
 
-def test_a_link_stays_a_link(tmp_path: Path) -> None:
+def test_symbolic_link_stays_a_link(tmp_path: Path) -> None:
     robot, link = tmp_path / "robot.toml", tmp_path / "link.toml"
     robot.write_text("[robot]\nname = 'anna'\n")
     link.symlink_to(robot)
@@ -136,7 +138,7 @@ def test_a_link_stays_a_link(tmp_path: Path) -> None:
         (b"camera = 3\n", r"robot\.toml: camera: "),
     ],
 )
-def test_a_file_that_is_no_configuration_is_named(
+def test_file_that_is_no_configuration_is_an_error_naming_it(
     tmp_path: Path, content: bytes, words: str
 ) -> None:
     robot = tmp_path / "robot.toml"
@@ -146,7 +148,7 @@ def test_a_file_that_is_no_configuration_is_named(
     assert robot.read_bytes() == content
 
 
-def test_a_file_that_cannot_be_replaced_is_named(
+def test_unwritable_file_is_an_error_and_unchanged(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     robot = tmp_path / "robot.toml"
@@ -162,7 +164,7 @@ def test_a_file_that_cannot_be_replaced_is_named(
     assert list(tmp_path.iterdir()) == [robot]
 
 
-def test_what_cannot_be_placed_is_told_line_by_line(
+def test_keys_that_cannot_be_written_are_listed_in_the_error(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     robot = tmp_path / "robot.toml"

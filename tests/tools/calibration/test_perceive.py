@@ -1,4 +1,4 @@
-"""In a building without robots of the team nobody is a teammate, and walls do not walk."""
+"""On a log without robots of the team no track is a teammate, and walls are not moving."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tools.localize.localize import log_steps, map_of_log
 from tools.logs.carmen import read_carmen
 
 
-def test_nobody_is_seen_in_a_real_building(data_folder: Path) -> None:
+def test_no_teammate_is_found_in_a_building_without_robots(data_folder: Path) -> None:
     log = read_carmen(data_folder / "logs" / "intel-corrected.log.gz")
     log = replace(log, scans=log.scans[:240])
     steps = log_steps(log)[1::2]

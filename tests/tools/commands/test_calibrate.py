@@ -31,7 +31,7 @@ BAND = (140, 110, 39, 10)  # left, top, width, height
 
 
 def picture(color: tuple[int, int, int] = GREEN, light: Light | None = None) -> NDArray[np.uint8]:
-    """Return a room with a band a good 2.4 m away."""
+    """Return a picture of a room with a band of a colour (BGR) about 2.4 m away."""
     scene = np.empty((240, 320, 3), dtype=np.uint8)
     scene[:120], scene[120:] = (190, 200, 200), (80, 90, 95)
     left, top, width, height = BAND
@@ -39,7 +39,7 @@ def picture(color: tuple[int, int, int] = GREEN, light: Light | None = None) -> 
     return LitCamera(np.random.default_rng(1)).expose(scene, light or Light(300.0))
 
 
-def test_a_learned_colour_finds_its_band_and_not_the_old_one(tmp_path: Path) -> None:
+def test_learned_colour_finds_its_band_and_no_other(tmp_path: Path) -> None:
     path, robot, mask = tmp_path / "band.png", tmp_path / "robot.toml", tmp_path / "mask.png"
     cv2.imwrite(str(path), picture())
     robot.write_text("# mine\n[robot]\nname = 'anna'\n")
@@ -59,7 +59,7 @@ def test_a_learned_colour_finds_its_band_and_not_the_old_one(tmp_path: Path) -> 
     assert 250 < np.count_nonzero(shown[:, 320:, 0] > 128) < 700
 
 
-def test_box_and_middle_mark_what_they_say() -> None:
+def test_box_and_middle_mark_the_pixels_inside_them() -> None:
     seen = picture()
     point = band_at(seen, 160, 115)
     assert 250 < np.count_nonzero(point) < 420
@@ -69,7 +69,7 @@ def test_box_and_middle_mark_what_they_say() -> None:
         band_at(seen, 320, 10)
 
 
-def test_grey_or_dark_pictures_teach_nothing() -> None:
+def test_grey_or_dark_pictures_are_refused() -> None:
     seen = picture()
     wall = np.zeros(seen.shape[:2], dtype=bool)
     wall[10:60, 10:60] = True
@@ -110,7 +110,7 @@ def test_sections_are_changed_in_place_or_added() -> None:
     assert added.endswith("\n[camera]\nfocal_length = 210.0\n")
 
 
-def test_a_file_that_would_be_no_configuration_is_left_alone(tmp_path: Path) -> None:
+def test_file_is_unchanged_if_the_result_is_no_valid_configuration(tmp_path: Path) -> None:
     robot = tmp_path / "robot.toml"
     robot.write_text("[robot]\nname = 'anna'\n")
     with pytest.raises(ConfigError, match=r"camera\.focal_length"):
@@ -118,7 +118,7 @@ def test_a_file_that_would_be_no_configuration_is_left_alone(tmp_path: Path) -> 
     assert robot.read_text() == "[robot]\nname = 'anna'\n"
 
 
-def test_a_default_colour_is_the_one_of_the_emulated_robots() -> None:
+def test_default_colour_equals_that_of_the_emulated_robots() -> None:
     seen = picture((150, 40, 225))
     learned = learn_color([(seen, band_at(seen, 160, 115))])
     default = ColorModelSettings()

@@ -1,4 +1,4 @@
-"""``patrol localize`` from the command line, on logs of every kind it reads."""
+"""``patrol localize`` from the command line, on every supported kind of log."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def source(data_folder: Path) -> Path:
 
 
 def front_laser_log(source: Path, beams: int, *, stamped: bool = True) -> str:
-    """Thin the beams of a real log's FLASER lines; without stamps all its times are 0."""
+    """Return a real log's FLASER and ODOM lines with fewer beams; unstamped: all times are 0."""
     chosen = {180: slice(0, 360, 2), 181: slice(0, 361, 2), 360: slice(0, 360), 361: slice(0, 361)}
     lines, scans = [], 0
     for line in gzip.decompress(source.read_bytes()).decode().splitlines():
@@ -42,7 +42,7 @@ def front_laser_log(source: Path, beams: int, *, stamped: bool = True) -> str:
 
 
 def robot_laser_log(source: Path) -> str:
-    """Write ROBOTLASER1 lines: raw odometry as the robot's pose, no ODOM lines at all."""
+    """Return ROBOTLASER1 lines with raw odometry as the robot's pose, without ODOM lines."""
     lines = []
     for scan in read_carmen(source).scans[FIRST : FIRST + COUNT]:
         ranges = [f"{r:.3f}" if math.isfinite(r) else "81.9" for r in scan.ranges]
@@ -61,7 +61,9 @@ def localize(tmp_path: Path, *words: str) -> dict:
 
 
 @pytest.mark.parametrize("beams", [180, 181, 360, 361])
-def test_front_laser_logs_of_any_beam_count(source: Path, tmp_path: Path, beams: int) -> None:
+def test_front_laser_log_of_any_beam_count_is_localized(
+    source: Path, tmp_path: Path, beams: int
+) -> None:
     log = tmp_path / "x.log"
     log.write_text(front_laser_log(source, beams))
     summary = localize(tmp_path, "--map-from", "all", str(log))
@@ -70,7 +72,7 @@ def test_front_laser_logs_of_any_beam_count(source: Path, tmp_path: Path, beams:
     assert summary["lost_share"] == 0.0
 
 
-def test_robot_laser_logs(source: Path, tmp_path: Path) -> None:
+def test_robot_laser_log_is_localized(source: Path, tmp_path: Path) -> None:
     log = tmp_path / "x.log"
     log.write_text(robot_laser_log(source))
     summary = localize(tmp_path, "--map-from", "all", str(log))
@@ -78,7 +80,7 @@ def test_robot_laser_logs(source: Path, tmp_path: Path) -> None:
     assert summary["position_m"]["rmse"] < 0.03
 
 
-def test_useless_stamps_do_not_matter(source: Path, tmp_path: Path) -> None:
+def test_log_with_zero_time_stamps_is_localized(source: Path, tmp_path: Path) -> None:
     log = tmp_path / "x.log"
     log.write_text(front_laser_log(source, 361, stamped=False))
     summary = localize(tmp_path, "--map-from", "all", str(log))
@@ -100,7 +102,7 @@ def test_every_second_scan_is_held_out(source: Path, tmp_path: Path) -> None:
     assert needed | {"reference_x", "position_error_m", "heading_error_deg"} <= set(rows[0])
 
 
-def test_kidnap_and_unknown_start(source: Path, tmp_path: Path) -> None:
+def test_kidnapped_robot_and_unknown_start_are_localized(source: Path, tmp_path: Path) -> None:
     words = ("--map-from", "all", f"{source}:27")
     kidnapped = localize(tmp_path, *words, "--kidnap", "200", "--seed", "1")["after_event"]
     assert kidnapped["doubted_after_m"] <= 2.0
@@ -111,7 +113,7 @@ def test_kidnap_and_unknown_start(source: Path, tmp_path: Path) -> None:
     assert "after_event" not in localize(tmp_path, *words)
 
 
-def test_fixed_particles_are_kept(source: Path, tmp_path: Path) -> None:
+def test_particles_option_fixes_their_number(source: Path, tmp_path: Path) -> None:
     words = ("--map-from", "all", f"{source}:200", "--particles", "700", "--beams", "40")
     assert localize(tmp_path, *words)["particles"]["median"] == 700
 
@@ -128,7 +130,7 @@ def test_study_prints_a_table(
     assert out[2].split()[0] == "seattle"
 
 
-def test_input_that_cannot_be_used_is_named(
+def test_unusable_input_is_one_error_naming_it(
     source: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for words, complaint in (

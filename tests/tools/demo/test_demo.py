@@ -69,7 +69,7 @@ def test_robots_patrol_apart_and_replay_identically(
     assert "contacts: 0" in printed
 
 
-def test_a_demo_without_a_world_says_so_and_leaves_nothing_behind(tmp_path: Path) -> None:
+def test_missing_map_raises_and_leaves_no_process(tmp_path: Path) -> None:
     options = DemoOptions(tmp_path / "no_map", "border", 1, 1, free_endpoint(), tmp_path)
     with pytest.raises(ValueError, match="world process did not start"), Demo(options).running():
         pass

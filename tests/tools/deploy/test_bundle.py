@@ -1,4 +1,4 @@
-"""What the bundle asks pip for; the download itself needs a network and is a command."""
+"""Arguments, contents and instructions of the bundle; the download needs a network: not tested."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ from tools.deploy.bundle import (
 )
 
 
-def test_asks_for_pinned_wheels_of_the_robots_machine(tmp_path: Path) -> None:
+def test_download_arguments_name_pinned_wheels_of_the_machine(tmp_path: Path) -> None:
     arguments = download_arguments("aarch64", tmp_path)
     assert arguments[arguments.index("--python-version") + 1] == "3.11"
     assert "manylinux2014_aarch64" in arguments
@@ -22,7 +22,7 @@ def test_asks_for_pinned_wheels_of_the_robots_machine(tmp_path: Path) -> None:
     assert "numpy==" in constraints.read_text()
 
 
-def test_takes_what_runs_on_the_robot_and_no_more() -> None:
+def test_dependencies_are_those_of_the_onboard_part() -> None:
     names = dependencies()
     assert {"numpy", "pyserial", "eclipse-zenoh"} <= set(names)
     assert not {"aiohttp", "matplotlib", "pytest"} & set(names)
@@ -33,7 +33,7 @@ def test_instructions_use_no_network() -> None:
     assert "http" not in INSTRUCTIONS
 
 
-def test_carries_what_the_instructions_refer_to() -> None:
+def test_documents_hold_those_named_by_the_instructions() -> None:
     names = {str(path.relative_to(ROOT)) for path in documents()}
     assert "tools/deploy/README.md" in names
     assert "documents/tools/deploy/README.md" in INSTRUCTIONS

@@ -1,4 +1,4 @@
-"""With certificates, a robot is only what its certificate says it is."""
+"""With certificates, a robot can publish under its certificate's name only."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tools.deploy.certificates import KEY, KeysError, known_robots, make_keys
 from tools.monitor.endpoint import free_endpoint
 from tools.monitor.operator import Operator, OperatorError
 
-PATIENCE_S = 20.0
+TIMEOUT_S = 20.0
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +36,7 @@ def endpoint() -> str:
 
 
 def wait_until(condition: Callable[[], bool], what: str) -> None:
-    deadline = time.monotonic() + PATIENCE_S
+    deadline = time.monotonic() + TIMEOUT_S
     while not condition():
         assert time.monotonic() < deadline, what
         time.sleep(0.02)
@@ -53,7 +53,7 @@ def test_robots_report_with_their_certificates(keys: Path, endpoint: str) -> Non
         assert robot.failed == ""
 
 
-def test_forger_with_annas_certificate_cannot_speak_as_bob(keys: Path, endpoint: str) -> None:
+def test_payloads_under_another_robots_name_are_denied(keys: Path, endpoint: str) -> None:
     with (
         closing(Operator(endpoint, keys=keys / "operator")) as operator,
         zenoh.open(session_config(endpoint, str(keys / "anna"))) as forger,
@@ -69,7 +69,7 @@ def test_forger_with_annas_certificate_cannot_speak_as_bob(keys: Path, endpoint:
         token.undeclare()  # type: ignore[no-untyped-call]
 
 
-def test_nobody_gets_in_without_a_certificate_of_ours(
+def test_clients_without_a_certificate_of_the_authority_are_denied(
     keys: Path, endpoint: str, tmp_path: Path
 ) -> None:
     make_keys(tmp_path, "north", ["anna"], ["127.0.0.1"])
@@ -89,7 +89,7 @@ def test_nobody_gets_in_without_a_certificate_of_ours(
             each.close()
 
 
-def test_keys_are_private_and_robots_can_be_added(tmp_path: Path) -> None:
+def test_keys_are_private_and_existing_ones_are_kept(tmp_path: Path) -> None:
     assert make_keys(tmp_path, "north", ["anna"], ["laptop.local"]) == [
         "authority",
         "operator",
@@ -103,7 +103,7 @@ def test_keys_are_private_and_robots_can_be_added(tmp_path: Path) -> None:
         assert stat.S_IMODE(path.stat().st_mode) == 0o600
 
 
-def test_what_cannot_work_is_one_error(tmp_path: Path, endpoint: str) -> None:
+def test_invalid_keys_and_endpoints_are_one_error(tmp_path: Path, endpoint: str) -> None:
     with pytest.raises(KeysError, match="give --host"):
         make_keys(tmp_path, "north", ["anna"], [])
     for robot in ("operator", "an/na", ""):

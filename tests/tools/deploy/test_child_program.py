@@ -1,4 +1,4 @@
-"""Programs of ours run our code, whatever lies in the working directory."""
+"""Child processes run this checkout's code, whatever the working directory holds."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if __name__ == "__main__":
 
 @pytest.fixture
 def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A working directory with packages that are called like ours, and fail."""
+    """Return a working directory with failing packages of the same names."""
     for name in ("tools", "drivers", "robot_agent", "pip"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "__init__.py").write_text("raise RuntimeError('not ours')\n")
@@ -35,7 +35,7 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_a_folder_called_tools_is_not_ours(elsewhere: Path) -> None:
+def test_folder_named_tools_in_the_working_directory_is_not_imported(elsewhere: Path) -> None:
     bare = subprocess.run(
         [sys.executable, "-m", "tools.cli", "--version"], capture_output=True, text=True
     )
@@ -46,13 +46,13 @@ def test_a_folder_called_tools_is_not_ours(elsewhere: Path) -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_it_is_this_code_that_runs(elsewhere: Path) -> None:
+def test_environment_runs_this_checkouts_code(elsewhere: Path) -> None:
     command = [sys.executable, "-P", "-c", "import tools; print(tools.__file__)"]
     done = subprocess.run(command, env=environment(), capture_output=True, text=True)
     assert done.stdout.strip() == tools.__file__
 
 
-def test_a_demo_runs_in_such_a_directory(elsewhere: Path) -> None:
+def test_demo_runs_beside_packages_of_the_same_names(elsewhere: Path) -> None:
     demo = program("tools.cli", "demo", "--robots", "1", "--duration", "3", "--headless")
     done = subprocess.run(
         [*demo, "--record", str(elsewhere / "run")],
@@ -64,19 +64,19 @@ def test_a_demo_runs_in_such_a_directory(elsewhere: Path) -> None:
     assert (elsewhere / "run" / "robot1.mcap").exists()
 
 
-def test_worker_processes_run_in_such_a_directory(elsewhere: Path) -> None:
+def test_worker_processes_run_beside_packages_of_the_same_names(elsewhere: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-P", "-c", POOL], env=environment(), capture_output=True, text=True
     )
     assert done.stdout == "2.0\n", done.stderr
 
 
-def test_paths_of_the_user_stay_after_ours(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_users_pythonpath_follows_this_checkout(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(("", "/mine", "")))
     assert environment()["PYTHONPATH"] == os.pathsep.join((str(child_program.ROOT), "/mine"))
 
 
-def test_an_installed_package_does_not_come_before_the_standard_library(
+def test_installed_package_is_not_added_to_the_pythonpath(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.delenv("PYTHONPATH", raising=False)
@@ -84,7 +84,7 @@ def test_an_installed_package_does_not_come_before_the_standard_library(
     assert environment()["PYTHONPATH"] == ""
 
 
-def test_start_from_a_checkout_runs_the_checkouts_code(elsewhere: Path) -> None:
+def test_run_script_starts_the_checkouts_code(elsewhere: Path) -> None:
     checkout = elsewhere / "checkout"
     (checkout / "tools").mkdir(parents=True)
     (checkout / ".venv" / "bin").mkdir(parents=True)

@@ -1,4 +1,4 @@
-"""An installation below a root of its own: what is written, checked and refused."""
+"""An installation below a temporary root: files written, checks, refusals."""
 
 import shutil
 from pathlib import Path
@@ -40,9 +40,7 @@ def test_writes_unit_rules_user_and_configuration(tmp_path: Path, config: Path) 
     assert "@USER@" not in unit
 
 
-def test_rules_that_are_there_name_this_robots_adapters_and_are_kept(
-    tmp_path: Path, config: Path
-) -> None:
+def test_existing_udev_rules_are_kept(tmp_path: Path, config: Path) -> None:
     rules = tmp_path / RULES
     rules.parent.mkdir(parents=True)
     rules.write_text("# mine\n")
@@ -52,7 +50,7 @@ def test_rules_that_are_there_name_this_robots_adapters_and_are_kept(
 
 
 @needs_systemd
-def test_systemd_accepts_the_unit_and_finds_it_little_exposed(tmp_path: Path) -> None:
+def test_unit_passes_verification_and_exposure_limit(tmp_path: Path) -> None:
     done = deploy(tmp_path, [], "root", Path("/bin/true"))
     assert [finding.verdict for finding in done.findings] == [Verdict.OK] * 3
     assert done.fit
@@ -61,7 +59,7 @@ def test_systemd_accepts_the_unit_and_finds_it_little_exposed(tmp_path: Path) ->
 
 
 @needs_systemd
-def test_a_unit_that_is_none_is_a_finding(tmp_path: Path) -> None:
+def test_invalid_unit_is_a_failed_finding(tmp_path: Path) -> None:
     unit = tmp_path / "patrol@.service"
     unit.write_text("[Service]\nExecStart=/nowhere/patrol\n")
     verdicts = {finding.subject: finding.verdict for finding in check_unit(unit)}
@@ -80,7 +78,7 @@ def test_bad_configurations_are_refused_before_anything_is_written(tmp_path: Pat
     assert not (tmp_path / "root").exists()
 
 
-def test_command_says_what_to_do_next(
+def test_command_prints_the_next_steps(
     tmp_path: Path, config: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     status = main(["install", str(config), "--root", str(tmp_path), "--user", "root"])

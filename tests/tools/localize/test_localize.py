@@ -79,7 +79,9 @@ def test_summary_has_the_documented_keys_and_true_numbers(
     assert summary["health_share"]["localized"] > 0.9
 
 
-def test_files_say_what_the_result_says(log: CarmenLog, folder: MapFolder, tmp_path: Path) -> None:
+def test_csv_holds_the_rows_of_the_result(
+    log: CarmenLog, folder: MapFolder, tmp_path: Path
+) -> None:
     result = localize(log, folder, LocalizeOptions())
     result.write_csv(tmp_path / "out.csv")
     with (tmp_path / "out.csv").open(newline="") as file:
@@ -95,7 +97,7 @@ def test_progress_counts_every_scan(log: CarmenLog, folder: MapFolder) -> None:
     assert calls == list(range(1, SCANS - 50 + 1))
 
 
-def test_same_seed_same_rows(log: CarmenLog, folder: MapFolder) -> None:
+def test_same_seed_gives_the_same_rows(log: CarmenLog, folder: MapFolder) -> None:
     first, again, other = (
         [
             replace(row, update_ms=0.0)
@@ -107,7 +109,7 @@ def test_same_seed_same_rows(log: CarmenLog, folder: MapFolder) -> None:
     assert first != other
 
 
-def test_fixed_particles_and_beams(log: CarmenLog, folder: MapFolder) -> None:
+def test_particles_option_fixes_their_number(log: CarmenLog, folder: MapFolder) -> None:
     result = localize(log, folder, LocalizeOptions(particles=321, beams=30))
     assert {row.particles for row in result.rows} == {321}
 
@@ -123,9 +125,7 @@ def test_steps_without_reference_have_no_errors(log: CarmenLog, folder: MapFolde
         localize_steps("recording", steps, folder, LocalizeOptions())
 
 
-def test_astray_counts_as_lost_whatever_the_filter_believes(
-    log: CarmenLog, folder: MapFolder
-) -> None:
+def test_estimate_far_from_the_reference_counts_as_lost(log: CarmenLog, folder: MapFolder) -> None:
     shifted = [
         LogStep(s.t, s.odometry, s.points(), Pose(s.reference.x + 5, s.reference.y, 0))
         for s in log.scans
@@ -134,13 +134,13 @@ def test_astray_counts_as_lost_whatever_the_filter_believes(
     assert localize_steps("x", shifted, folder, options).summary["lost_share"] == 1.0
 
 
-def test_unknown_start(log: CarmenLog, folder: MapFolder) -> None:
+def test_unknown_start_is_localized(log: CarmenLog, folder: MapFolder) -> None:
     result = localize(log, folder, LocalizeOptions(anywhere=True))
     assert result.rows[0].health == "lost"
     assert result.rows[-1].health == "localized"
     assert result.rows[-1].position_error_m < 0.2
 
 
-def test_no_scan_left(log: CarmenLog, folder: MapFolder) -> None:
+def test_first_scan_beyond_the_end_is_an_error(log: CarmenLog, folder: MapFolder) -> None:
     with pytest.raises(LogError, match="no scan"):
         localize(log, folder, LocalizeOptions(first_scan=999))

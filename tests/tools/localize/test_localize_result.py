@@ -1,4 +1,4 @@
-"""Rows and summary of a run: errors, lost scans, ellipses that hold the reference."""
+"""Rows and summary of a run: errors, lost scans, share of references inside the ellipses."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def result(*rows: LocalizeRow) -> LocalizeResult:
     return LocalizeResult("log", "map", 0, list(rows))
 
 
-def test_errors_of_a_row() -> None:
+def test_row_holds_errors_against_the_reference() -> None:
     found = row(Pose(1.0, 2.0, math.pi - 0.1), Pose(1.3, 2.4, -math.pi + 0.1))
     assert found.position_error_m == pytest.approx(0.5)
     assert found.heading_error_deg == pytest.approx(math.degrees(0.2))
@@ -43,7 +43,7 @@ def test_errors_of_a_row() -> None:
     assert np.array_equal(found.covariance, COVARIANCE)
 
 
-def test_lost_is_what_says_so_or_is_astray() -> None:
+def test_row_is_lost_by_health_or_by_error() -> None:
     here, metre = Pose(0, 0, 0), Pose(1.01, 0, 0)
     assert not row(here, here).is_lost
     assert row(here, here, Health.LOST).is_lost
@@ -52,7 +52,7 @@ def test_lost_is_what_says_so_or_is_astray() -> None:
     assert result(row(here, here), row(here, metre)).lost_share == 0.5
 
 
-def test_share_inside_the_ellipses_is_right_for_errors_of_the_stated_covariance() -> None:
+def test_coverage_is_95_percent_for_errors_of_the_covariance() -> None:
     rng = np.random.default_rng(1)
     away = rng.multivariate_normal(np.zeros(3), COVARIANCE, 4000)
     rows = [row(Pose(*each), Pose(0, 0, 0)) for each in away.tolist()]
@@ -66,7 +66,7 @@ def test_share_inside_the_ellipses_is_right_for_errors_of_the_stated_covariance(
     assert worse.xy < 0.8
 
 
-def test_without_references_there_is_nothing_to_judge() -> None:
+def test_without_references_coverage_is_none() -> None:
     alone = result(row(Pose(0, 0, 0), None))
     assert alone.coverage() is None
     assert alone.summary["inside_95"] is None

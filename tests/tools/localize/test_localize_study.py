@@ -1,4 +1,4 @@
-"""The accuracy study: what it localizes on what, and the table it makes."""
+"""The accuracy study: its scans and maps, its limits, its table."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def seattle(path: Path) -> StudyLog:
     return read_study_log(path, 27)
 
 
-def test_hold_out_localizes_only_scans_the_map_has_not_seen(path: Path, seattle: StudyLog) -> None:
+def test_hold_out_scans_are_not_in_the_map(path: Path, seattle: StudyLog) -> None:
     scans = read_carmen(path).scans
     assert seattle.name == "seattle"
     assert [step.t for step in seattle.steps] == [scan.t for scan in scans[27:]]
@@ -30,7 +30,7 @@ def test_hold_out_localizes_only_scans_the_map_has_not_seen(path: Path, seattle:
     assert (seattle.map.map.cells == 1).sum() > (seattle.even_map.map.cells == 1).sum()
 
 
-def test_accuracy_keeps_the_targets(seattle: StudyLog) -> None:
+def test_accuracy_meets_the_targets(seattle: StudyLog) -> None:
     """Issue: 0.022 m RMSE, 0.042 m p95, heading under 0.6 degrees, never lost; hold-out 0.04 m."""
     calls: list[float] = []
     (row,) = accuracy([seattle], 2, progress=calls.append)
@@ -66,6 +66,6 @@ def test_table_is_aligned() -> None:
     )  # fmt: skip
 
 
-def test_no_scan_left(path: Path) -> None:
+def test_first_scan_beyond_the_end_is_an_error(path: Path) -> None:
     with pytest.raises(LogError, match="no scan"):
         read_study_log(path, 999)

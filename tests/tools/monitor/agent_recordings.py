@@ -1,4 +1,4 @@
-"""Small recordings of robots, for tests of whoever plays them."""
+"""Small recordings of robots, for tests of playback."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ START = 1_700_000_000.0
 
 
 def agent_recording(name: str, path: Path, begin: float, seconds: float) -> Path:
-    """A robot's recording that begins at ``begin``: it drives along x, 0.1 m/s."""
+    """Write a robot's recording from ``begin`` (s since 1970) on: it drives along x at 0.1 m/s."""
     config = AgentConfig()
     header = RunHeader(
         robot=name,

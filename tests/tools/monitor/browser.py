@@ -1,4 +1,4 @@
-"""A real Chromium without a screen, driven as an operator would use it."""
+"""Headless Chromium, driven by clicks and keys."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 
-PATIENCE_S = 30.0
+TIMEOUT_S = 30.0
 ARGUMENTS = (
     "--headless",
     "--no-sandbox",
@@ -39,7 +39,7 @@ class Browser:
         self.driver.get(url)
 
     def text(self, selector: str) -> str:
-        """Text of the first element of a selector; empty if there is none."""
+        """Return the text of a selector's first element; empty if there is none."""
         script = "return document.querySelector(arguments[0])?.textContent ?? ''"
         return str(self.driver.execute_script(script, selector))
 
@@ -56,18 +56,16 @@ class Browser:
     def run(self, script: str) -> object:
         return self.driver.execute_script(script)
 
-    def wait(
-        self, condition: Callable[[], object], what: str, patience: float = PATIENCE_S
-    ) -> float:
+    def wait(self, condition: Callable[[], object], what: str, timeout: float = TIMEOUT_S) -> float:
         """Wait until a condition holds; return how long that took, s."""
         started = time.monotonic()
         while not condition():
-            assert time.monotonic() - started < patience, f"never on the page: {what}"
+            assert time.monotonic() - started < timeout, f"never on the page: {what}"
             time.sleep(0.05)
         return time.monotonic() - started
 
-    def complaints(self) -> list[str]:
-        """What the page has written to its console as an error since the last call."""
+    def console_messages(self) -> list[str]:
+        """Return the messages on the page's console since the last call."""
         return [entry["message"] for entry in self.driver.get_log("browser")]
 
 

@@ -1,4 +1,4 @@
-"""Telemetry as robots send it, for tests: a well robot's payloads, to be changed at will."""
+"""Payloads of a robot without faults, for tests; keyword arguments change their fields."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from robot_agent.messages.streams import (
 
 
 def device(state: str, **changes: Any) -> DeviceStatus:
-    well = DeviceStatus(
+    defaults = DeviceStatus(
         state=state,
         link_up=True,
         packets_good=100,
@@ -29,11 +29,11 @@ def device(state: str, **changes: Any) -> DeviceStatus:
         bytes_discarded=0,
         bytes_received=2000,
     )
-    return msgspec.structs.replace(well, **changes)
+    return msgspec.structs.replace(defaults, **changes)
 
 
 def status(t: float, **changes: Any) -> StatusPayload:
-    well = StatusPayload(
+    defaults = StatusPayload(
         timestamp=timestamp_at(t),
         robot="anna",
         team="north",
@@ -45,11 +45,11 @@ def status(t: float, **changes: Any) -> StatusPayload:
         laser=device("streaming"),
         localization=LocalizationStatus(health="localized"),
     )
-    return msgspec.structs.replace(well, **changes)
+    return msgspec.structs.replace(defaults, **changes)
 
 
 def decision(t: float, **changes: Any) -> DecisionPayload:
-    well = DecisionPayload(
+    defaults = DecisionPayload(
         timestamp=timestamp_at(t),
         robot="anna",
         action="keep_going",
@@ -65,7 +65,7 @@ def decision(t: float, **changes: Any) -> DecisionPayload:
         requested=Twist(0.35, 0.0),
         command=Twist(0.35, 0.0),
     )
-    return msgspec.structs.replace(well, **changes)
+    return msgspec.structs.replace(defaults, **changes)
 
 
 def pose(t: float, x: float = 1.0, y: float = 2.0, theta: float = 0.0) -> PoseInFrame:

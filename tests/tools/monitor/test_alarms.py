@@ -1,4 +1,4 @@
-"""Alarms from event lists: each appears within 2 s of its cause, and clears."""
+"""Alarms from simulated telemetry: raised within 2 s of their cause, and cleared."""
 
 from __future__ import annotations
 
@@ -41,28 +41,28 @@ from tools.monitor.watch import Watch
 
 KEY = "patrol/north/anna"
 CAUSE, END, LAST = 10.0, 20.0, 40.0
-Say = Callable[[float], dict[str, Payload]]
+PayloadsAt = Callable[[float], dict[str, Payload]]
 
 
-def well(t: float) -> dict[str, Payload]:
+def without_fault(t: float) -> dict[str, Payload]:
     return {"status": status(t), "decision": decision(t)}
 
 
-def alarms_of(trouble: Say) -> list[Alarm]:
-    """All alarms of a run in which a robot has trouble from CAUSE to END and is well otherwise."""
+def alarms_of(trouble: PayloadsAt) -> list[Alarm]:
+    """Return the alarms of a run with a fault's telemetry from CAUSE to END, else without fault."""
     team = TeamState()
     watch = Watch(team, Site(None))
     for step in range(round(LAST / 0.1)):
         t = 0.1 * step
-        said = trouble(t) if CAUSE <= t < END else well(t)
-        for stream, payload in said.items():
+        payloads = trouble(t) if CAUSE <= t < END else without_fault(t)
+        for stream, payload in payloads.items():
             if stream != "status" or step % 5 == 0:
                 team.receive(f"{KEY}/{stream}", encode(payload), t, t)
         watch.advance(t + 0.05, t + 0.05)
     return watch.alarms.alarms()
 
 
-def with_status(**changes: Any) -> Say:
+def with_status(**changes: Any) -> PayloadsAt:
     return lambda t: {"status": status(t, **changes), "decision": decision(t)}
 
 
@@ -79,15 +79,15 @@ def intruder(t: float) -> dict[str, Payload]:
     entity = track_entity(
         timestamp_at(t), 7, (3.0, 4.0), (0.0, 0.0), kind="intruder", probability=0.9
     )
-    return {**well(t), "tracks": SceneUpdate(entities=[entity])}
+    return {**without_fault(t), "tracks": SceneUpdate(entities=[entity])}
 
 
-TROUBLES: dict[str, tuple[Say, Severity, str]] = {
-    "silent": (lambda t: {}, Severity.CRITICAL, "nothing heard for"),
+TROUBLES: dict[str, tuple[PayloadsAt, Severity, str]] = {
+    "silent": (lambda t: {}, Severity.CRITICAL, "nothing received for"),
     "lost": (
         with_status(localization=LocalizationStatus(health="lost")),
         Severity.CRITICAL,
-        "does not know where it is",
+        "localization lost",
     ),
     "stalled": (with_status(stalled=True), Severity.CRITICAL, "a motor is stalled"),
     "bumper": (with_status(bumpers=2), Severity.CRITICAL, "a bumper is pressed"),
@@ -119,31 +119,31 @@ def test_alarm_appears_within_two_seconds_and_clears(kind: str) -> None:
     assert END <= alarm.cleared < END + 3.0
 
 
-def test_a_well_robot_raises_nothing() -> None:
-    assert alarms_of(well) == []
+def test_robot_without_faults_raises_no_alarm() -> None:
+    assert alarms_of(without_fault) == []
 
 
-def test_a_robot_that_starts_up_raises_nothing() -> None:
+def test_starting_robot_raises_no_alarm() -> None:
     def starting(t: float) -> dict[str, Payload]:
         closed = device("idle", link_up=False, link_reason="not opened yet")
         lost = LocalizationStatus(health="lost")
         up = t - CAUSE
         if up > 4.0:
-            return well(t)
+            return without_fault(t)
         return {"status": status(t, uptime=up, base=closed, laser=closed, localization=lost)}
 
     assert alarms_of(starting) == []
 
 
-def said(name: str, level: LogLevel, t: float) -> Log:
+def log_entry(name: str, level: LogLevel, t: float) -> Log:
     return Log(timestamp=timestamp_at(t), level=level, message="somebody is there", name=name)
 
 
 @pytest.mark.parametrize(("name", "kind"), [("intruder", "intruder"), ("patrol", "blocked")])
-def test_words_of_the_log_are_an_alarm_for_a_while(name: str, kind: str) -> None:
+def test_warning_in_the_log_is_an_alarm_for_a_while(name: str, kind: str) -> None:
     def once(t: float) -> dict[str, Payload]:
-        words: dict[str, Payload] = {"event": said(name, LogLevel.WARNING, t)}
-        return {**well(t), **(words if t < CAUSE + 0.05 else {})}
+        words: dict[str, Payload] = {"event": log_entry(name, LogLevel.WARNING, t)}
+        return {**without_fault(t), **(words if t < CAUSE + 0.05 else {})}
 
     (alarm,) = alarms_of(once)
     assert (alarm.kind, alarm.text) == (kind, "somebody is there")
@@ -151,12 +151,12 @@ def test_words_of_the_log_are_an_alarm_for_a_while(name: str, kind: str) -> None
     assert alarm.cleared is not None
 
 
-def test_a_stream_the_agent_misses_is_an_alarm_until_it_is_back() -> None:
+def test_missing_input_is_an_alarm_until_its_return_is_reported() -> None:
     def missed(t: float) -> dict[str, Payload]:
         first, last = t < CAUSE + 0.05, t > END - 0.15
         level = LogLevel.ERROR if first else LogLevel.INFO
-        words: dict[str, Payload] = {"event": said("trust.laser", level, t)}
-        return {**well(t), **(words if first or last else {})}
+        words: dict[str, Payload] = {"event": log_entry("trust.laser", level, t)}
+        return {**without_fault(t), **(words if first or last else {})}
 
     (alarm,) = alarms_of(missed)
     assert (alarm.kind, alarm.severity) == ("trust.laser", Severity.CRITICAL)
@@ -165,7 +165,7 @@ def test_a_stream_the_agent_misses_is_an_alarm_until_it_is_back() -> None:
     assert END - 1.0 < alarm.cleared < END + 2.0
 
 
-def test_every_reason_of_the_gate_has_its_words() -> None:
+def test_every_gate_reason_has_a_text() -> None:
     assert set(GATE_WORDS) == set(GateReason) - {GateReason.NONE}
 
 
@@ -181,7 +181,7 @@ def test_failing_recorder_of_a_robot_is_an_alarm() -> None:
             lateness_max=0.01,
             recorder_trouble="full",
         )
-        return {**well(t), "process": process}
+        return {**without_fault(t), "process": process}
 
     (alarm,) = alarms_of(failing)
     assert (alarm.kind, alarm.text) == ("recorder", "full")
@@ -191,7 +191,7 @@ def condition(kind: str = "battery", severity: Severity = Severity.WARNING) -> C
     return Condition("north/anna", kind, severity, f"{kind} {severity.name}")
 
 
-def test_a_flicker_is_one_alarm() -> None:
+def test_flickering_condition_is_one_alarm() -> None:
     board = AlarmBoard()
     for step in range(100):
         board.update([condition()] if step % 3 else [], 0.2 * step, 0.0)
@@ -199,7 +199,7 @@ def test_a_flicker_is_one_alarm() -> None:
     assert alarm.active
 
 
-def test_acknowledged_alarm_speaks_up_again_when_it_gets_worse() -> None:
+def test_acknowledged_alarm_is_unacknowledged_when_its_severity_rises() -> None:
     board = AlarmBoard()
     board.update([condition()], 0.0, 0.0)
     (alarm,) = board.alarms()
@@ -220,7 +220,7 @@ def test_worst_unseen_alarm_comes_first() -> None:
     assert [alarm.kind for alarm in board.alarms()] == ["c", "a", "b"]
 
 
-def test_list_is_bounded_whatever_happens() -> None:
+def test_list_of_alarms_is_bounded() -> None:
     board = AlarmBoard()
     rng = np.random.default_rng(1)
     for step in range(3 * MAX_ALARMS):
@@ -229,19 +229,20 @@ def test_list_is_bounded_whatever_happens() -> None:
     assert len(board.alarms()) <= MAX_ALARMS + 4
 
 
-def test_every_override_turn_and_source_has_its_words() -> None:
+def test_every_override_turn_and_source_has_a_text() -> None:
     assert set(OVERRIDE_WORDS) == set(OverrideReason)
     assert set(TURN_WORDS) == set(TurnCause)
     assert set(SOURCE_WORDS) == set(ObstacleSource)
 
 
-def test_what_a_robot_does_tells_override_turn_and_obstacle() -> None:
-    heard = RobotState("demo", "robot1").with_payload(
+def test_reason_text_names_override_turn_and_obstacle() -> None:
+    received = RobotState("demo", "robot1").with_payload(
         "decision", decision(1.0, override="closing_in", turn="chance"), 1.0, 1.0
     )
-    assert why(heard, 1.0) == "keeps going clockwise, nobody near: comes slowly closer than usual"
-    assert turn_words(heard, 4.2) == "by chance, 3 s ago"
-    later = heard.with_payload("decision", decision(5.0), 5.0, 5.0)
+    words = "keeps going clockwise, no teammate near: comes slowly closer than usual"
+    assert why(received, 1.0) == words
+    assert turn_words(received, 4.2) == "by chance, 3 s ago"
+    later = received.with_payload("decision", decision(5.0), 5.0, 5.0)
     assert turn_words(later, 6.0) == "by chance, 5 s ago"
     at = later.decision.pose
     obstacle = HeldBy("map_wall", at.x + 0.3, at.y)

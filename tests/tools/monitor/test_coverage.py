@@ -12,13 +12,13 @@ from tools.monitor.coverage import Coverage
 LINE = Border([Segment((0.0, 0.0), (10.0, 0.0))], closed=False)
 
 
-def test_points_wait_from_the_start_until_visited() -> None:
+def test_unvisited_points_are_idle_since_the_start() -> None:
     coverage = Coverage(LINE, 100.0)
     assert coverage.average(110.0) == pytest.approx(10.0)
     assert not coverage.seen().any()
 
 
-def test_a_pass_along_the_border_visits_it_all() -> None:
+def test_pass_along_the_border_visits_every_point() -> None:
     coverage = Coverage(LINE, 0.0)
     for t in np.arange(0.0, 20.01, 0.2):
         coverage.visit([(0.5 * t, 0.1)], float(t))
@@ -30,13 +30,13 @@ def test_a_pass_along_the_border_visits_it_all() -> None:
     assert coverage.worst(20.0) == pytest.approx(20.0, abs=1.0)
 
 
-def test_a_robot_off_the_border_visits_nothing() -> None:
+def test_robot_off_the_border_visits_no_point() -> None:
     coverage = Coverage(LINE, 0.0)
     coverage.visit([(5.0, 0.3), (math.inf, 0.0)], 1.0)
     assert not coverage.seen().any()
 
 
-def test_the_longest_wait_is_remembered() -> None:
+def test_worst_idleness_includes_past_ones() -> None:
     coverage = Coverage(LINE, 0.0)
     coverage.visit([(5.0, 0.0)], 30.0)
     for t in range(31, 60):

@@ -1,4 +1,4 @@
-"""Ten thousand payloads that are broken, huge or meant to harm: counted, told, without effect."""
+"""Ten thousand broken, huge or hostile payloads are counted, raise an alarm and nothing else."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ def samples() -> dict[str, bytes]:
     return {stream: encode(payload) for stream, payload in payloads.items()}
 
 
-def spoiled(value: Any, rng: random.Random) -> Any:
-    """Change some leaf of a decoded payload into something nasty of the same kind, or not."""
+def with_hostile_leaf(value: Any, rng: random.Random) -> Any:
+    """Return a decoded payload with one leaf replaced by a hostile value of any type."""
     if isinstance(value, dict) and value:
         key = rng.choice(list(value))
-        return {**value, key: spoiled(value[key], rng)}
+        return {**value, key: with_hostile_leaf(value[key], rng)}
     if isinstance(value, list) and value:
         place = rng.randrange(len(value))
-        return [*value[:place], spoiled(value[place], rng), *value[place + 1 :]]
+        return [*value[:place], with_hostile_leaf(value[place], rng), *value[place + 1 :]]
     kinds: list[Any] = [rng.choice(NUMBERS), rng.choice(WORDS), None, [], {}]
     return kinds[0] if isinstance(value, (int, float)) and rng.random() < 0.6 else rng.choice(kinds)
 
@@ -66,13 +66,13 @@ def hostile_messages(rng: random.Random) -> Iterator[tuple[str, bytes]]:
             case 2:
                 data = data[: rng.randrange(len(data))]
             case 3 | 4:
-                data = json.dumps(spoiled(decoded[stream], rng)).encode()
+                data = json.dumps(with_hostile_leaf(decoded[stream], rng)).encode()
             case _:
                 data = b"[" * rng.randrange(1, 20_000)
         yield f"{KEY}/{rng.choice([stream, stream, 'nonsense', *STREAMS])}", data
 
 
-def test_ten_thousand_hostile_payloads_break_nothing() -> None:
+def test_hostile_payloads_are_counted_and_raise_one_alarm() -> None:
     rng = random.Random(1)
     team = TeamState()
     watch = Watch(team, Site(None))
@@ -95,7 +95,7 @@ def test_ten_thousand_hostile_payloads_break_nothing() -> None:
     assert time.process_time() - started < 30.0
 
 
-def test_a_huge_payload_is_counted_unread() -> None:
+def test_huge_payload_is_counted_and_not_decoded() -> None:
     team = TeamState()
     scan = laser_scan(timestamp_at(1.0), "laser", -1.5, 0.1, np.ones(MAX_PAYLOAD_BYTES))
     team.receive(f"{KEY}/scan", encode(scan), 1.0)
@@ -103,7 +103,7 @@ def test_a_huge_payload_is_counted_unread() -> None:
     assert (robot.malformed, robot.scan) == (1, None)
 
 
-def test_large_but_legal_lists_and_words_are_cut_for_the_page() -> None:
+def test_large_lists_and_texts_are_cut_for_the_page() -> None:
     team = TeamState()
     watch = Watch(team, Site(None))
     many = laser_scan(timestamp_at(1.0), "laser", -1.5, 0.1, np.ones(40_000))
@@ -115,7 +115,7 @@ def test_large_but_legal_lists_and_words_are_cut_for_the_page() -> None:
     assert len(PageFeed(watch).message({})) < 10_000
 
 
-def test_names_that_are_none_and_robots_beyond_the_most_are_strays_with_an_alarm() -> None:
+def test_invalid_names_and_robots_beyond_the_maximum_are_stray() -> None:
     team = TeamState()
     watch = Watch(team, Site(None))
     for key in ("patrol", "patrol//anna/pose", "patrol/north/<b>/pose", "a/b/c/d", ""):

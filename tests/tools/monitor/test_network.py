@@ -1,4 +1,4 @@
-"""Robots and laptop each in a network of their own, on one bridge, with an attacker beside them."""
+"""Robots, laptop and attacker in network namespaces on one bridge."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from tools.monitor.recorded_payloads import RecordedPayloads
 from tools.replay.replay import Replay
 
 REPOSITORY = Path(__file__).resolve().parents[3]
-PATIENCE_S = 60.0
+TIMEOUT_S = 60.0
 LAPTOP, ROBOTS, ATTACKER = "10.77.0.1", ("10.77.0.11", "10.77.0.12"), "10.77.0.66"
 
 ATTACK = """
@@ -56,7 +56,7 @@ def ip(*words: str) -> None:
 
 @contextmanager
 def networks() -> Iterator[dict[str, str]]:
-    """Make a namespace per address, all on the laptop's bridge; skip where that cannot be."""
+    """Make a namespace per address on the laptop's bridge; skip the test where that fails."""
     if os.geteuid() != 0 or shutil.which("ip") is None:
         pytest.skip("network namespaces need root and iproute2")
     names = {
@@ -101,7 +101,7 @@ def inside(name: str, *words: str, check: bool = True) -> str:
 def process(
     *words: str, out: IO[str] | int = subprocess.DEVNULL
 ) -> Iterator[subprocess.Popen[str]]:
-    """Run a process; end it in good order afterwards."""
+    """Run a process; end it by SIGTERM afterwards, by SIGKILL if it does not end."""
     with subprocess.Popen(
         words, stdout=out, stderr=subprocess.DEVNULL, text=True, cwd=REPOSITORY
     ) as started:
@@ -116,7 +116,7 @@ def process(
 
 
 def wait_until(condition: Callable[[], object], what: str) -> None:
-    deadline = time.monotonic() + PATIENCE_S
+    deadline = time.monotonic() + TIMEOUT_S
     while not condition():
         assert time.monotonic() < deadline, f"never: {what}"
         time.sleep(0.1)
@@ -135,7 +135,7 @@ def write_config(robot: dict[str, object], folder: Path) -> Path:
 
 
 def sockets(name: str) -> list[tuple[str, str, str]]:
-    """Protocol, peer's address and state of every socket in a namespace."""
+    """Return protocol, peer's address and state of every socket in a namespace."""
     found = []
     for protocol in ("tcp", "udp", "raw"):
         for line in inside(name, "cat", f"/proc/net/{protocol}").splitlines()[1:]:
@@ -146,7 +146,7 @@ def sockets(name: str) -> list[tuple[str, str, str]]:
     return found
 
 
-def test_robots_hear_nobody_and_say_nothing_to_each_other(tmp_path: Path) -> None:
+def test_robots_connect_to_the_operator_only_under_attack(tmp_path: Path) -> None:
     python = sys.executable
     patrol = (python, "-m", "tools.cli")
     world_command = (python, "-m", "tools.demo.world_server", str(find_map("paper_lab", Path())))
@@ -207,7 +207,7 @@ def test_robots_hear_nobody_and_say_nothing_to_each_other(tmp_path: Path) -> Non
 
 
 def decisions(path: Path) -> int:
-    """How many decisions the less heard robot has sent, not counting forged ones."""
+    """Return the smaller count of the robots' recorded decisions, without forged ones."""
     if not path.exists() or path.stat().st_size < 1000:
         return 0
     try:

@@ -1,4 +1,4 @@
-"""What leaves the monitor: to a head office behind it, and to a stock viewer."""
+"""Telemetry forwarded by the monitor: to a head office, and to Foxglove viewers."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ from tools.monitor.monitor import Monitor, MonitorOptions
 from tools.monitor.site import Site
 from tools.monitor.web_server import WebError
 
-PATIENCE_S = 20.0
+TIMEOUT_S = 20.0
 
 
 def wait_until(condition: Callable[[], bool], what: str) -> None:
-    deadline = time.monotonic() + PATIENCE_S
+    deadline = time.monotonic() + TIMEOUT_S
     while not condition():
         assert time.monotonic() < deadline, what
         time.sleep(0.02)
 
 
-def test_head_office_hears_the_robots_of_two_sites_behind_their_routers() -> None:
+def test_head_office_receives_the_robots_of_two_sites() -> None:
     office_endpoint = free_endpoint()
     sites = [free_endpoint(), free_endpoint()]
     options = [MonitorOptions(site, None, Site(None), forward=office_endpoint) for site in sites]
@@ -74,7 +74,7 @@ def test_foxglove_viewer_gets_channels_with_schemas_and_payloads() -> None:
                 try:
                     message = await viewer.receive(timeout=0.5)
                 except TimeoutError:
-                    continue  # it was said before the viewer had subscribed
+                    continue  # published before the viewer had subscribed
                 if message.type is aiohttp.WSMsgType.BINARY and message.data.endswith(payload):
                     return
                 if message.type is aiohttp.WSMsgType.TEXT and '"advertise"' in message.data:

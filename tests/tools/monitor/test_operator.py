@@ -15,7 +15,7 @@ from robot_agent.messages.streams import encode
 from robot_agent.process.telemetry import Telemetry, session_config
 from tools.monitor.operator import Operator, OperatorError
 
-PATIENCE_S = 15.0
+TIMEOUT_S = 15.0
 POSE = PoseInFrame(
     timestamp=Timestamp(sec=1, nsec=0), frame_id="map", pose=pose3(Pose(1.0, 2.0, 0.5))
 )
@@ -29,13 +29,13 @@ def endpoint() -> str:
 
 
 def wait_until(condition: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + PATIENCE_S
+    deadline = time.monotonic() + TIMEOUT_S
     while not condition():
         assert time.monotonic() < deadline, "nothing happened"
         time.sleep(0.01)
 
 
-def test_team_follows_what_robots_report(endpoint: str) -> None:
+def test_team_state_follows_the_robots_reports(endpoint: str) -> None:
     with closing(Operator(endpoint)) as operator:
         robots = {
             name: Telemetry(TelemetrySettings(operator=endpoint), robot=name, team="north")
@@ -60,7 +60,7 @@ def test_malformed_payload_is_counted(endpoint: str) -> None:
         robot.close()
 
 
-def test_deletions_and_other_keys_do_not_get_in(endpoint: str) -> None:
+def test_deletions_and_other_keys_are_ignored(endpoint: str) -> None:
     with closing(Operator(endpoint)) as operator, zenoh.open(session_config(endpoint)) as stranger:
         wait_until(lambda: bool(stranger.info.routers_zid()))
         stranger.delete("patrol/north/anna/status")

@@ -1,4 +1,4 @@
-"""The page in real Chromium, beside three live emulated robots and the shipped monitor."""
+"""The page in Chromium, with three live emulated robots and the shipped monitor."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class LiveTeam:
         return next(robot for robot in self.monitor.watch.robots if robot.id == name)
 
     def fact(self, name: str, robot: str = FIRST) -> str:
-        """A figure on a robot's card, which is opened for it."""
+        """Return a figure on a robot's card; opens the card."""
         if self.browser.run(f"return window.patrol.selection.id !== '{robot}'"):
             self.browser.run(f"window.patrol.selection.choose('{robot}')")
         return self.browser.text(f'[data-robot="{robot}"] [data-fact="{name}"]')
@@ -79,20 +79,20 @@ def running(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Itera
 
 @pytest.fixture
 def live(running: LiveTeam) -> LiveTeam:
-    """The team on a page opened afresh, whatever test came before."""
+    """Return the team on a freshly opened page."""
     assert running.monitor.url is not None
     running.browser.open(running.monitor.url)
     running.browser.wait(running.all_decide, "three robots that decide")
     return running
 
 
-def test_every_fact_is_on_the_page_with_its_value(live: LiveTeam) -> None:
+def test_every_figure_is_on_the_page_with_its_value(live: LiveTeam) -> None:
     browser = live.browser
     assert {"robot1", "robot2", "robot3"} <= set(browser.texts(".card .name"))
     assert browser.text("#site") == "paper_lab"
     browser.wait(lambda: "%" in live.fact("cpu"), "the share of the CPU")
     browser.wait(lambda: live.fact("motors") == "on", "motors that are on")
-    browser.wait(live.battery_agrees, "the voltage the monitor knows")
+    browser.wait(live.battery_agrees, "the voltage the monitor received")
     assert re.fullmatch(r"ready, \d+\.\d /s, 0 bad, \d+ B lost", live.fact("base"))
     assert re.fullmatch(r"streaming, \d+\.\d /s, 0 bad, \d+ B lost", live.fact("laser"))
     assert re.fullmatch(
@@ -111,7 +111,7 @@ def test_every_fact_is_on_the_page_with_its_value(live: LiveTeam) -> None:
     assert browser.texts(f'[data-robot="{FIRST}"] .winner') != []
 
 
-def test_figures_follow_the_robot(live: LiveTeam) -> None:
+def test_distances_on_the_page_follow_the_robot(live: LiveTeam) -> None:
     def agrees() -> bool:
         decision = live.robot(FIRST).decision
         assert decision is not None
@@ -123,7 +123,7 @@ def test_figures_follow_the_robot(live: LiveTeam) -> None:
             and (near == "–") == (decision.distance_from_neighbor is None)
         )
 
-    live.browser.wait(agrees, "the distances the monitor knows")
+    live.browser.wait(agrees, "the distances the monitor received")
 
 
 def test_map_plots_and_border_are_drawn(live: LiveTeam) -> None:
@@ -155,7 +155,7 @@ def test_keyboard_alone_chooses_follows_and_zooms(live: LiveTeam) -> None:
     assert not browser.run("return window.patrol.map.following")
 
 
-def test_silence_is_an_alarm_within_two_seconds_and_clears(live: LiveTeam) -> None:
+def test_silent_robot_raises_an_alarm_within_two_seconds_that_clears(live: LiveTeam) -> None:
     browser = live.browser
     pid = live.demo.agent_pids()[2]
     os.kill(pid, signal.SIGSTOP)
@@ -175,7 +175,7 @@ def test_silence_is_an_alarm_within_two_seconds_and_clears(live: LiveTeam) -> No
     assert any(alarm.acknowledged for alarm in live.monitor.watch.alarms.alarms())
 
 
-def test_hostile_payloads_show_as_text_and_an_alarm_and_run_nothing(live: LiveTeam) -> None:
+def test_hostile_payloads_are_shown_as_text_and_not_executed(live: LiveTeam) -> None:
     browser = live.browser
     title = browser.run("return document.title")
     attack = "<img src=x onerror=\"document.title='gone'\"><script>document.title='gone'</script>"
@@ -200,14 +200,14 @@ def test_hostile_payloads_show_as_text_and_an_alarm_and_run_nothing(live: LiveTe
 
 
 @pytest.mark.parametrize(("width", "height"), [(1366, 768), (390, 844)])
-def test_nothing_is_wider_than_the_screen(live: LiveTeam, width: int, height: int) -> None:
+def test_page_fits_the_width_of_the_screen(live: LiveTeam, width: int, height: int) -> None:
     assert live.monitor.url is not None
     live.browser.open(live.monitor.url, width, height)
     live.browser.wait(lambda: len(live.browser.texts(".card .name")) >= 3, "the team")
     assert int(str(live.browser.run("return document.documentElement.scrollWidth"))) <= width
 
 
-def test_page_finds_a_monitor_that_was_killed_and_restarted(live: LiveTeam) -> None:
+def test_page_reconnects_to_a_restarted_monitor(live: LiveTeam) -> None:
     browser, options = live.browser, live.monitor.options
     assert live.monitor.url is not None
     http = urlsplit(live.monitor.url).netloc
@@ -218,4 +218,6 @@ def test_page_finds_a_monitor_that_was_killed_and_restarted(live: LiveTeam) -> N
     browser.wait(
         lambda: browser.text("#summary").startswith("3 of 3 robots heard"), "the robots again"
     )
-    assert [line for line in browser.complaints() if "SEVERE" in line or "Content" in line] == []
+    assert [
+        line for line in browser.console_messages() if "SEVERE" in line or "Content" in line
+    ] == []

@@ -1,4 +1,4 @@
-"""A recording on the page, in real Chromium."""
+"""Playback of recordings on the page, in Chromium."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tools.monitor.watch import Watch
 from tools.monitor.web_server import WebServer
 
 
-def test_recordings_play_pause_and_are_searched(browser: Browser, tmp_path: Path) -> None:
+def test_recordings_play_pause_and_seek(browser: Browser, tmp_path: Path) -> None:
     paths = [
         agent_recording("anna", tmp_path / "anna.mcap", START, 60.0),
         agent_recording("bob", tmp_path / "bob.mcap", START, 60.0),
@@ -40,7 +40,7 @@ def test_recordings_play_pause_and_are_searched(browser: Browser, tmp_path: Path
         assert int(str(samples)) > 20, "what came before is there for the plots"
         browser.press(" ")
         browser.wait(lambda: playback.t > START + 30.5, "that it goes on")
-    assert [line for line in browser.complaints() if "JavaScript" in line] == []
+    assert [line for line in browser.console_messages() if "JavaScript" in line] == []
 
 
 def pose_x(browser: Browser) -> object:

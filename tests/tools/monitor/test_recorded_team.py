@@ -1,4 +1,4 @@
-"""Recording and playback: every payload as it came, whatever happens to disk and monitor."""
+"""Recording and playback: payloads unchanged, through a full disk and a killed monitor."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from tools.monitor.watch import Watch
 KEY = "patrol/north/anna"
 
 
-def test_every_payload_is_kept_as_it_came(tmp_path: Path) -> None:
+def test_every_payload_is_recorded_unchanged(tmp_path: Path) -> None:
     path = tmp_path / "team.mcap"
     recorder = TeamRecorder(path, FOLDER, "border")
     heard = [
@@ -93,7 +93,7 @@ def test_killed_monitor_leaves_a_readable_file(tmp_path: Path) -> None:
 
 
 class Clock:
-    """Real time, as fast as the test likes."""
+    """A clock that the test sets."""
 
     def __init__(self) -> None:
         self.t = 0.0
@@ -127,7 +127,7 @@ def places(watch: Watch) -> dict[str, float]:
     return {robot.robot: robot.poses[-1][1].x for robot in watch.robots}
 
 
-def test_files_play_in_step_by_their_own_times(played: tuple[Playback, Watch, Clock]) -> None:
+def test_files_play_in_step_by_their_time_stamps(played: tuple[Playback, Watch, Clock]) -> None:
     playback, watch, clock = played
     assert (playback.start, playback.end) == pytest.approx((START, START + 64.9))
     run(playback, watch, clock, 4.0)
@@ -157,7 +157,9 @@ def test_pause_speed_and_seek(played: tuple[Playback, Watch, Clock]) -> None:
     assert playback.t == pytest.approx(START, abs=1.0)
 
 
-def test_playback_ends_paused_and_begins_again(played: tuple[Playback, Watch, Clock]) -> None:
+def test_playback_pauses_at_the_end_and_resumes_from_the_start(
+    played: tuple[Playback, Watch, Clock],
+) -> None:
     playback, watch, clock = played
     playback.steer(pause=None, speed=100.0, seek=None)
     run(playback, watch, clock, 2.0)
@@ -168,7 +170,7 @@ def test_playback_ends_paused_and_begins_again(played: tuple[Playback, Watch, Cl
     assert playback.t == playback.start
 
 
-def test_a_cut_file_plays_up_to_the_cut(tmp_path: Path) -> None:
+def test_truncated_file_plays_up_to_the_cut(tmp_path: Path) -> None:
     path = agent_recording("anna", tmp_path / "anna.mcap", START, 60.0)
     file = RecordedPayloads(path)
     whole = len(list(file.payloads(0.0)))
@@ -177,7 +179,7 @@ def test_a_cut_file_plays_up_to_the_cut(tmp_path: Path) -> None:
     assert len(list(RecordedPayloads(path).payloads(0.0))) == whole // 2
 
 
-def test_what_is_no_recording_is_one_error(tmp_path: Path) -> None:
+def test_file_without_telemetry_is_one_error(tmp_path: Path) -> None:
     for content, reason in ((b"hello", "is not an MCAP file"), (b"\x89MCAP0\r\n", "no telemetry")):
         path = tmp_path / "file.mcap"
         path.write_bytes(content)

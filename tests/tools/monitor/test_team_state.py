@@ -27,7 +27,7 @@ def test_newest_payload_and_its_time_are_kept() -> None:
     assert (robot.status, robot.decision) == (None, None)
 
 
-def test_robot_comes_and_goes_and_its_last_words_stay() -> None:
+def test_offline_robot_keeps_its_last_payloads() -> None:
     team = TeamState()
     team.set_liveliness("patrol/north/anna", online=True)
     assert [robot.online for robot in team.snapshot()] == [True]
@@ -38,7 +38,7 @@ def test_robot_comes_and_goes_and_its_last_words_stay() -> None:
     assert robot.pose == POSE
 
 
-def test_malformed_payloads_are_counted_and_change_nothing_else() -> None:
+def test_malformed_payloads_are_only_counted() -> None:
     team = TeamState()
     team.receive("patrol/north/anna/pose", encode(POSE), 1.0)
     for data in (b"", b"{", b"\xff", b'{"pose": 3}'):
@@ -50,7 +50,7 @@ def test_malformed_payloads_are_counted_and_change_nothing_else() -> None:
     assert robot.last_heard == 1.0
 
 
-def test_robots_come_in_order_of_team_and_name() -> None:
+def test_snapshot_is_ordered_by_team_and_name() -> None:
     team = TeamState()
     for name in ("south/bob", "north/carl", "north/anna"):
         team.set_liveliness(f"patrol/{name}", online=True)
@@ -61,7 +61,7 @@ def test_robots_come_in_order_of_team_and_name() -> None:
     ]
 
 
-def test_a_flood_of_names_is_bounded() -> None:
+def test_robots_beyond_the_maximum_are_stray() -> None:
     team = TeamState()
     for number in range(MAX_ROBOTS + 10):
         team.set_liveliness(f"patrol/north/robot{number}", online=True)
@@ -70,7 +70,7 @@ def test_a_flood_of_names_is_bounded() -> None:
 
 
 @pytest.mark.parametrize("key", ["", "patrol", "patrol/north/pose", "other/north/anna/pose", "a/b"])
-def test_keys_of_no_robot_are_counted(key: str) -> None:
+def test_key_of_no_robot_is_counted_as_stray(key: str) -> None:
     team = TeamState()
     team.receive(key, encode(POSE), 1.0)
     team.set_liveliness(key + "/x/y/z", online=True)
@@ -86,7 +86,7 @@ keys = st.one_of(
 
 @settings(max_examples=200, deadline=None)
 @given(messages=st.lists(st.tuples(keys, st.binary(max_size=40)), max_size=10))
-def test_nothing_that_arrives_raises(messages: list[tuple[str, bytes]]) -> None:
+def test_arbitrary_messages_do_not_raise(messages: list[tuple[str, bytes]]) -> None:
     team = TeamState()
     for key, data in messages:
         team.receive(key, data, 0.0)

@@ -84,7 +84,7 @@ def team_with(*payloads: StatusPayload | DecisionPayload | PoseInFrame) -> list[
     return team.snapshot()
 
 
-def test_row_tells_everything_about_a_robot() -> None:
+def test_row_holds_every_figure_of_a_robot() -> None:
     (robot,) = team_with(POSE, STATUS, DECISION)
     assert row_of(robot, 100.7) == Row(
         robot="north/anna",
@@ -108,11 +108,11 @@ def test_row_of_a_silent_robot_has_no_figures() -> None:
     row = row_of(robot, 5.0)
     assert row.robot == "north/anna"
     assert row.age == "never"
-    assert row.why == "nothing heard of it"
+    assert row.why == "nothing received"
     assert set(row) - {row.robot, row.age, row.why} == {"-"}
 
 
-def test_offline_robot_is_told() -> None:
+def test_offline_robot_is_marked_with_its_age() -> None:
     team = TeamState()
     team.receive("patrol/north/anna/status", encode(STATUS), 100.0)
     (robot,) = team.snapshot()
@@ -126,7 +126,7 @@ def test_plain_table_is_aligned() -> None:
     assert heading.index("gate") == row.index("obstacle ahead")
 
 
-def test_text_from_the_network_is_neither_markup_nor_control() -> None:
+def test_text_from_the_network_is_escaped() -> None:
     hostile = msgspec.structs.replace(DECISION, action="[bold]/", gate_reason="\x1b[2J")
     team = team_with(STATUS, hostile)
     console = Console(file=io.StringIO(), width=400)
@@ -136,7 +136,7 @@ def test_text_from_the_network_is_neither_markup_nor_control() -> None:
     assert "\x1b" not in shown
 
 
-def test_active_alarms_stand_under_the_table() -> None:
+def test_active_alarms_are_printed_below_the_table() -> None:
     team = TeamState()
     watch = Watch(team, Site(None))
     weak = msgspec.structs.replace(STATUS, battery=11.2, uptime=60.0)
@@ -147,7 +147,7 @@ def test_active_alarms_stand_under_the_table() -> None:
     assert alarm == "WARNING north/anna: battery at 11.2 V (1 s ago)"
 
 
-def test_inner_figures_stand_below() -> None:
+def test_details_are_printed_below_the_table() -> None:
     team = TeamState()
     watch = Watch(team, Site(None))
     degrees = {"patrol_clockwise": 0.83, "keep_going": 0.17}
@@ -176,7 +176,7 @@ def endpoint() -> str:
 
 
 def monitor_a_robot(endpoint: str, out: io.StringIO) -> str:
-    """Run the monitor while a robot reports; return what it showed."""
+    """Run the monitor while a robot reports; return its output."""
     robot = Telemetry(TelemetrySettings(operator=endpoint), robot="anna", team="north")
     shown = threading.Event()
 
@@ -196,7 +196,7 @@ def monitor_a_robot(endpoint: str, out: io.StringIO) -> str:
     return out.getvalue()
 
 
-def test_monitor_prints_plain_lines_where_there_is_no_terminal(endpoint: str) -> None:
+def test_monitor_prints_plain_text_without_a_terminal(endpoint: str) -> None:
     heading, row, *_ = monitor_a_robot(endpoint, io.StringIO()).splitlines()
     assert heading.startswith("robot")
     assert row.startswith("north/anna")
@@ -204,7 +204,7 @@ def test_monitor_prints_plain_lines_where_there_is_no_terminal(endpoint: str) ->
 
 
 class Terminal(io.StringIO):
-    """An output that says it is a terminal."""
+    """An output that is a terminal."""
 
     def isatty(self) -> bool:
         return True

@@ -63,13 +63,13 @@ def test_every_file_of_the_page_is_served(server: WebServer) -> None:
     assert json.loads(get(server.url + "site.json")[2])["name"] == "no map"
 
 
-def test_other_names_and_other_pages_are_refused(server: WebServer) -> None:
+def test_other_host_names_and_origins_are_refused(server: WebServer) -> None:
     assert get(server.url, Host="evil.example")[0] == 403
     assert get(server.url + "live", Origin="http://evil.example")[0] == 403
 
 
 class Page:
-    """A page that shows what it is sent at once."""
+    """A page that draws every message at once."""
 
     def __init__(self, socket: aiohttp.ClientWebSocketResponse) -> None:
         self.socket = socket
@@ -82,7 +82,7 @@ class Page:
         return message
 
     async def next_part(self, part: str) -> dict[str, Any]:
-        """The next message's robot with a certain part in it."""
+        """Return the next robot's message that holds a certain part."""
         while True:
             for robot in (await self.next())["robots"]:
                 if part in robot:
@@ -101,7 +101,7 @@ def on_a_page(server: WebServer, act: Callable[[Page], Awaitable[None]]) -> None
     asyncio.run(connected())
 
 
-def test_messages_bring_what_has_changed_and_nothing_twice(server: WebServer) -> None:
+def test_messages_hold_only_changed_streams(server: WebServer) -> None:
     async def listen(page: Page) -> None:
         first = await page.next()
         assert first["fresh"]
@@ -118,7 +118,7 @@ def test_messages_bring_what_has_changed_and_nothing_twice(server: WebServer) ->
     on_a_page(server, listen)
 
 
-def test_a_page_that_shows_nothing_is_sent_two_messages_and_then_the_newest(
+def test_page_that_draws_nothing_gets_two_messages_then_the_newest(
     server: WebServer,
 ) -> None:
     async def sleep(page: Page) -> None:
@@ -138,7 +138,7 @@ def test_a_page_that_shows_nothing_is_sent_two_messages_and_then_the_newest(
     on_a_page(server, sleep)
 
 
-def test_acknowledging_is_all_a_page_can_do(server: WebServer) -> None:
+def test_request_other_than_acknowledging_closes_the_connection(server: WebServer) -> None:
     async def acknowledge(page: Page) -> None:
         await page.socket.send_str('{"acknowledge": 1}')
         while not (await page.next()).get("alarms", [{}])[0].get("acknowledged"):
@@ -151,7 +151,7 @@ def test_acknowledging_is_all_a_page_can_do(server: WebServer) -> None:
     on_a_page(server, acknowledge)
 
 
-def test_taken_or_senseless_address_is_one_error(server: WebServer) -> None:
+def test_taken_or_invalid_address_is_one_error(server: WebServer) -> None:
     watch = Watch(TeamState(), Site(None))
     taken = server.url.removeprefix("http://").strip("/")
     with pytest.raises(WebError, match=r"Address already in use|address already in use"):

@@ -1,4 +1,4 @@
-"""Counts what crosses the laptop's bridge: run inside its namespace, prints JSON when told to end.
+"""Counts the frames on the laptop's bridge; run inside its namespace, prints JSON on SIGTERM.
 
 Bytes of IP packets by source and destination; other frames by their type.
 """

@@ -1,4 +1,4 @@
-"""One device tried out with its real session, on an emulated one behind a pseudo-terminal."""
+"""A device trial with the agent's sessions, on emulated devices behind pseudo-terminals."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from drivers.p2os.session import P2osSession
 from drivers.p2os.settings import BaseSettings
 from tools.preflight.device_trial import DeviceTrial, run_trials
 
-LIMIT = 20.0  # s, generous: nothing waits that long when it works
+LIMIT = 20.0  # s; not reached in a passing test
 
 
 @contextmanager
 def served(port: PtyPort) -> Iterator[str]:
-    """Pump an emulated device's port on a thread; give its URL."""
+    """Pump an emulated device's port on a thread; yield its URL."""
     ended = threading.Event()
 
     def pump() -> None:
@@ -54,7 +54,7 @@ def base_trial(url: str, reports: int) -> DeviceTrial[BaseState]:
     return DeviceTrial(url, settings.baud, P2osSession(settings), enough)
 
 
-def test_base_at_another_rate_is_found_and_left_closed() -> None:
+def test_base_at_another_rate_is_found_and_its_session_closed() -> None:
     emulator = P2osEmulator(load_model("p2dx"), baud=38400)
     with served(PtyPort(emulator)) as url:
         trial = base_trial(url, reports=3)
@@ -63,7 +63,7 @@ def test_base_at_another_rate_is_found_and_left_closed() -> None:
         assert trial.line.opened
         assert trial.line.bauds_tried == [9600, 38400]
         assert trial.line.last_bytes_baud == 38400
-        assert trial.line.bytes_heard > 0
+        assert trial.line.bytes_received > 0
         assert 0 < len(trial.line.last_bytes) <= 8
         assert len(trial.measurements) >= 3
         times = [t for t, _ in trial.measurements]
@@ -73,7 +73,7 @@ def test_base_at_another_rate_is_found_and_left_closed() -> None:
         assert not emulator.motors_enabled
 
 
-def test_laser_is_left_without_a_stream() -> None:
+def test_laser_trial_ends_with_the_stream_stopped() -> None:
     emulator = Lms200Emulator(scan_source=lambda _t, n, _step: np.full(n, 2.0))
     settings = LaserSettings(resolution_deg=1.0)
 
@@ -97,7 +97,7 @@ def test_missing_port_ends_the_trial_with_its_reason(tmp_path: Path) -> None:
     assert all(elapsed < LIMIT for elapsed in progress)
 
 
-def test_silent_line_is_given_up_at_the_limit() -> None:
+def test_silent_line_ends_the_trial_at_the_limit() -> None:
     class Silence:
         baud = 9600
 
@@ -112,4 +112,4 @@ def test_silent_line_is_given_up_at_the_limit() -> None:
         run_trials([trial], 0.8)
         assert not trial.done
         assert trial.line.bauds_tried[0] == 9600
-        assert (trial.line.bytes_heard, trial.line.last_bytes) == (0, b"")
+        assert (trial.line.bytes_received, trial.line.last_bytes) == (0, b"")

@@ -1,5 +1,5 @@
-"""`patrol doctor` on an emulated robot: all green; and broken set-ups, one red line each, mended by
-the remedy it gives."""
+"""`patrol doctor` on an emulated robot: no finding on a sound one; one failed check for each fault,
+with a remedy that repairs it."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ from tools.simulation.real_time_rig import RealTimeRig
 from tools.simulation.rig import RobotRig
 from tools.simulation.world import World
 
-NOBODY = 65534  # the user and group without rights
-DEVICE_LIMIT = 3.0  # s; only a silent device takes as long
+UNPRIVILEGED = 65534  # the user and group without rights
+DEVICE_LIMIT = 3.0  # s; reached by silent devices only
 
 
 class RobotOnTheBench:
@@ -112,7 +112,7 @@ folder = "{folder / "recordings"}"
                 self._real_time.step()
 
     def do(self, requested: Callable[[], object]) -> None:
-        """Do something to the robot on the thread that runs it."""
+        """Call a function on the thread that runs the robot, and wait for it."""
         done = threading.Event()
         self._requests.put(lambda: (requested(), done.set()))
         assert done.wait(5.0)
@@ -133,7 +133,7 @@ def robot(tmp_path: Path) -> Iterator[RobotOnTheBench]:
     robot.close()
 
 
-def test_sound_robot_is_all_green(
+def test_sound_robot_passes_every_check(
     robot: RobotOnTheBench, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["doctor", str(robot.config_path), "--json"]) == 0
@@ -166,20 +166,20 @@ def test_sound_robot_is_all_green(
 
 @dataclasses.dataclass(frozen=True)
 class BrokenSetUp:
-    """Something wrong with a robot: the line that must be red, what its remedy must say, and the
-    deed that the remedy asks for."""
+    """A fault of a robot: the check that must fail, part of its remedy, the functions that cause
+    and repair it."""
 
     subject: str
     remedy: str
-    spoil: Callable[[RobotOnTheBench], object]
-    mend: Callable[[RobotOnTheBench], object]
+    break_it: Callable[[RobotOnTheBench], object]
+    repair: Callable[[RobotOnTheBench], object]
 
 
 def cut(line: LineFaults, *, whole: bool) -> None:
     line.deaf = line.mute = not whole
 
 
-def spoil(line: LineFaults, share: float) -> None:
+def garble(line: LineFaults, share: float) -> None:
     line.spoilt = share
 
 
@@ -199,8 +199,8 @@ BROKEN_SET_UPS = (
     BrokenSetUp(
         "base",
         "check the cable: bytes come garbled",
-        lambda robot: spoil(robot.base_line, 1.0),
-        lambda robot: spoil(robot.base_line, 0.0),
+        lambda robot: garble(robot.base_line, 1.0),
+        lambda robot: garble(robot.base_line, 0.0),
     ),
     BrokenSetUp(
         "motors",
@@ -234,23 +234,23 @@ def devices_of(robot: RobotOnTheBench) -> AgentConfig:
     return msgspec.structs.replace(load_config(robot.config_path), camera=CameraSettings())
 
 
-def red(findings: list[Finding]) -> dict[str, Finding]:
+def failures(findings: list[Finding]) -> dict[str, Finding]:
     return {f.subject: f for f in findings if f.verdict is Verdict.FAILED}
 
 
-def test_broken_devices_are_named_and_their_remedies_work(robot: RobotOnTheBench) -> None:
+def test_each_broken_device_fails_one_check_until_repaired(robot: RobotOnTheBench) -> None:
     config = devices_of(robot)
-    for set_up in BROKEN_SET_UPS:  # each examination also shows that the one before is mended
-        set_up.spoil(robot)
+    for set_up in BROKEN_SET_UPS:  # each examination also shows that the one before is repaired
+        set_up.break_it(robot)
         findings = examine_devices(config, DEVICE_LIMIT)
-        assert list(red(findings)) == [set_up.subject], set_up.remedy
-        assert set_up.remedy in red(findings)[set_up.subject].remedy
+        assert list(failures(findings)) == [set_up.subject], set_up.remedy
+        assert set_up.remedy in failures(findings)[set_up.subject].remedy
         assert not is_fit(findings)
-        set_up.mend(robot)
+        set_up.repair(robot)
     assert is_fit(examine_devices(config, DEVICE_LIMIT))
 
 
-def test_absent_camera_is_named() -> None:
+def test_absent_camera_fails_with_a_remedy() -> None:
     with socket.create_server(("127.0.0.1", 0)) as place:
         port = place.getsockname()[1]
     config = AgentConfig(camera=CameraSettings(url=f"http://127.0.0.1:{port}/camera.mjpeg"))
@@ -260,7 +260,7 @@ def test_absent_camera_is_named() -> None:
     assert absent[0].remedy
 
 
-def test_port_held_by_another_process(robot: RobotOnTheBench) -> None:
+def test_port_held_by_another_process_fails_until_it_ends(robot: RobotOnTheBench) -> None:
     config = devices_of(robot)
     path = str(robot.laser_cable.path)
     program = f"port = open({path!r}, 'rb', 0); print('open', flush=True); input()"
@@ -278,7 +278,7 @@ def test_port_held_by_another_process(robot: RobotOnTheBench) -> None:
     assert examine_port("laser port", config.laser.url).verdict is Verdict.OK
 
 
-def test_port_without_permission(robot: RobotOnTheBench) -> None:
+def test_port_without_permission_fails_and_names_its_group(robot: RobotOnTheBench) -> None:
     path = robot.base_cable.path.resolve()
     mode = path.stat().st_mode & 0o777
     path.chmod(0o600 if os.geteuid() == 0 else 0o000)
@@ -293,13 +293,13 @@ def test_port_without_permission(robot: RobotOnTheBench) -> None:
 
 
 def as_plain_user(work: Callable[[], str]) -> str:
-    """Return what work says when it is not done by root."""
+    """Return the result of work done as a user without rights."""
     if os.geteuid() != 0:
         return work()
     groups = os.getgroups()
     os.setgroups([])
-    os.setresgid(NOBODY, NOBODY, 0)
-    os.setresuid(NOBODY, NOBODY, 0)
+    os.setresgid(UNPRIVILEGED, UNPRIVILEGED, 0)
+    os.setresuid(UNPRIVILEGED, UNPRIVILEGED, 0)
     try:
         return work()
     finally:
@@ -308,15 +308,15 @@ def as_plain_user(work: Callable[[], str]) -> str:
         os.setgroups(groups)
 
 
-def test_device_side_troubles_do_not_hide_each_other(robot: RobotOnTheBench) -> None:
-    """Lines of the base and of the laser are independent: both can be red at once."""
+def test_base_and_laser_fail_independently(robot: RobotOnTheBench) -> None:
+    """Base and laser are checked independently: both can fail at once."""
     robot.rig.base.battery.volts = 10.0
     robot.do(robot.laser_cable.pull)
     findings = examine_devices(devices_of(robot), DEVICE_LIMIT)
-    assert set(red(findings)) == {"battery", "laser port"}
+    assert set(failures(findings)) == {"battery", "laser port"}
 
 
-def test_robot_left_in_a_session_is_taken_over(robot: RobotOnTheBench) -> None:
+def test_robot_with_an_open_session_is_fit(robot: RobotOnTheBench) -> None:
     config = devices_of(robot)
     base = robot.rig.base
     for packet in ("FAFB03000000", "FAFB03010001", "FAFB03020002", "FAFB03010001"):
@@ -348,9 +348,9 @@ def test_unknown_key_is_the_only_finding(tmp_path: Path) -> None:
     assert "base.buad: unknown key" in finding.text
 
 
-def test_border_too_near_a_wall(room: Path) -> None:
+def test_border_too_near_a_wall_fails(room: Path) -> None:
     config = configured('[map]\nfolder = "room"\n', room)
-    assert not red(examine_map(config, room))
+    assert not failures(examine_map(config, room))
     border = room / "room" / "border.toml"
     sound = border.read_text()
     border.write_text(sound.replace("4.5]", "5.6]"))
@@ -359,10 +359,10 @@ def test_border_too_near_a_wall(room: Path) -> None:
     assert finding.verdict is Verdict.FAILED
     assert "patrol map show" in finding.remedy
     border.write_text(sound)
-    assert not red(examine_map(config, room))
+    assert not failures(examine_map(config, room))
 
 
-def test_map_without_border_or_folder(room: Path) -> None:
+def test_map_without_border_or_folder_fails(room: Path) -> None:
     (room / "room" / "border.toml").unlink()
     config = configured('[map]\nfolder = "room"\n', room)
     assert "border.toml is missing" in examine_map(config, room)[0].text
@@ -371,9 +371,9 @@ def test_map_without_border_or_folder(room: Path) -> None:
 
 
 @pytest.mark.parametrize(("x", "words"), [(0.02, "not on free ground"), (-5.0, "outside the map")])
-def test_start_off_the_floor(room: Path, x: float, words: str) -> None:
+def test_start_off_free_ground_fails(room: Path, x: float, words: str) -> None:
     text = f'[map]\nfolder = "room"\n[start]\nx = {x}\ny = 3.0\ntheta = 0.0\n'
-    assert words in red(examine_map(configured(text, room), room))["start"].text
+    assert words in failures(examine_map(configured(text, room), room))["start"].text
 
 
 def test_unknown_start_is_a_warning(room: Path) -> None:
@@ -382,13 +382,13 @@ def test_unknown_start_is_a_warning(room: Path) -> None:
     assert is_fit(findings)
 
 
-def test_unusable_rules(room: Path) -> None:
+def test_unusable_rules_fail(room: Path) -> None:
     (room / "rules.toml").write_text("nonsense = 1\n")
     text = f'[map]\nfolder = "room"\n[patrol]\nrules_file = "{room / "rules.toml"}"\n'
-    assert "rules" in red(examine_map(configured(text, room), room))
+    assert "rules" in failures(examine_map(configured(text, room), room))
 
 
-def test_disk(tmp_path: Path) -> None:
+def test_disk_fails_if_full_or_not_writable(tmp_path: Path) -> None:
     assert examine_recorder("").verdict is Verdict.SKIPPED
     assert examine_recorder(str(tmp_path / "new" / "folder"), 0).verdict is Verdict.OK
     full = examine_recorder(str(tmp_path), 10**18)
@@ -398,11 +398,11 @@ def test_disk(tmp_path: Path) -> None:
     blocked = examine_recorder(str(tmp_path / "file"), 0)
     assert blocked.verdict is Verdict.FAILED
     (tmp_path / "file").unlink()
-    (tmp_path / "file").mkdir()  # what the remedy says
+    (tmp_path / "file").mkdir()  # as the remedy demands
     assert examine_recorder(str(tmp_path / "file"), 0).verdict is Verdict.OK
 
 
-def test_clock() -> None:
+def test_clock_fails_if_unset_or_not_running() -> None:
     assert examine_clock().verdict is Verdict.OK
     unset = examine_clock(wall=lambda: 86400.0)
     assert unset.verdict is Verdict.FAILED
@@ -410,7 +410,7 @@ def test_clock() -> None:
     assert examine_clock(monotonic=lambda: 1.0).verdict is Verdict.FAILED
 
 
-def test_operator() -> None:
+def test_absent_operator_is_a_warning() -> None:
     assert examine_operator("").verdict is Verdict.SKIPPED
     with socket.create_server(("127.0.0.1", 0)) as listener:
         endpoint = f"tcp/127.0.0.1:{listener.getsockname()[1]}"
@@ -441,11 +441,11 @@ def base_report(**changes: object) -> BaseState:
     ("volts", "verdict"),
     [(12.5, Verdict.OK), (11.5, Verdict.WARNING), (10.9, Verdict.FAILED)],
 )
-def test_battery(volts: float, verdict: Verdict) -> None:
+def test_battery_verdict_follows_its_voltage(volts: float, verdict: Verdict) -> None:
     assert examine_battery(volts).verdict is verdict
 
 
-def test_motors_and_contacts() -> None:
+def test_stop_button_and_contacts_fail() -> None:
     assert examine_motors(base_report()).verdict is Verdict.OK
     assert examine_motors(base_report(motors_enabled=True)).verdict is Verdict.WARNING
     assert examine_motors(base_report(stop_button=True)).verdict is Verdict.FAILED
@@ -454,7 +454,7 @@ def test_motors_and_contacts() -> None:
     assert touched.text == "left wheel stalled; bumper pressed: front 1, front 3"
 
 
-def test_laser_health() -> None:
+def test_polluted_or_defective_laser_fails() -> None:
     assert examine_health(LaserHealth(Severity.OK)).verdict is Verdict.OK
     dirty = examine_health(LaserHealth(Severity.WARNING, pollution=True))
     assert "wipe" in dirty.remedy
@@ -462,7 +462,7 @@ def test_laser_health() -> None:
     assert broken.verdict is Verdict.FAILED
 
 
-def test_best_laser_rate() -> None:
+def test_best_rate_is_in_whole_turns_of_the_mirror() -> None:
     # 372 bytes take 97 ms at 38400 baud, a mirror's turn 13.3 ms: every eighth turn is sent.
     assert best_rate(181, 1, 38400) == pytest.approx(75 / 8, rel=2e-3)
     assert best_rate(361, 2, 500000) == pytest.approx(37.5, rel=2e-3)
@@ -474,7 +474,7 @@ def picture(level: int, spread: int = 40) -> Picture:
     return Picture(0.0, 1, pixels)
 
 
-def test_camera_pictures() -> None:
+def test_dark_or_flat_picture_is_a_warning() -> None:
     assert examine_picture("cam", picture(100), 10.0).verdict is Verdict.OK
     capped = examine_picture("cam", picture(0, 3), 10.0)
     assert capped.verdict is Verdict.WARNING
@@ -484,13 +484,13 @@ def test_camera_pictures() -> None:
     assert examine_adjustments(("exposure",)).text == "white balance cannot be fixed from here"
 
 
-def test_plain_lines() -> None:
+def test_plain_lines_hold_verdict_text_and_remedy() -> None:
     lines = plain_lines([Finding("battery", Verdict.FAILED, "10.0 V", "charge it")])
     assert lines[0].split() == ["failed", "battery", "10.0", "V"]
     assert lines[1].strip() == "-> charge it"
 
 
-def test_a_watchdog_as_the_factory_set_it_is_warned_of(
+def test_factory_watchdog_is_a_warning(
     robot: RobotOnTheBench, capsys: pytest.CaptureFixture[str]
 ) -> None:
     robot.rig.base.base.watchdog = 2.0
@@ -504,12 +504,12 @@ def test_a_watchdog_as_the_factory_set_it_is_warned_of(
     assert "to 1.2 s with its FLASH tool" in row["remedy"]
 
 
-def test_watchdog_is_seen_to_stop_the_wheels(
+def test_watchdog_test_measures_the_time_to_rest(
     robot: RobotOnTheBench, capsys: pytest.CaptureFixture[str]
 ) -> None:
     test = ["doctor", str(robot.config_path), "--watchdog-test"]
     assert main(test) == 2
-    assert robot.rig.base.counters.sessions == 0, "nothing moves before somebody has said so"
+    assert robot.rig.base.counters.sessions == 0, "nothing moves without confirmation"
     assert main([*test, "--wheels-off-ground"]) == 0
     out = capsys.readouterr().out
     after = float(re.search(r"at rest ([0-9.]+) s after the last command", out)[1])  # type: ignore[index]

@@ -1,4 +1,4 @@
-"""Serial adapters read from a tree laid out as the kernel lays out its own, and the udev rules."""
+"""Serial ports read from a copy of the kernel's file tree, and the udev rules."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ PART = re.compile(r'([A-Z]+)(?:\{([^}]+)\})?(==|\+=|=)"([^"]*)"')
 
 
 class RebasedPath:
-    """``os.path`` with the kernel's folders elsewhere, for pyserial."""
+    """``os.path`` for pyserial with the kernel's folders below another root."""
 
     def __init__(self, root: Path) -> None:
         self._root = root
@@ -40,7 +40,7 @@ class RebasedPath:
 
 @pytest.fixture
 def files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> KernelFiles:
-    """A machine without any port."""
+    """Return the files of a machine without serial ports."""
     monkeypatch.setattr(list_ports_linux, "os", SimpleNamespace(path=RebasedPath(tmp_path)))
     files = KernelFiles(tmp_path / "sys", tmp_path / "dev", tmp_path / "proc")
     (files.sys / "class" / "tty").mkdir(parents=True)
@@ -79,7 +79,7 @@ def plug_in(files: KernelFiles, name: str, place: str, serial: str) -> None:
 
 
 def fit_uart(files: KernelFiles, name: str, kind: str, bus: str = "pnp") -> None:
-    """Put a number reserved for a serial chip on the board; kind 0: without the chip."""
+    """Add a serial port number of the board; kind 0: without a chip."""
     chip = files.sys / "devices" / bus / f"00:{name}"
     chip.mkdir(parents=True)
     subsystem = files.sys / "bus" / bus
@@ -92,7 +92,7 @@ def fit_uart(files: KernelFiles, name: str, kind: str, bus: str = "pnp") -> None
     (files.dev / name).touch()
 
 
-def test_adapter_with_all_that_is_known_of_it(files: KernelFiles) -> None:
+def test_adapter_has_all_its_attributes(files: KernelFiles) -> None:
     plug_in(files, "ttyUSB0", "1-1.2", "A6008isP")
     (files.dev / "serial" / "by-id" / "usb-FTDI-if00").symlink_to(files.dev / "ttyUSB0")
     process = files.proc / "4711" / "fd"
@@ -117,7 +117,7 @@ def test_only_chips_that_exist_are_listed(files: KernelFiles) -> None:
     assert [Path(port.device).name for port in list_serial_ports(files)] == ["ttyS0"]
 
 
-def test_chips_that_pyserial_does_not_list(files: KernelFiles) -> None:
+def test_chips_not_listed_by_pyserial_are_listed(files: KernelFiles) -> None:
     fit_uart(files, "ttyS2", "4", "platform")
     fit_uart(files, "ttyTHS1", "0x1", "serial")
     ports = list_serial_ports(files)
@@ -125,25 +125,25 @@ def test_chips_that_pyserial_does_not_list(files: KernelFiles) -> None:
     assert [port.location for port in ports] == ["00:ttyS2", "00:ttyTHS1"]
 
 
-def test_adapter_that_is_unplugged_while_it_is_looked_at(files: KernelFiles) -> None:
+def test_adapter_unplugged_meanwhile_has_no_usb_attributes(files: KernelFiles) -> None:
     plug_in(files, "ttyUSB0", "1-1.2", "A6008isP")
     (files.sys / "devices" / "usb1" / "1-1.2" / "bNumInterfaces").unlink()
     (port,) = list_serial_ports(files)
     assert (port.device, port.adapter) == (str(files.dev / "ttyUSB0"), ("", "", ""))
 
 
-def test_machine_without_ports(files: KernelFiles) -> None:
+def test_machine_without_ports_has_an_empty_list(files: KernelFiles) -> None:
     assert list_serial_ports(files) == []
 
 
-def test_own_process_does_not_hold_a_port(tmp_path: Path) -> None:
+def test_own_process_is_no_holder_of_a_port(tmp_path: Path) -> None:
     device = tmp_path / "device"
     with device.open("w"):
         assert holders_of(device) == ()
 
 
 def parts_of(line: str) -> list[tuple[str, str, str, str]]:
-    """Parse a rule line strictly: (key, attribute, operator, value), nothing left over."""
+    """Return a rule line's parts (key, attribute, operator, value); fails on anything else."""
     parts = []
     for piece in line.split(", "):
         match = PART.fullmatch(piece)
@@ -153,7 +153,7 @@ def parts_of(line: str) -> list[tuple[str, str, str, str]]:
 
 
 def check_rule(line: str) -> None:
-    """Check that a line matches ports by keys that can hold together, and names one role."""
+    """Check that a rule line's matches can hold for one port, and that it names one role."""
     parts = parts_of(line)
     keys = [key for key, *_ in parts]
     assert set(keys) <= MATCH_KEYS | ASSIGNMENT_KEYS
@@ -168,7 +168,7 @@ def check_rule(line: str) -> None:
     assert {"ATTRS", "KERNELS", "KERNEL"} & set(keys), "matches every serial port"
 
 
-def test_shipped_rules() -> None:
+def test_shipped_rules_are_valid_and_name_both_roles() -> None:
     lines = [line.lstrip("#") for line in RULES.read_text().splitlines() if "SYMLINK" in line]
     roles = [part[3] for line in lines for part in parts_of(line) if part[0] == "SYMLINK"]
     assert roles == 3 * ["patrol/base", "patrol/laser"]
@@ -176,7 +176,7 @@ def test_shipped_rules() -> None:
         check_rule(line)
 
 
-def test_shipped_rules_satisfy_udev() -> None:
+def test_shipped_rules_pass_udevadm_verify() -> None:
     if shutil.which("udevadm") is None:
         pytest.skip("no udevadm on this machine")
     verify = ["udevadm", "verify", str(RULES)]
@@ -186,7 +186,7 @@ def test_shipped_rules_satisfy_udev() -> None:
     assert result.returncode == 0, result.stdout + result.stderr
 
 
-def test_adapters_told_apart_by_serial_number(files: KernelFiles) -> None:
+def test_adapters_are_matched_by_serial_number(files: KernelFiles) -> None:
     plug_in(files, "ttyUSB0", "1-1.2", "A6008isP")
     plug_in(files, "ttyUSB1", "1-1.3", "A7004ulM")
     lines = udev_lines(list_serial_ports(files))
@@ -197,7 +197,9 @@ def test_adapters_told_apart_by_serial_number(files: KernelFiles) -> None:
 
 
 @pytest.mark.parametrize("serial", ["", "0001"])
-def test_alike_adapters_told_apart_by_socket(files: KernelFiles, serial: str) -> None:
+def test_adapters_without_unique_serial_are_matched_by_socket(
+    files: KernelFiles, serial: str
+) -> None:
     plug_in(files, "ttyUSB0", "1-1.2", serial)
     plug_in(files, "ttyUSB1", "1-1.3", serial)
     lines = udev_lines(list_serial_ports(files))
@@ -206,7 +208,7 @@ def test_alike_adapters_told_apart_by_socket(files: KernelFiles, serial: str) ->
         check_rule(line)
 
 
-def test_ports_of_one_adapter_told_apart_by_interface() -> None:
+def test_ports_of_one_adapter_are_matched_by_interface() -> None:
     ports = [
         SerialPort(
             device=f"/dev/ttyUSB{n}",
@@ -221,14 +223,14 @@ def test_ports_of_one_adapter_told_apart_by_interface() -> None:
     assert ['KERNELS=="1-1:1.0"' in lines[0], 'KERNELS=="1-1:1.1"' in lines[1]] == [True, True]
 
 
-def test_board_port_is_named_by_its_number(files: KernelFiles) -> None:
+def test_board_port_is_matched_by_its_number(files: KernelFiles) -> None:
     fit_uart(files, "ttyS0", "4")
     (line,) = udev_lines(list_serial_ports(files))
     assert 'KERNEL=="ttyS0"' in line
     check_rule(line)
 
 
-def test_command(capsys: pytest.CaptureFixture[str]) -> None:
+def test_command_prints_every_port_with_its_rule(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["ports", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)
     assert all({"device", "serial", "location", "udev"} <= row.keys() for row in rows)

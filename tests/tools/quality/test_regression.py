@@ -1,4 +1,4 @@
-"""No change of decisions goes unnoticed: accept one by ``patrol regression --update``."""
+"""Decisions equal the reference; ``patrol regression --update`` accepts a change."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tools.quality.regression import (
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
-def test_decisions_are_those_kept(case: Case) -> None:
+def test_decisions_equal_the_reference(case: Case) -> None:
     try:
         now = decisions(case)
     except RegressionError as error:
@@ -28,7 +28,7 @@ def test_decisions_are_those_kept(case: Case) -> None:
     assert not changed, "\n".join([*changed, "meant? then run: patrol regression --update"])
 
 
-def test_a_difference_is_shown_with_both_sides() -> None:
+def test_difference_shows_both_sides() -> None:
     kept = ["r 1.0 a", "r 1.1 b", "r 1.2 c"]
     assert difference(kept, kept) == []
     assert difference(kept, ["r 1.0 a", "r 1.1 x"]) == [
@@ -40,7 +40,9 @@ def test_a_difference_is_shown_with_both_sides() -> None:
     ]
 
 
-def test_reference_comes_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_reference_is_read_back_and_damage_is_an_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("tools.quality.regression.REFERENCES", tmp_path)
     case = Case("one", lambda _folder: [])
     assert read_reference(case) == []
@@ -51,6 +53,6 @@ def test_reference_comes_back(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         read_reference(case)
 
 
-def test_unknown_case_is_named() -> None:
+def test_unknown_case_is_an_error_naming_the_known_ones() -> None:
     with pytest.raises(RegressionError, match="cases are two_robots_meet, real_log"):
         chosen_cases(["nothing"])

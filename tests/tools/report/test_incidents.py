@@ -1,4 +1,4 @@
-"""Incidents of made-up runs: one thing goes wrong in each."""
+"""Incidents of synthetic runs with one fault each."""
 
 from __future__ import annotations
 
@@ -31,26 +31,28 @@ def status(base: DeviceStatus, laser: DeviceStatus) -> _Status:
 
 
 def sound_run() -> RunLog:
-    """Twenty seconds in which the robot drives and nothing is wrong."""
-    run = RunLog(Path("anna.mcap"), HEADER, end=20.0, told_to_end=20.0)
+    """Return a run of 20 s in which the robot drives without a fault."""
+    run = RunLog(Path("anna.mcap"), HEADER, end=20.0, shutdown_at=20.0)
     run.decision_t = np.arange(0.0, 20.0, 0.1)
     run.pose = np.column_stack((0.03 * np.arange(200), np.zeros(200), np.zeros(200)))
     run.gate = [""] * 200
     run.status_t = np.arange(0.0, 20.0, 0.5)
     run.status = [status(device("ready"), device("streaming"))] * 40
-    run.heard = {link: np.arange(0.0, 20.0, 0.1) for link in ("base", "laser")}
+    run.received = {link: np.arange(0.0, 20.0, 0.1) for link in ("base", "laser")}
     run.tick_t = np.arange(0.0, 20.0, 0.05)
     run.order_t, run.moving_order = np.array([0.5]), np.array([True])
     return run
 
 
-def test_a_sound_run_has_none() -> None:
+def test_run_without_faults_has_no_incident() -> None:
     assert incidents(sound_run()) == []
 
 
 def test_silent_base_with_its_reaction() -> None:
     run = sound_run()
-    run.heard["base"] = run.heard["base"][(run.heard["base"] < 5) | (run.heard["base"] > 8)]
+    run.received["base"] = run.received["base"][
+        (run.received["base"] < 5) | (run.received["base"] > 8)
+    ]
     run.order_t, run.moving_order = np.array([0.5, 5.2, 8.6]), np.array([True, False, True])
     run.shift = 100.0
     (found,) = incidents(run)
@@ -58,17 +60,19 @@ def test_silent_base_with_its_reaction() -> None:
     assert (found.start, found.end) == pytest.approx((104.9, 108.1))
     assert found.stopped_after == pytest.approx(0.3)
     assert found.moved_after == pytest.approx(0.5)
-    assert "told to stand after 0.30 s" in found.reaction
+    assert "stop command after 0.30 s" in found.reaction
 
 
-def test_lost_port_explains_silence_and_session() -> None:
+def test_lost_port_is_the_only_incident_of_its_silence_and_session() -> None:
     run = sound_run()
     run.links = [
         LinkChange(0.0, "laser", up=True, reason=""),
         LinkChange(6.0, "laser", up=False, reason="gone"),
         LinkChange(9.0, "laser", up=True, reason=""),
     ]
-    run.heard["laser"] = run.heard["laser"][(run.heard["laser"] < 6) | (run.heard["laser"] > 9.5)]
+    run.received["laser"] = run.received["laser"][
+        (run.received["laser"] < 6) | (run.received["laser"] > 9.5)
+    ]
     run.status = [
         status(device("ready"), device("pausing" if 6 <= t < 9.5 else "streaming"))
         for t in run.status_t
@@ -76,7 +80,7 @@ def test_lost_port_explains_silence_and_session() -> None:
     assert [found.what for found in incidents(run)] == ["laser port lost"]
 
 
-def test_noise_is_counted() -> None:
+def test_line_noise_is_one_incident_with_its_count() -> None:
     run = sound_run()
     run.status = [
         status(device("ready", bad=max(0, min(7, index - 10))), device("streaming"))
@@ -85,7 +89,7 @@ def test_noise_is_counted() -> None:
     assert [found.what for found in incidents(run)] == ["base line noise: 7 bad packets"]
 
 
-def test_frozen_agent_gives_no_order() -> None:
+def test_frozen_agent_sends_no_command() -> None:
     run = sound_run()
     run.tick_t = run.tick_t[(run.tick_t < 4) | (run.tick_t > 7)]
     (found,) = incidents(run)
@@ -93,15 +97,15 @@ def test_frozen_agent_gives_no_order() -> None:
     assert "watchdog" in found.reaction
 
 
-def test_killed_agent_ends_its_recording() -> None:
+def test_killed_agent_is_a_truncated_recording() -> None:
     run = sound_run()
-    run.told_to_end, run.truncated = None, "readable up to byte 7"
+    run.shutdown_at, run.truncated = None, "readable up to byte 7"
     (found,) = incidents(run)
     assert found.what.startswith("recording breaks off")
     assert found.start == 20.0
 
 
-def test_jump_loss_and_absent_operator() -> None:
+def test_pose_jump_lost_pose_and_absent_operator_are_incidents() -> None:
     run = sound_run()
     run.pose[120:, 1] += 0.5
     run.lines = [
@@ -121,7 +125,7 @@ def test_jump_loss_and_absent_operator() -> None:
     ]
 
 
-def test_gate_is_summed_by_reason() -> None:
+def test_gate_times_are_summed_by_reason() -> None:
     run = sound_run()
     run.gate[50:60] = ["obstacle"] * 10
     run.gate[100:130] = ["obstacle"] * 30

@@ -1,4 +1,4 @@
-"""A short run of two robots, with a laser that falls silent, as page and numbers."""
+"""Page and numbers of a short run of two robots, one with a silent laser for a while."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ DURATION_S = 34.0
 
 @pytest.fixture(scope="module")
 def recordings(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
-    """Two robots on the lower side of the paper's border; they meet. robot1 is blind for 3 s."""
+    """Record two robots that meet on the paper's border; robot1's laser is silent for 3 s."""
     folder = load_map_folder(find_map("paper_lab", Path()))
     with closing(FleetRecorder(folder, tmp_path_factory.mktemp("run"))) as recorder:
         fleet = Fleet(
@@ -55,7 +55,7 @@ def runs(recordings: list[Path]) -> list[RunLog]:
     return [read_run(path) for path in recordings]
 
 
-def test_page_needs_nothing_beside_it(report: Path) -> None:
+def test_page_is_self_contained(report: Path) -> None:
     text = (report / "report.html").read_text()
     for word in ('src="', "<script", "@import", "url(h", "<link "):
         assert word not in text
@@ -67,7 +67,7 @@ def test_page_needs_nothing_beside_it(report: Path) -> None:
     ElementTree.fromstring(text[start : text.index("</svg>") + 6])
 
 
-def test_numbers_are_those_of_the_run(report: Path) -> None:
+def test_numbers_equal_those_of_the_run(report: Path) -> None:
     found = json.loads((report / "report.json").read_text())
     assert found["duration_s"] == pytest.approx(DURATION_S, abs=0.2)
     assert [robot["robot"] for robot in found["robots"]] == ["robot1", "robot2"]
@@ -82,17 +82,17 @@ def test_numbers_are_those_of_the_run(report: Path) -> None:
         assert robot["truncated"] is None
 
 
-def test_fault_is_told_with_its_time_and_reaction(report: Path) -> None:
+def test_fault_is_an_incident_with_time_and_reaction(report: Path) -> None:
     found = json.loads((report / "report.json").read_text())
     (incident,) = found["incidents"]
     assert (incident["robot"], incident["what"]) == ("robot1", "laser silent")
     assert incident["start"] == pytest.approx(25.0, abs=0.3)
-    assert 28.0 < incident["end"] < 29.5, "a laser is heard of once a second while it is silent"
+    assert 28.0 < incident["end"] < 29.5, "a silent laser is polled once a second"
     assert 0.0 < incident["stopped_after_s"] < 0.6
     assert 0.0 < incident["moved_after_s"] < 2.0
 
 
-def test_whatever_a_recording_says_is_shown_as_text(runs: list[RunLog]) -> None:
+def test_hostile_texts_of_a_recording_are_escaped(runs: list[RunLog]) -> None:
     hostile = """</title><script>alert('1')</script>"&$x$"""
     for run in runs:
         run.header = replace(run.header, robot=hostile, versions=hostile, source=hostile)
@@ -104,7 +104,7 @@ def test_whatever_a_recording_says_is_shown_as_text(runs: list[RunLog]) -> None:
     assert text.count("&lt;script&gt;") > 10
 
 
-def test_own_numbers_and_gate_agree(runs: list[RunLog]) -> None:
+def test_gate_reasons_are_those_of_the_fault(runs: list[RunLog]) -> None:
     team = Team(runs, align(runs))
     held = [reason for reason in runs[0].gate if reason == "stale_laser"]
     assert len(held) == pytest.approx(38, abs=6), "ten decisions a second"
@@ -132,14 +132,14 @@ def test_clocks_of_one_host_are_its_monotonic_clock(runs: list[RunLog]) -> None:
     assert runs[1].shift - runs[0].shift == pytest.approx(2.5)
 
 
-def test_stated_offset_is_taken_and_checked(runs: list[RunLog]) -> None:
+def test_stated_offset_is_used_and_unknown_robot_is_an_error(runs: list[RunLog]) -> None:
     align(runs, {"robot2": 4.0})
     assert runs[1].shift - runs[0].shift == pytest.approx(4.0)
     with pytest.raises(AlignmentError, match="robots are robot1, robot2"):
         align(runs, {"robot9": 1.0})
 
 
-def test_cut_recording_is_reported_as_far_as_it_goes(
+def test_truncated_recording_is_reported_up_to_the_cut(
     recordings: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     cut = tmp_path / "cut.mcap"
@@ -150,5 +150,5 @@ def test_cut_recording_is_reported_as_far_as_it_goes(
     assert found["incidents"][-1]["what"].startswith("recording breaks off")
 
 
-def test_bad_offset_is_refused(recordings: list[Path], tmp_path: Path) -> None:
+def test_invalid_offset_is_refused(recordings: list[Path], tmp_path: Path) -> None:
     assert main(["report", str(recordings[0]), "-o", str(tmp_path), "--offset", "x=y"]) == 1

@@ -1,4 +1,4 @@
-"""The paper's experiment: its claims told rightly, its figures written."""
+"""The paper's experiment: evaluation of its claims, its figures."""
 
 import argparse
 import json
@@ -23,7 +23,7 @@ KEEP, CW, CCW = (
 
 
 def meeting(first_turn: int, second_turn: int, *, both: bool = True) -> PaperRun:
-    """Return two robots that meet half-way of 40 s and turn at these steps, 0.1 s each."""
+    """Return a run of 40 s with two robots that meet half-way and turn at these steps of 0.1 s."""
     t = np.arange(400) / 10.0
     way = np.abs(0.35 * (t - 20.0)) + 0.8
     runs = []
@@ -40,18 +40,18 @@ def meeting(first_turn: int, second_turn: int, *, both: bool = True) -> PaperRun
 
 
 @pytest.mark.parametrize(("second", "apart"), [(190, 0), (192, 2), (197, 7)])
-def test_turns_are_told_with_the_steps_between_them(second, apart):
+def test_turns_have_the_steps_between_them(second, apart):
     (turn,) = turns(meeting(190, second))
     assert (turn.steps_apart, turn.opposite, turn.parted) == (apart, True, True)
     assert turn.closest_m == pytest.approx(1.6)
 
 
-def test_one_that_does_not_turn_breaks_the_claim():
+def test_robot_that_does_not_turn_breaks_the_claim():
     (turn,) = turns(meeting(190, 190, both=False))
     assert (turn.steps_apart, turn.opposite, turn.parted) == (None, False, False)
 
 
-def test_one_that_had_just_reversed_by_chance_is_not_met_head_on():
+def test_robot_reversed_at_random_is_no_head_on_meeting():
     run = meeting(190, 190, both=False)
     run.runs[1].direction[:] = 1
     assert turns(run) == []
@@ -66,17 +66,17 @@ def arguments(*words: str) -> argparse.Namespace:
 def test_command_writes_figures_and_claims(tmp_path, capsys):
     options = ["-o", str(tmp_path), "--sensing", "ideal", "--duration", "40", "--seeds", "2"]
     status = command.run(arguments(*options))
-    told = json.loads(capsys.readouterr().out)
-    assert status == (0 if all(told["held"].values()) else 1)
-    assert told["meetings"]["head_on"] == told["meetings"]["within_two_steps"] > 0
-    assert told["held"]["every_meeting_cw_and_ccw_then_apart"]
-    assert (told["contacts"], told["seeds"]) == (0, [1, 2])
+    summary = json.loads(capsys.readouterr().out)
+    assert status == (0 if all(summary["held"].values()) else 1)
+    assert summary["meetings"]["head_on"] == summary["meetings"]["within_two_steps"] > 0
+    assert summary["held"]["every_meeting_cw_and_ccw_then_apart"]
+    assert (summary["contacts"], summary["seeds"]) == (0, [1, 2])
     by_seed = json.loads((tmp_path / "claims.json").read_text())
     assert [each["seed"] for each in by_seed] == [1, 2]
     heads_on = [each["meetings"]["head_on"] for each in by_seed]
-    assert told["meetings"]["head_on"] == sum(heads_on)
+    assert summary["meetings"]["head_on"] == sum(heads_on)
     worst = max(each["border_distance_m"]["max"] for each in by_seed)
-    assert told["border_distance_m"]["worst_max"] == worst
+    assert summary["border_distance_m"]["worst_max"] == worst
     assert {path.name for path in tmp_path.iterdir()} == {
         "claims.json",
         *(
@@ -87,19 +87,19 @@ def test_command_writes_figures_and_claims(tmp_path, capsys):
     }
 
 
-def test_processes_and_maps_of_choice_give_the_same_as_one(tmp_path):
+def test_two_processes_give_the_same_claims_as_one(tmp_path):
     trial = PaperTrial(find_map("intel_lab", Path.cwd()), "open", Sensing.IDEAL, 5.0)
     one, two = ([claims(run) for run in run_seeds(trial, [3, 4], jobs)] for jobs in (1, 2))
     assert one == two
     assert [each["seed"] for each in one] == [3, 4]
 
 
-def test_one_claim_broken_by_one_seed_is_broken(tmp_path):
+def test_claim_broken_by_one_seed_is_broken_over_all(tmp_path):
     trial = PaperTrial(find_map("paper_lab", Path.cwd()), "border", Sensing.IDEAL, 1.0)
-    (told,) = (claims(run) for run in run_seeds(trial, [1], 1))
-    told["held"] = dict.fromkeys(told["held"], True)
-    broken = told | {"held": told["held"] | {"no_contact": False}, "contacts": 3}
-    summary = over_seeds([told, broken])
+    (single,) = (claims(run) for run in run_seeds(trial, [1], 1))
+    single["held"] = dict.fromkeys(single["held"], True)
+    broken = single | {"held": single["held"] | {"no_contact": False}, "contacts": 3}
+    summary = over_seeds([single, broken])
     assert [name for name, held in summary["held"].items() if not held] == ["no_contact"]
     assert summary["contacts"] == 3
 

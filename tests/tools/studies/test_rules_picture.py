@@ -20,7 +20,7 @@ def winners(gamma, borders, neighbors, reading="R1"):
     return [[tuple(Action)[i] for i in row] for row in found]
 
 
-def test_decision_map_has_the_boundaries_of_the_notes():
+def test_decision_map_has_the_boundaries_of_the_rules():
     atl, rfl, kgl = Action.AVOID_TEAMMATE, Action.REACH_FRONTIER, Action.KEEP_GOING
     cw, ccw = Action.PATROL_CLOCKWISE, Action.PATROL_COUNTER_CLOCKWISE
     borders, neighbors = (0.1, 1.51), (1.09, 1.11, 1.91)
@@ -48,7 +48,7 @@ def test_show_writes_a_picture_with_every_action_in_its_color(tmp_path, capsys, 
         assert blue_green_red in colors
 
 
-def test_check_says_ok_or_what_is_wrong(tmp_path: Path, capsys):
+def test_check_prints_ok_or_the_error(tmp_path: Path, capsys):
     assert main(["rules", "check", str(RULES_FILE)]) == 0
     assert capsys.readouterr().out == f"{RULES_FILE}: OK\n"
     bad = tmp_path / "bad.toml"

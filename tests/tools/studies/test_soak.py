@@ -1,4 +1,4 @@
-"""A short soak: random faults, persons who help, recordings that make room."""
+"""A short soak: random faults, the person's visits, recordings rotated and deleted."""
 
 import json
 from pathlib import Path
@@ -20,12 +20,12 @@ def test_faults_are_of_every_kind_and_reproducible():
     assert all(60.0 < fault.start < fault.end for fault in faults)
 
 
-def test_slope_of_a_line():
+def test_slope_of_points_on_a_line_is_the_lines():
     assert slope([(1.0, 5.0), (2.0, 7.0), (3.0, 9.0)]) == pytest.approx(2.0)
     assert slope([(1.0, 5.0)]) is None
 
 
-def test_a_robot_stuck_for_long_is_helped_and_recordings_rotate(
+def test_stuck_robot_is_released_by_a_person_and_recordings_rotate(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(soak, "HOUR_S", 20.0)
@@ -45,7 +45,7 @@ def test_a_robot_stuck_for_long_is_helped_and_recordings_rotate(
     assert "robot1-20000101T000000Z.mcap" not in {path.name for path in tmp_path.iterdir()}
 
 
-def test_an_empty_battery_is_exchanged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_empty_battery_is_exchanged(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(soak, "HOUR_S", 30.0)
     monkeypatch.setattr(soak, "random_faults", lambda *_: [])
     folder = load_map_folder(find_map("paper_lab", Path.cwd()))
@@ -59,10 +59,10 @@ def test_an_empty_battery_is_exchanged(tmp_path: Path, monkeypatch: pytest.Monke
     assert [row.batteries for row in rows] == [1, 1]
     assert base.battery.volts > 12.9
     assert rows[-1].latched == 0
-    assert max(speeds) > 0.1, "patrols with the full one"
+    assert max(speeds) > 0.1, "patrols with the full battery"
 
 
-def test_what_a_killed_soak_has_shown_is_on_disk(tmp_path: Path) -> None:
+def test_rows_and_summary_are_on_disk_after_each_hour(tmp_path: Path) -> None:
     path = tmp_path / "soak.jsonl"
     path.write_text("of an earlier run\n")
     log = SoakLog(path)
@@ -70,11 +70,11 @@ def test_what_a_killed_soak_has_shown_is_on_disk(tmp_path: Path) -> None:
         log.add(row(hour, memory_mb=100.0 + hour, touched=(f"{hour} s: robot1, a wall",)))
         lines = [json.loads(line) for line in path.read_text().splitlines()]
         assert [line["hour"] for line in lines] == [float(n) for n in range(1, len(lines) + 1)]
-        told = json.loads((tmp_path / "soak.summary.json").read_text())
-        assert told["hour"] == hour
-        assert len(told["touched"]) == len(lines)
-    assert told["memory_slope_mb_per_hour"] == pytest.approx(1.0)
-    assert told["times_real_time"] == 14.4
+        summary = json.loads((tmp_path / "soak.summary.json").read_text())
+        assert summary["hour"] == hour
+        assert len(summary["touched"]) == len(lines)
+    assert summary["memory_slope_mb_per_hour"] == pytest.approx(1.0)
+    assert summary["times_real_time"] == 14.4
 
 
 def row(hour: float, **changed: object) -> SoakHour:

@@ -1,4 +1,4 @@
-"""Studies: every combination run once, kept, and compared."""
+"""Studies: every combination run once, stored, and compared."""
 
 import argparse
 import csv
@@ -53,7 +53,7 @@ def test_every_combination_with_every_seed(tmp_path: Path) -> None:
     assert len({run.file_name for run in study.runs}) == 8
 
 
-def test_a_killed_study_goes_on_where_it_was(tmp_path: Path) -> None:
+def test_killed_study_runs_only_what_is_missing(tmp_path: Path) -> None:
     study = read_study(write(tmp_path, SMALL.replace("seeds = 2", "seeds = 1")))
     out = tmp_path / "out"
     results = run_study(study, out, jobs=2)
@@ -68,7 +68,7 @@ def test_a_killed_study_goes_on_where_it_was(tmp_path: Path) -> None:
         assert one.figures["border_distance_m"] == other.figures["border_distance_m"]
 
 
-def test_a_damaged_result_is_named(tmp_path: Path) -> None:
+def test_damaged_result_is_an_error_naming_it(tmp_path: Path) -> None:
     study = read_study(write(tmp_path, "[study]\nduration = 2.0\nseeds = 1\n"))
     run_study(study, tmp_path, jobs=1)
     (path,) = (tmp_path / "runs").iterdir()
@@ -104,14 +104,14 @@ def test_command_prints_the_table_and_writes_runs_and_plot(
         ('[vary]\n"patrol.speed" = [1.0]\n', ConfigError, "patrol.speed: unknown key"),
     ],
 )
-def test_bad_studies_are_named(
+def test_bad_study_is_an_error_naming_the_key(
     text: str, error: type[Exception], words: str, tmp_path: Path
 ) -> None:
     with pytest.raises(error, match=words):
         read_study(write(tmp_path, text))
 
 
-def test_absent_study_is_named(tmp_path: Path) -> None:
+def test_absent_study_is_an_error_naming_it(tmp_path: Path) -> None:
     with pytest.raises(StudyError, match=r"none\.toml: cannot be read"):
         read_study(tmp_path / "none.toml")
 
@@ -127,7 +127,7 @@ def test_interval_of_the_mean() -> None:
     assert summarize(np.array([])) is None
 
 
-def test_rows_of_the_table_are_the_cases() -> None:
+def test_table_has_a_row_of_summaries_per_case() -> None:
     def result(probability: float, seed: int, worst: float | None) -> Result:
         case = Case((("patrol.reversal_probability", probability),))
         figures = {
@@ -178,7 +178,7 @@ faults = ["", "any1:dead@1..3 robot2:stuck@2"]
         read_study(write(tmp_path, text.replace("robot2", "robot7")))
 
 
-def test_a_study_on_a_cluster_has_the_results_of_one_here(tmp_path: Path) -> None:
+def test_study_on_a_cluster_has_the_same_results_as_local(tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
     text = "[study]\nduration = 4.0\nseeds = 1\nsensing = 'ideal'\n[vary]\nrobots = [1, 2]\n"
     study = read_study(write(tmp_path, text))
@@ -192,9 +192,7 @@ def test_a_study_on_a_cluster_has_the_results_of_one_here(tmp_path: Path) -> Non
         assert one.figures["border_distance_m"] == other.figures["border_distance_m"]
 
 
-def test_a_cluster_that_is_not_there_is_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_absent_cluster_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
     monkeypatch.setattr("tools.studies.study_cluster.CONNECT_S", 0.5)
     study = read_study(write(tmp_path, SMALL))

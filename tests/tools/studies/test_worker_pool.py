@@ -1,4 +1,4 @@
-"""Worker processes start anew: nothing of a process with threads is copied."""
+"""Worker processes are spawned: no locks of the parent's threads are copied."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ import numpy as np
 from tools.studies.worker_pool import START, worker_pool
 
 HELD = threading.Lock()
-"""Held by a thread of this process: a forked copy would wait for it for ever."""
+"""Held by a thread of this process: a forked copy would deadlock on it."""
 
 
 def use_lock_and_opencv(value: int) -> tuple[int, int]:
-    """Do in a worker what waited for ever in a forked one."""
+    """Use lock and OpenCV in a worker: a forked one would deadlock."""
     with HELD:
         cv2.setNumThreads(1)
         return os.getpid(), int(cv2.blur(np.full((64, 64), value, np.uint8), (5, 5)).max())
 
 
-def test_a_worker_does_not_inherit_locks_of_the_parents_threads() -> None:
+def test_worker_does_not_inherit_locks_of_the_parents_threads() -> None:
     cv2.setNumThreads(2)
     cv2.blur(np.zeros((512, 512), np.uint8), (5, 5))  # OpenCV's threads are alive
     with HELD, worker_pool(2) as pool:
@@ -30,5 +30,5 @@ def test_a_worker_does_not_inherit_locks_of_the_parents_threads() -> None:
     assert os.getpid() not in {pid for pid, _value in results}
 
 
-def test_every_process_of_ours_is_spawned() -> None:
+def test_start_method_is_spawn() -> None:
     assert START.get_start_method() == "spawn"

@@ -1,4 +1,4 @@
-// The alarms, worst and unseen first. Acknowledging tells the monitor on this computer, no robot.
+// The alarms, unacknowledged first. Acknowledging is sent to the monitor, never to a robot.
 
 import { element, setText } from "./element.js";
 import { timeOfDay } from "./format.js";
@@ -48,7 +48,7 @@ export class AlarmList {
     for (const alarm of alarms) {
       const item = this.item(alarm);
       this.update(item, alarm);
-      // Move only what is out of place: moving would take the keyboard's focus away.
+      // Move only items out of place: moving one takes the keyboard focus away.
       const expected = before ? before.nextElementSibling : this.list.firstElementChild;
       if (expected !== item.root) this.list.insertBefore(item.root, expected);
       before = item.root;

@@ -1,4 +1,4 @@
-// The cards in the order of the robots' names; the chosen one is open, or all.
+// The cards in the order of the robots' names; the selected one is open, or all.
 
 import { RobotCard } from "./robot_card.js";
 

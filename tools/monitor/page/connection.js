@@ -1,4 +1,4 @@
-// The live connection to the monitor; it comes back by itself.
+// The WebSocket connection to the monitor; reconnects by itself.
 
 const RETRY_MS = 500;
 const SILENT_MS = 3000;
@@ -7,7 +7,7 @@ export class Connection {
   constructor(onMessage, onState) {
     this.onMessage = onMessage;
     this.onState = onState;
-    this.heardAt = 0;
+    this.receivedAt = 0;
     this.open();
     setInterval(() => this.checkSilence(), 500);
   }
@@ -17,13 +17,13 @@ export class Connection {
     this.socket = new WebSocket(`${scheme}://${location.host}/live`);
     let seen = 0;
     this.socket.onmessage = (event) => {
-      this.heardAt = performance.now();
+      this.receivedAt = performance.now();
       this.onState(true);
       this.onMessage(JSON.parse(event.data));
-      // The next ones come only as fast as these are shown: a slow page is behind by one, not more.
+      // Flow control: the monitor sends on after a frame is drawn, so a slow page is one behind.
       seen += 1;
-      const told = seen;
-      requestAnimationFrame(() => setTimeout(() => this.send({ seen: told })));
+      const drawn = seen;
+      requestAnimationFrame(() => setTimeout(() => this.send({ seen: drawn })));
     };
     this.socket.onclose = () => {
       this.onState(false);
@@ -32,7 +32,7 @@ export class Connection {
   }
 
   checkSilence() {
-    if (performance.now() - this.heardAt > SILENT_MS) this.onState(false);
+    if (performance.now() - this.receivedAt > SILENT_MS) this.onState(false);
   }
 
   send(request) {

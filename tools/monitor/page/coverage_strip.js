@@ -1,4 +1,4 @@
-// The border unrolled from s = 0 to its end, coloured by the time since a robot was there.
+// The border unrolled from abscissa 0 to its end, coloured by the time since the last visit.
 
 import { setText } from "./element.js";
 import { duration } from "./format.js";

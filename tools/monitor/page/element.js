@@ -1,4 +1,4 @@
-// Builds elements. Text is only ever set as text: what a robot says can never become markup.
+// Builds elements. Text is set as text only: telemetry can never become markup.
 
 export function element(tag, className = "", text = "") {
   const made = document.createElement(tag);
@@ -7,7 +7,7 @@ export function element(tag, className = "", text = "") {
   return made;
 }
 
-// Set only what differs: most facts stay the same from one message to the next.
+// Sets text only where it differs, as most stays the same from message to message.
 export function setText(node, text) {
   if (node.textContent !== text) node.textContent = text;
 }

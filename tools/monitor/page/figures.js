@@ -1,4 +1,4 @@
-// How well the page keeps up: redraws per second, and how old poses are when they are drawn.
+// The page's performance: redraws per second, and the age of poses when they are drawn.
 
 const WINDOW = 100;
 const DELAYS = 20000;

@@ -1,11 +1,11 @@
-// Numbers and names as people read them.
+// Formats numbers, names and times for display.
 
 export const ABSENT = "–";
 const LARGEST = 1e6;
 
 export function quantity(value, unit, digits = 2) {
   if (typeof value !== "number" || !Number.isFinite(value)) return ABSENT;
-  // Nothing real is that large; what is must not tear the page apart.
+  // Larger numbers are not real and would break the layout.
   const words = Math.abs(value) < LARGEST ? value.toFixed(digits) : value.toExponential(1);
   return unit ? `${words} ${unit}` : words;
 }

@@ -1,4 +1,4 @@
-// The still part of the map: walls and border, painted once per theme and view.
+// The static part of the map: walls, grid and border, painted once per theme and view.
 
 import { colour, idleColour, parts } from "./palette.js";
 
@@ -27,7 +27,7 @@ export class Ground {
     onReady();
   }
 
-  // Colour the cells for the theme in force.
+  // Colours the cells for the present theme.
   paint() {
     if (!this.cells) return;
     const { width, height, data } = this.cells;
@@ -46,7 +46,7 @@ export class Ground {
     this.picture.getContext("2d").putImageData(image, 0, 0);
   }
 
-  // x0, y0, x1, y1 of what there is to see, m.
+  // Returns x0, y0, x1, y1 of map and border, or of the robots without a map, m.
   bounds(robots) {
     const points = [...(this.site.border?.points ?? [])];
     if (this.site.map) {

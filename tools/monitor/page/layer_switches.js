@@ -1,4 +1,4 @@
-// Which layers the map shows; remembered on this computer.
+// Switches for the map's layers, kept in the browser's local storage.
 
 const LAYERS = {
   map: ["Walls", true],

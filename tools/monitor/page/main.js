@@ -1,4 +1,4 @@
-// Puts the page together: one connection feeds one team, and the parts show it.
+// Assembles the page: one connection feeds one team, which the parts show.
 
 import { ActionPlot } from "./action_plot.js";
 import { AlarmList } from "./alarm_list.js";

@@ -1,4 +1,4 @@
-// The map: draws when something has changed, zooms, pans, follows, lets a robot be chosen.
+// The map: redrawn on changes; zoom, pan, follow, selection of a robot.
 
 import { colour } from "./palette.js";
 import { Ground } from "./ground.js";
@@ -65,7 +65,7 @@ export class MapView {
     this.changed = true;
   }
 
-  // Draw if anything has changed; returns whether it did.
+  // Draws if anything has changed; returns whether it drew.
   draw() {
     if (!this.changed || !this.surface.width) return false;
     this.changed = false;
@@ -93,7 +93,7 @@ export class MapView {
     return true;
   }
 
-  // Walls and border change only with the view: they are kept as a picture.
+  // Walls and border change only with the view: they are cached as a picture.
   drawGround(context, ratio) {
     const { viewport, layers } = this;
     const { width, height } = this.surface.canvas;
@@ -120,7 +120,7 @@ export class MapView {
     const left = right - metres * this.viewport.scale;
     context.font = "11px system-ui, 'DejaVu Sans', sans-serif";
     context.textAlign = "center";
-    // Once wide in the ground's colour, then thin: readable over walls as well.
+    // First wide in the background's colour, then thin: readable over walls as well.
     for (const [style, width] of [["unknown", 5], ["quiet", 1.5]]) {
       context.strokeStyle = colour(style);
       context.lineWidth = width;

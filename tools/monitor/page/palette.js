@@ -32,7 +32,7 @@ export function mixed(from, to, share) {
   return `rgb(${a.map((value, index) => Math.round(value + share * (b[index] - value))).join(" ")})`;
 }
 
-// Time since the last visit: calm blue, then yellow, then red, by share of the longest shown.
+// Colour of an idleness: blue to yellow to red, by share of the longest shown.
 export function idleColour(share) {
   const at = Math.min(Math.max(share, 0), 1);
   return at < 0.5 ? mixed("idle-0", "idle-1", at * 2) : mixed("idle-1", "idle-2", at * 2 - 1);

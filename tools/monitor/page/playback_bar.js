@@ -1,4 +1,4 @@
-// Pause, speed and a slider over a recording's time.
+// Controls of a playback: pause, speed and a time slider.
 
 import { element, setText } from "./element.js";
 import { duration, timeOfDay } from "./format.js";

@@ -1,4 +1,4 @@
-// What both history plots share: time on the x axis, the newest on the right.
+// Shared by both history plots: time on the x axis, the newest on the right.
 
 import { colour } from "./palette.js";
 import { duration } from "./format.js";
@@ -32,7 +32,7 @@ export function drawTimeAxis(context, axis, span) {
   context.stroke();
 }
 
-// Draws what must not reach beyond the axes.
+// Draws clipped to the axes.
 export function drawWithin(context, axis, draw) {
   context.save();
   context.beginPath();
@@ -42,7 +42,7 @@ export function drawWithin(context, axis, draw) {
   context.restore();
 }
 
-// Index of the first sample that is in view; samples are in the order of their times.
+// Returns the index of the last sample before ``from``, or 0; samples are in order of time.
 export function firstInView(samples, from) {
   let [low, high] = [0, samples.length];
   while (low < high) {

@@ -1,4 +1,4 @@
-// One robot's card: what it does and why at a glance, every figure when opened.
+// One robot's card: action, reason and main figures; every figure when opened.
 
 import { element, setClass, setText } from "./element.js";
 import { ABSENT, actionName, count, quantity, timeOfDay, twist } from "./format.js";

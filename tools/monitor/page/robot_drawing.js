@@ -4,20 +4,20 @@ import { colour, robotColour } from "./palette.js";
 
 const ELLIPSE_95 = 2.448; // radius in standard deviations that holds 95 % in two dimensions
 const CLOSE = 60; // px per m
-const FAR_SHARE = 5; // one particle in so many is drawn from far away
+const FAR_SHARE = 5; // one particle in so many is drawn below CLOSE
 const SMALLEST_ELLIPSE = 4; // px
 const TRAIL_SECONDS = 600;
 const GAP = 3; // s without a sample that breaks the trail
-const FRESH = 1.5; // s after which a scan or a track says nothing of the present
+const FRESH = 1.5; // s after which a scan or a track is stale
 
-// Where it was in the last minutes, up to where it is; broken where nothing was heard.
+// The path of the last TRAIL_SECONDS to the present pose; broken where telemetry is missing.
 export function drawTrail(context, robot, scale) {
   const points = robot.samples.slice(-TRAIL_SECONDS);
   if (!points.length) return;
   context.strokeStyle = robotColour(robot.number);
   context.lineWidth = 2 / scale;
   context.lineJoin = "round";
-  // Three pieces, each fainter than the one after: enough to see which way it came.
+  // Three pieces, each fainter than the next: shows the direction of motion.
   const third = Math.ceil(points.length / 3);
   for (let piece = 0; piece < 3; piece += 1) {
     context.globalAlpha = 0.12 + 0.14 * piece;
@@ -72,20 +72,20 @@ export function drawScan(context, robot, site, scale, now) {
   context.globalAlpha = 1;
 }
 
-// Over the body when looked at closely, since a well localized robot covers all of them.
+// Drawn over the body when zoomed in, since a well localized robot covers all particles.
 export function drawParticles(context, robot, scale) {
   const particles = robot.particles ?? [];
   const dot = 2 / scale;
   context.fillStyle = scale > CLOSE ? colour("text") : robotColour(robot.number);
   context.globalAlpha = 0.5;
-  const step = scale > CLOSE ? 3 : 3 * FAR_SHARE; // far away they lie on top of each other
+  const step = scale > CLOSE ? 3 : 3 * FAR_SHARE; // zoomed out, they overlap
   for (let at = 0; at < particles.length; at += step) {
     context.fillRect(particles[at] / 100 - dot / 2, particles[at + 1] / 100 - dot / 2, dot, dot);
   }
   context.globalAlpha = 1;
 }
 
-// The 95 % ellipse of the estimate's position.
+// The 95 % ellipse of the pose estimate's position.
 export function drawCovariance(context, robot, scale) {
   const estimate = robot.status?.localization;
   if (!estimate?.pose || estimate.covariance.length < 9) return;
@@ -106,7 +106,7 @@ export function drawCovariance(context, robot, scale) {
   context.stroke();
 }
 
-// Teammates are rings, strangers squares, intruders triangles: shape tells, not colour alone.
+// Teammates are rings, strangers squares, intruders triangles: distinct without colour.
 export function drawTracks(context, robot, scale, now) {
   if (!robot.tracks || robot.age("tracks", now) > FRESH) return;
   for (const track of robot.tracks) {
@@ -141,7 +141,7 @@ export function drawBody(context, robot, site, scale, { chosen, silent }) {
   context.save();
   context.translate(x, y);
   context.rotate(theta);
-  // A robot smaller than a fingertip's worth of pixels is drawn larger, or nobody would find it.
+  // A robot shorter than 15 px is drawn larger, to stay visible.
   const enlarged = Math.max(1, 15 / ((front + rear) * scale));
   context.scale(enlarged, enlarged);
   const pixel = 1 / (scale * enlarged);

@@ -1,4 +1,4 @@
-// Which robot is chosen, and whether the map follows it.
+// The selected robot, and whether the map follows it.
 
 export class Selection {
   constructor(onChange) {

@@ -1,4 +1,4 @@
-// A canvas that follows its size on the screen and draws sharply on any of them.
+// A canvas whose pixel buffer follows its size on screen and the device's pixel ratio.
 
 export class Surface {
   constructor(canvas, onResize = () => {}) {
@@ -23,7 +23,7 @@ export class Surface {
     this.canvas.height = Math.round(box.height * this.ratio);
   }
 
-  // Return the context, cleared, in pixels of the page.
+  // Returns the context, cleared, in CSS pixels.
   begin() {
     this.context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     this.context.clearRect(0, 0, this.width, this.height);

@@ -1,4 +1,4 @@
-// What the page knows of the team: one Robot per name, kept up to date by messages.
+// The team's state on the page: one Robot per id, updated by messages.
 
 const SAMPLES = 3600;
 const PARTS = ["pose", "decision", "status", "scan", "particles", "tracks", "process", "event"];
@@ -29,13 +29,13 @@ class Robot {
     for (const sample of message.history ?? []) this.addSample(sample);
   }
 
-  // Samples are one second of a robot: wall time, x, y, distance from border, action.
+  // A sample: wall time (s), x, y (m), distance from border (m), index of the action.
   addSample(sample) {
     this.samples.push(sample);
     if (this.samples.length > SAMPLES) this.samples.shift();
   }
 
-  // Age of a part in s; infinite if it never came.
+  // Returns the age of a part, s; infinite if none was received.
   age(part, now) {
     return part in this.at ? now - this.at[part] : Infinity;
   }
@@ -78,7 +78,7 @@ export class Team {
     return this.robots.get(id);
   }
 
-  // Its colour's number: the one its name ends in, so that a robot keeps its colour, or a free one.
+  // Returns a colour's number: the one the name ends in, so that it is stable, or a free one.
   freeNumber(id) {
     const taken = new Set(this.ordered.map((robot) => robot.number));
     const own = Number(id.match(/\d{1,3}$/)?.[0] ?? 0) - 1;

@@ -1,4 +1,4 @@
-// Dark or light: as the system prefers until the operator chooses; remembered on this computer.
+// Dark or light theme: the system's until chosen, then kept in the browser's local storage.
 
 import { forgetColours } from "./palette.js";
 

@@ -1,4 +1,4 @@
-// The part of the map that is in view: metres to pixels and back, zoomed, panned, following.
+// The visible part of the map: conversion of metres to pixels and back, zoom, pan.
 
 const CLOSEST = 400; // px per m
 const WIDEST = 2;
@@ -10,7 +10,7 @@ export class Viewport {
     this.scale = 20; // px per m
     this.width = 1;
     this.height = 1;
-    this.touched = false; // by the operator; until then every resize fits again
+    this.touched = false; // zoomed or panned; until then every resize fits the map again
   }
 
   resize(width, height) {
@@ -28,7 +28,7 @@ export class Viewport {
     this.touched = false;
   }
 
-  // Zoom by a factor, keeping the map point under pixel (px, py) where it is.
+  // Zooms by a factor; the map point under pixel (px, py) stays in place.
   zoom(factor, px = this.width / 2, py = this.height / 2) {
     const [x, y] = this.toMap(px, py);
     this.scale = Math.min(Math.max(this.scale * factor, WIDEST), CLOSEST);
@@ -51,7 +51,7 @@ export class Viewport {
     return [this.width / 2 + (x - this.x) * this.scale, this.height / 2 - (y - this.y) * this.scale];
   }
 
-  // Make the context draw in map metres, y up.
+  // Sets the context's transform to map metres, y up.
   apply(context, ratio) {
     const s = this.scale * ratio;
     context.setTransform(
