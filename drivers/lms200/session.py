@@ -1,9 +1,9 @@
-"""The host's conversation with an LMS 200, from finding its rate to a stream of scans.
+"""The host's session with an LMS 200, from finding its rate to a stream of scans.
 
-Sans-I/O: told the time, fed bytes, asked for what to write. Order of steps: find the rate (a
-laser left streaming is stopped by the same command), go to the wanted rate, type, status, errors,
-variant, configuration, stream. Variant and configuration are written only where the laser says they
-differ: its EEPROM endures few writes. Source: SICK telegram listing 8007954/Q501, timing and modes.
+Sans-I/O: takes bytes and times, returns requests to the link. Order of steps: find the rate (a
+laser left streaming is stopped by the same command), set the wanted rate, type, status, errors,
+variant, configuration, stream. Variant and configuration are written only where the laser reports
+others: its EEPROM endures few writes. Source: SICK telegram listing 8007954/Q501, timing and modes.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ CONFIGURATION_LIMIT = 15.0  # s, writing the EEPROM
 SETTLING = 0.25  # s, both ends changing rate
 INNER_SILENCE = 0.25  # s without a byte inside a telegram: its end is lost
 RESTART_PAUSE = 0.5  # s
-MAX_WRITES = 2  # of variant and of configuration, each; a laser that keeps neither is used as is
+MAX_WRITES = 2  # of variant and of configuration, each; then the laser is used as it is
 
 _BITS_PER_BYTE = 10
 
 
 class SessionState(StrEnum):
-    """Where the conversation stands."""
+    """State of the session."""
 
     DOWN = "down"
     PAUSING = "pausing"
@@ -58,10 +58,10 @@ class SessionState(StrEnum):
 
 @dataclass(slots=True)
 class LaserCounters:
-    """What happened since the session was made."""
+    """Counts since the session was made."""
 
     scans: int = 0
-    unusable: int = 0  # measured values that are no whole scan
+    unusable: int = 0  # telegrams of measured values that are no whole scan
     timeouts: int = 0
     naks: int = 0
     searches: int = 0
@@ -70,10 +70,10 @@ class LaserCounters:
 
 
 class Lms200Session:
-    """Brings a laser, in whatever state it is, to streaming, and keeps it there.
+    """Brings a laser from any state to streaming, and keeps it streaming.
 
-    After every call take ``take_requests()`` and carry them out in order. ``trouble`` says, for
-    people, why there are no scans or what the laser would not do; None when all is as set.
+    After every call take ``pop_requests()`` and execute them in order. ``trouble`` is a line for
+    people: why there are no scans, or which setting the laser refused; None when all is as set.
     """
 
     def __init__(self, settings: LaserSettings) -> None:
@@ -109,17 +109,17 @@ class Lms200Session:
 
     @property
     def health(self) -> LaserHealth | None:
-        """What the laser says of itself, kept up to date; None until it has been asked."""
+        """The laser's condition as it reports it; None until the first report."""
         return self._watch.health
 
-    # What the owner of the link calls
+    # Called by the owner of the link
 
     def link_up(self, t: float) -> None:
-        """The port is open: look for the laser."""
+        """Start the search for the laser: the port is open."""
         self._search(self._settings.baud, t)
 
     def link_down(self, t: float) -> None:  # noqa: ARG002 - every session has this call
-        """The port is gone: forget what was under way."""
+        """Drop requests and unfinished telegrams: the port is closed."""
         self.state = SessionState.DOWN
         self._requests.clear()
         self.framer.reset()
@@ -132,7 +132,7 @@ class Lms200Session:
         self._requests.append(Write(encode(telegrams.SELECT_ON_REQUEST)))
 
     def pop_requests(self) -> list[Request]:
-        """Return, once, what the link is asked to do, in order."""
+        """Return and clear the requests to the link, in order."""
         requests, self._requests = self._requests, []
         return requests
 
@@ -142,7 +142,7 @@ class Lms200Session:
             return []
         scans: list[Scan] = []
         if self.state in self._on_reply:
-            self._exchange.bytes_came(t)
+            self._exchange.on_bytes(t)
         if self.framer.pending and t - self._last_received >= INNER_SILENCE:
             for item in self.framer.flush():
                 scans += self._on_item(item, self._last_received)
@@ -153,7 +153,7 @@ class Lms200Session:
         return scans
 
     def tick(self, t: float) -> None:
-        """Notice silence: repeat the request, try the next rate, start over."""
+        """Handle timeouts: repeat the request, try the next rate, start over."""
         if self.state is not SessionState.DOWN and t >= self._exchange.deadline:
             self._out_of_time(t)
         self._keep_asking(t)
@@ -187,7 +187,7 @@ class Lms200Session:
 
     def _on_measurement(self, telegram: Telegram, t: float) -> list[Scan]:
         if self.state not in (SessionState.STARTING, SessionState.STREAMING):
-            return []  # of a stream about to be stopped, geometry not settled
+            return []  # from a stream about to be stopped, of unknown geometry
         measurement = decode_measurement(telegram, self._mode)
         if measurement is None:
             self.counters.unusable += 1
@@ -239,7 +239,7 @@ class Lms200Session:
         self._requests.append(Write(self._exchange.send(t, self.baud)))
 
     def _keep_asking(self, t: float) -> None:
-        """While scans come, ask for the laser's condition when its status byte has changed."""
+        """While streaming, query the laser's condition when its status byte has changed."""
         if self.state is SessionState.STREAMING:
             command = self._watch.next_command(t)
             if command is not None:
@@ -257,7 +257,7 @@ class Lms200Session:
     def _search(self, first_baud: int, t: float) -> None:
         self.counters.searches += 1
         self._rates = rates_to_try(first_baud, self._settings.baud, self._streamed_at)
-        self._watch.forget_questions()
+        self._watch.restart()
         self._try_next_rate(t)
 
     def _try_next_rate(self, t: float) -> None:
@@ -370,10 +370,10 @@ class Lms200Session:
 
 
 def rates_to_try(first: int, wanted: int, streamed_at: int | None) -> list[int]:
-    """Return the rates at which to look for the laser, in order.
+    """Return the rates, baud, at which to search for the laser, in order.
 
-    The one at which scans last came is tried between any two others: a cable that is plugged in
-    again finds the laser streaming there.
+    The rate at which scans last came is tried between any two others: a laser whose cable is
+    plugged in again is still streaming at it.
     """
     order = [first]
     for rate in dict.fromkeys((wanted, *COMMON_BAUDS)):

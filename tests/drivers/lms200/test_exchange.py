@@ -37,7 +37,7 @@ def test_a_telegram_under_way_delays_the_deadline_by_no_more_than_its_length() -
     exchange, _ = begun()
     exchange.send(1.0, 9600)
     for step in range(30):
-        exchange.bytes_came(1.0 + 0.1 * step)
+        exchange.on_bytes(1.0 + 0.1 * step)
     assert exchange.deadline == pytest.approx(1.0 + ACK_LIMIT + 814 * 10 / 9600)
 
 

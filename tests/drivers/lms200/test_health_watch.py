@@ -93,7 +93,7 @@ def test_new_session_asks_for_itself() -> None:
     watch = set_up()
     watch.on_scan_status(POLLUTED)
     watch.next_command(0.0)
-    watch.forget_questions()
+    watch.restart()
     assert watch.next_command(9.0) is None
     watch.on_telegram(errors())
     watch.on_scan_status(0x10)
