@@ -1,1 +1,4 @@
-"""Commands around the agent: benches, maps, replay, the operator side."""
+"""Commands around the agent: benches, maps, replay, the operator side.
+
+Everywhere in this package ``t`` is monotonic agent time in seconds.
+"""

@@ -185,7 +185,7 @@ class FaultInjector:
             if fault.kind is FaultKind.CARRIED:
                 self._carry_aside()
             elif fault.kind is FaultKind.AWAY:
-                self._rig.put(self._elsewhere())
+                self._rig.place(self._elsewhere())
         self._present = [fault for fault in self._present if fault.holds(t)]
         on = {fault.kind for fault in self._present}
         self.agent_dead = FaultKind.DEAD in on
@@ -204,7 +204,7 @@ class FaultInjector:
         others = [body for body in self._rig.world.bodies if body is not self._rig.body]
         apart = min((math.dist(left[:2], body.pose[:2]) for body in others), default=math.inf)
         if min(walls, way - CARRIED_M) > CARRY_ROOM_M and apart > 2.0 * CARRY_ROOM_M:
-            self._rig.put(left)
+            self._rig.place(left)
 
     def _elsewhere(self) -> Pose:
         """Return a place to put the robot down at: off the border, away from here and others."""
