@@ -14,9 +14,7 @@ from scipy.sparse.csgraph import dijkstra
 from maps.border import Border
 from maps.occupancy_map import FREE, OccupancyMap
 
-_CLEARANCE = (
-    0.40  # m of clearance: the base's corners are 0.37 m from the axle's middle, and a margin
-)
+_CLEARANCE = 0.40  # m: the base's corners are 0.37 m from the axle's middle, and a margin
 _NARROW_CLEARANCE = 0.30  # m of clearance: enough to drive straight, not to turn on the spot
 _NARROW_COST = 3.0  # cost factor of narrow cells, so that wider paths are preferred
 _SIGHT_CLEARANCE = 0.30  # m of clearance of a line of sight, or that of its start if less
@@ -118,7 +116,7 @@ class ApproachField:
         return origin.x + (col + 0.5) * resolution, origin.y + (row + 0.5) * resolution
 
     def _is_passable(self, x: float, y: float, to_x: float, to_y: float) -> bool:
-        """Whether a straight line keeps _CLEARANCE from walls, or the clearance of its start if less."""
+        """Whether a straight line keeps _CLEARANCE, or the clearance of its start if less."""
         room = self._clearance_along(x, y, to_x, to_y)
         return bool(room.min() >= min(_CLEARANCE, room[0]))
 
