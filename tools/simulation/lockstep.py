@@ -72,7 +72,7 @@ class LockstepAgent:
         self._tick_until(t)
 
     def press(self, t: float, ahead: int, left: int) -> None:
-        """Deliver a drive key: ``ahead`` and ``left`` are -1, 0 or 1."""
+        """Deliver a drive key: ``ahead`` 0 or 1, ``left`` -1 to 1."""
         self._handle(OperatorKey(round(t, 6), ahead, left))
 
     def shut_down(self, t: float) -> None:

@@ -155,7 +155,7 @@ def test_robots_and_times_are_drawn_by_the_seed() -> None:
     assert drawn != draw_faults(texts, team, seed=2)
     assert len({fault.robot for fault in drawn}) == 6
     assert len({fault.start for fault in drawn[:5]}) == 5
-    assert all(100.0 <= fault.start <= 400.0 and fault.makes_wreck for fault in drawn[:5])
+    assert all(100.0 <= fault.start <= 400.0 and fault.is_permanent for fault in drawn[:5])
     assert (drawn[5].start, drawn[5].end) == (10.0, 15.0)
     with pytest.raises(BenchFaultError, match="not so many robots"):
         draw_faults(["any3:dead@1"], team[:2], seed=1)
@@ -163,8 +163,8 @@ def test_robots_and_times_are_drawn_by_the_seed() -> None:
 
 def test_faults_are_read() -> None:
     assert parse_fault("robot2:blind@60-90.5") == BenchFault("robot2", FaultKind.BLIND, 60.0, 90.5)
-    assert parse_fault("robot2:dead@60").makes_wreck
-    assert not parse_fault("robot2:dead@60-70").makes_wreck
+    assert parse_fault("robot2:dead@60").is_permanent
+    assert not parse_fault("robot2:dead@60-70").is_permanent
 
 
 def test_fault_of_nobody_is_refused(folder: MapFolder) -> None:

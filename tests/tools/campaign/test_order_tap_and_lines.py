@@ -63,7 +63,7 @@ def test_spoilt_packet_differs_in_one_byte(base: P2osEmulator) -> None:
 
 def test_tap_knows_whether_the_robot_is_to_stand(base: P2osEmulator) -> None:
     tap = OrderTap(base)
-    assert tap.told_to_stand
+    assert tap.is_standing
     for t, (packet, stands) in enumerate(
         (
             (VEL_300, False),
@@ -78,7 +78,7 @@ def test_tap_knows_whether_the_robot_is_to_stand(base: P2osEmulator) -> None:
         )
     ):
         tap.feed(packet, float(t))
-        assert tap.told_to_stand is stands, packet.hex()
+        assert tap.is_standing is stands, packet.hex()
     assert (tap.first_order, tap.first_at) == ("VEL 300", 0.0)
     tap.forget()
     assert tap.first_order == ""
