@@ -120,7 +120,7 @@ class Border:
     def _nearest_of(
         self, feet: Sequence[SegmentFoot | ArcFoot], x: float, y: float, near: float | None
     ) -> tuple[float, float]:
-        """Return (distance, abscissa), m, of the nearest point of ``feet``, on ``near``'s branch."""
+        """Return (distance, abscissa), m, of the nearest point of ``feet``, on the branch kept."""
         best_distance, best_s = math.inf, 0.0
         kept_distance, kept_s = math.inf, 0.0
         for foot in feet:

@@ -25,9 +25,9 @@ from tools.campaign.reaction import (
     complaints,
     data_lost,
     first_scan,
+    measure_detection,
     measure_stop,
     new_reaction,
-    measure_detection,
     patrols,
     steady_since,
 )

@@ -19,7 +19,7 @@ from tools.logs.carmen import CarmenLog, CarmenScan, read_carmen
 from tools.logs.log_step import LogStep
 from tools.logs.scan_log import ScanLog, read_scan_log
 from tools.mapping.map_build import build_map
-from tools.mapping.slam.mapper import Mapping, map_odometry
+from tools.mapping.slam.mapper import Mapping, map_from_odometry
 from tools.simulation.raycast import RayCaster
 
 PAPER_LAB = Path(__file__).resolve().parents[4] / "maps" / "paper_lab"
@@ -80,7 +80,7 @@ def drive() -> ScanLog:
 
 @pytest.fixture(scope="module")
 def mapped(drive: ScanLog) -> Mapping:
-    return map_odometry(drive)
+    return map_from_odometry(drive)
 
 
 def distances(poses: list[Pose], truth: list[Pose]) -> list[float]:
@@ -107,7 +107,7 @@ def test_a_loop_is_closed_and_the_drift_taken_out(drive: ScanLog, mapped: Mappin
 
 def test_the_references_are_not_used(drive: ScanLog, mapped: Mapping) -> None:
     elsewhere = [Pose(float(i), 0.0, 0.0) for i in range(len(drive.scans))]
-    blind = map_odometry(replace(drive.with_references(elsewhere), referenced=False))
+    blind = map_from_odometry(replace(drive.with_references(elsewhere), referenced=False))
     assert blind.off_references is None
     found = [scan.reference for scan in blind.log.scans]
     assert found[0] == pytest.approx(drive.scans[0].odometry), "the odometry's own frame"
@@ -142,7 +142,7 @@ def test_a_real_log_maps_without_its_references(short_log: ScanLog, tmp_path: Pa
     odometry = distances(
         [scan.odometry for scan in short_log.scans], [scan.reference for scan in short_log.scans]
     )
-    mapped = map_odometry(short_log)
+    mapped = map_from_odometry(short_log)
     assert max(odometry) > 5.0
     assert mapped.off_references is not None
     assert mapped.off_references < 0.15

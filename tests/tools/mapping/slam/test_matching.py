@@ -85,10 +85,10 @@ def test_search_finds_what_alignment_could_not() -> None:
     assert math.dist(peak.pose[:2], truth[:2]) < 0.15
     assert abs(peak.pose.theta - truth.theta) < math.radians(2.0)
     assert peak.score > 0.8
-    assert peak.rival < 0.9 * peak.score
+    assert peak.runner_up < 0.9 * peak.score
 
 
 def test_search_knows_when_places_look_alike() -> None:
     peak = search(CORRIDOR, CORRIDOR, Pose(0.0, 0.0, 0.0), 2.0, math.radians(10.0))
-    assert peak.rival > 0.85 * peak.score
+    assert peak.runner_up > 0.85 * peak.score
     assert peak.pose == pytest.approx((0.0, 0.0, 0.0), abs=0.11), "the nearest is preferred"

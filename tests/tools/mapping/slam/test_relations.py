@@ -12,9 +12,9 @@ from maps.pose import Pose
 from tools.mapping.slam.relations import (
     Relation,
     RelationsError,
-    line_up,
     read_relations,
     relation_error,
+    synchronize,
 )
 
 LINES = "# t1 t2 x y z roll pitch yaw\n100.5 102.0 1.0 -0.5 0 0 0 1.5\n\n103 101 2 0 0 0 0 -7\n"
@@ -79,10 +79,10 @@ def test_the_clock_is_set_by_the_stamps() -> None:
     still = Pose(0.0, 0.0, 0.0)
     exact = [Relation(stamps[n], stamps[n + 3], still) for n in range(50)]
     late = [Relation(r.start + 0.004, r.end + 0.004, still) for r in exact]
-    for moved, true in zip(line_up(late, stamps), exact, strict=True):
+    for moved, true in zip(synchronize(late, stamps), exact, strict=True):
         assert (moved.start, moved.end) == pytest.approx((true.start, true.end), abs=1e-9)
     far = [Relation(r.start + 0.1, r.end + 0.1, still) for r in exact]
-    assert line_up(far, stamps) == far
+    assert synchronize(far, stamps) == far
 
 
 def test_relations_of_another_time_are_refused() -> None:
