@@ -5,7 +5,7 @@ from pathlib import Path
 from drivers.adapter_name import persistent_name
 
 
-def test_the_link_that_leads_to_the_device_is_its_lasting_name(tmp_path: Path) -> None:
+def test_link_to_the_device_is_its_persistent_name(tmp_path: Path) -> None:
     by_id = tmp_path / "by-id"
     by_id.mkdir()
     for number in range(2):
@@ -16,7 +16,7 @@ def test_the_link_that_leads_to_the_device_is_its_lasting_name(tmp_path: Path) -
     assert persistent_name(str(by_id / "usb-adapter-0"), by_id) == by_id / "usb-adapter-0"
 
 
-def test_without_a_link_a_folder_or_a_device_there_is_none(tmp_path: Path) -> None:
+def test_missing_link_folder_or_device_gives_none(tmp_path: Path) -> None:
     (tmp_path / "ttyS0").touch()
     assert persistent_name(str(tmp_path / "ttyS0"), tmp_path / "none") is None
     empty = tmp_path / "by-id"

@@ -346,9 +346,7 @@ def pieces(stream: bytes, rng: np.random.Generator) -> Iterator[bytes]:
 
 @pytest.mark.parametrize("size", [PART, pytest.param(LONG_RUN, marks=pytest.mark.long)])
 @pytest.mark.parametrize("codec", CODECS.values(), ids=CODECS)
-def test_bytes_of_any_kind_raise_nothing_and_cost_no_more_than_was_damaged(
-    codec: Codec, size: int
-) -> None:
+def test_fuzzed_bytes_do_not_raise_and_lose_only_damaged_frames(codec: Codec, size: int) -> None:
     traffic = codec.traffic()
     for seed in range(size // PART):
         rng = np.random.default_rng(seed)

@@ -61,9 +61,7 @@ def test_vector_is_decoded_and_encoded(text: str, packet: Packet) -> None:
     ("text", "packet"),
     [pair for pair in VECTORS if not isinstance(pair[1], AuxPacket | Notification)],
 )
-def test_longer_packets_keep_what_is_not_known_and_shorter_ones_are_none(
-    text: str, packet: Packet
-) -> None:
+def test_longer_packets_keep_surplus_and_shorter_ones_are_none(text: str, packet: Packet) -> None:
     data = bytes.fromhex(text)
     longer = decode_packet(data + b"\x01\x02")
     assert longer is not None

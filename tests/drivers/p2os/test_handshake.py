@@ -94,7 +94,7 @@ def test_every_kind_of_server_is_opened(
     assert t <= 0.25 + 3 * (delay + 0.05)
 
 
-def test_robot_that_reports_hears_stop_and_close_before_any_sync() -> None:
+def test_reporting_robot_gets_stop_and_close_before_sync() -> None:
     robot = OpenRobot()
     identity, t = shake(robot.answer, 0.02, unasked=0.1)
     assert identity == IDENTITY
@@ -102,12 +102,12 @@ def test_robot_that_reports_hears_stop_and_close_before_any_sync() -> None:
     assert t < 1.0
 
 
-def test_replies_that_never_come_are_waited_for_only_so_long() -> None:
+def test_missing_replies_time_out() -> None:
     identity, _ = shake(lambda _packet: [], 0.0)
     assert identity is None
 
 
-def test_late_replies_out_of_order_do_not_confuse_for_ever() -> None:
+def test_handshake_completes_after_late_replies_out_of_order() -> None:
     late = {"left": 1}
     robot = StrictRobot()
 

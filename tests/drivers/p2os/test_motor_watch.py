@@ -27,7 +27,7 @@ def running() -> MotorWatch:
     return watch
 
 
-def test_motors_are_off_until_asked_for_and_on_when_reported() -> None:
+def test_motors_are_off_until_enabled_and_on_when_reported() -> None:
     watch = MotorWatch()
     assert watch.state is MotorState.UNKNOWN
     assert not watch.may_enable
@@ -44,7 +44,7 @@ def test_motors_are_off_until_asked_for_and_on_when_reported() -> None:
     assert watch.trouble(99.0) is None
 
 
-def test_enable_is_asked_again_and_then_people_are() -> None:
+def test_enable_is_repeated_and_then_reported_as_trouble() -> None:
     watch = MotorWatch()
     watch.update(report(motors=False), commands_pending=False)
     watch.on_enable(1.0)
@@ -56,7 +56,7 @@ def test_enable_is_asked_again_and_then_people_are() -> None:
     assert "motors do not come on" in (watch.trouble(4.1) or "")
 
 
-def test_motors_that_go_off_by_themselves_were_switched_off_by_a_person() -> None:
+def test_motors_going_off_without_command_latch_the_stop_button() -> None:
     watch = running()
     watch.update(report(motors=False), commands_pending=False)
     assert watch.state is MotorState.STOP_BUTTON
@@ -75,7 +75,7 @@ def test_a_stall_is_not_a_stop_button() -> None:
     assert watch.may_enable
 
 
-def test_reported_button_is_told_apart_while_it_is_held() -> None:
+def test_held_button_is_in_the_trouble() -> None:
     watch = running()
     watch.update(report(motors=False, button=True), commands_pending=False)
     assert watch.state is MotorState.STOP_BUTTON

@@ -77,17 +77,17 @@ def place(body: RobotBody) -> tuple[float, float]:
     return body.pose.x, body.pose.y
 
 
-def test_a_stay_that_nobody_reports_is_told(folder: MapFolder) -> None:
+def test_unreported_stay_is_counted(folder: MapFolder) -> None:
     strangers = Stage(folder).run(0.0, 6.0)["strangers"]
     assert strangers["stays"] == strangers["stays_unreported"] == 1
     assert strangers["stays_reported_once"] == 0
 
 
-def test_a_stay_too_short_for_a_report_is_none(folder: MapFolder) -> None:
+def test_too_short_stay_is_not_counted(folder: MapFolder) -> None:
     assert Stage(folder).run(0.0, 3.0)["strangers"]["stays"] == 0
 
 
-def test_one_report_is_one_and_a_second_number_is_one_too_many(folder: MapFolder) -> None:
+def test_second_report_of_a_stay_is_not_counted_as_reported_once(folder: MapFolder) -> None:
     stage = Stage(folder)
     stage.report(1, *place(stage.near))
     assert stage.run(0.0, 6.0)["strangers"]["stays_reported_once"] == 1
@@ -97,13 +97,13 @@ def test_one_report_is_one_and_a_second_number_is_one_too_many(folder: MapFolder
     assert told["stays_reported_once"] == told["stays_unreported"] == 0
 
 
-def test_an_old_report_at_the_place_is_not_of_who_stands_there_now(folder: MapFolder) -> None:
+def test_old_report_at_the_place_does_not_count_for_a_new_stay(folder: MapFolder) -> None:
     stage = Stage(folder)
     stage.report(1, *place(stage.near), -20.0)
     assert stage.run(0.0, 6.0)["strangers"]["stays_unreported"] == 1
 
 
-def test_a_report_is_of_the_stranger_nearest_to_it(folder: MapFolder) -> None:
+def test_report_counts_for_the_nearest_stranger(folder: MapFolder) -> None:
     stage = Stage(folder)
     assert stage.world.place(stage.far, stage.here.compose(Pose(1.5, -0.5, 0.0)))
     between = stage.here.compose(Pose(1.5, -0.3, 0.0))
@@ -114,7 +114,7 @@ def test_a_report_is_of_the_stranger_nearest_to_it(folder: MapFolder) -> None:
 
 
 @pytest.mark.parametrize(("kind", "share"), [(Kind.TEAMMATE, 1.0), (Kind.STRANGER, 0.0)])
-def test_a_stranger_taken_for_a_teammate_is_counted(
+def test_stranger_classified_as_teammate_is_counted(
     folder: MapFolder, kind: Kind, share: float
 ) -> None:
     stage = Stage(folder)

@@ -53,7 +53,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return record_lockstep(folder, 20.0, tmp_path_factory.mktemp("recording"))
 
 
-def test_moments_keep_every_scan_and_leave_no_gap(log: CarmenLog) -> None:
+def test_moments_contain_every_scan_without_gaps(log: CarmenLog) -> None:
     found = moments(log)
     scans = [moment.scan for moment in found if moment.scan is not None]
     assert scans == log.scans
@@ -65,7 +65,7 @@ def test_moments_keep_every_scan_and_leave_no_gap(log: CarmenLog) -> None:
     assert first.odometry == log.scans[0].odometry
 
 
-def test_a_logged_scan_gets_the_beam_its_logger_left_out(log: CarmenLog) -> None:
+def test_missing_last_beam_is_padded(log: CarmenLog) -> None:
     padded = padded_ranges(log.scans[0])
     assert padded.size == 181
     assert padded[-1] == np.inf
@@ -108,7 +108,7 @@ def test_replay_is_identical(which: str, request: pytest.FixtureRequest) -> None
     assert any("replayed" in line for line in report_lines(result))
 
 
-def test_a_bench_on_another_border_records_which(tmp_path: Path) -> None:
+def test_border_of_a_bench_is_recorded(tmp_path: Path) -> None:
     folder = load_map_folder(find_map("intel_lab", Path()), "open")
     result = Replay(read_recording(record_lockstep(folder, 6.0, tmp_path))).run()
     assert result.difference is None
@@ -121,7 +121,7 @@ def test_replay_compares_with_the_reference(converted: Path) -> None:
     assert np.median(result.position_errors) < 0.05
 
 
-def test_replay_ends_where_told(recorded: Path) -> None:
+def test_replay_ends_at_until(recorded: Path) -> None:
     assert Replay(read_recording(recorded)).run(until=5.0).duration <= 5.0
 
 
@@ -176,9 +176,7 @@ def test_a_gap_ends_the_comparison(recorded: Path, tmp_path: Path) -> None:
     assert "lost 3 records" in difference
 
 
-def test_a_recording_cut_in_the_middle_replays_its_whole_part(
-    recorded: Path, tmp_path: Path
-) -> None:
+def test_truncated_recording_replays_its_complete_part(recorded: Path, tmp_path: Path) -> None:
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(recorded.read_bytes()[: recorded.stat().st_size * 4 // 5])
     recording = read_recording(cut)

@@ -163,7 +163,7 @@ class ManualClient:
         return self.sip(there)
 
 
-def test_independent_client_over_tcp(folder: MapFolder) -> None:
+def test_independent_client_drives_over_tcp(folder: MapFolder) -> None:
     with emulated(folder, EmulateOptions(p2os="tcp:0", pose=OPEN_PLACE)) as urls:
         with closing(ManualClient(urls["p2os"])) as client:
             client.send(JUNK)
@@ -253,7 +253,7 @@ def come_to_rest(client: ManualClient) -> None:
     client.sip(lambda sip: speeds(sip) == (0, 0) and sip[0] == 0x32)
 
 
-def test_client_of_the_makers_lineage(folder: MapFolder) -> None:
+def test_bytes_of_an_aria_client_are_accepted(folder: MapFolder) -> None:
     with emulated(folder, EmulateOptions(p2os="tcp:0", pose=OPEN_PLACE)) as urls:
         with closing(ManualClient(urls["p2os"])) as client:
             client.shake_hands()
@@ -297,7 +297,7 @@ def test_client_of_the_makers_lineage(folder: MapFolder) -> None:
             assert speeds(again.sip()) == (0, 0)
 
 
-def test_serial_client_changes_the_rate_and_comes_back(folder: MapFolder) -> None:
+def test_serial_client_changes_the_rate_and_reconnects(folder: MapFolder) -> None:
     with emulated(folder, EmulateOptions(pose=OPEN_PLACE)) as urls:
         for _ in range(2):  # closing puts the robot back to the rate it starts with
             with closing(ManualClient(urls["p2os"])) as client:
@@ -318,7 +318,7 @@ def test_serial_client_changes_the_rate_and_comes_back(folder: MapFolder) -> Non
 
 
 @pytest.mark.parametrize("place", ["pty", "tcp:0"])
-def test_cut_line_goes_away_and_comes_back(folder: MapFolder, place: str) -> None:
+def test_cut_line_disappears_and_returns(folder: MapFolder, place: str) -> None:
     options = EmulateOptions(p2os=place, p2os_faults="cut=1:1.5", pose=OPEN_PLACE)
     with emulated(folder, options) as urls:
         url = urls["p2os"]
@@ -344,7 +344,7 @@ def first_report_again(url: str) -> bytes:
             time.sleep(0.02)
 
 
-def test_reset_on_request(folder: MapFolder) -> None:
+def test_fault_plan_resets_the_base(folder: MapFolder) -> None:
     options = EmulateOptions(p2os="tcp:0", p2os_faults="reset=1", pose=OPEN_PLACE)
     with emulated(folder, options) as urls, closing(ManualClient(urls["p2os"])) as client:
         client.shake_hands()
@@ -365,12 +365,12 @@ def test_reset_on_request(folder: MapFolder) -> None:
                 continue
 
 
-def test_unusable_faults(folder: MapFolder) -> None:
+def test_invalid_faults_are_refused(folder: MapFolder) -> None:
     with pytest.raises(FaultSpecError, match="melt"):
         Emulation(folder, EmulateOptions(lms200_faults="melt=1"))
 
 
-def test_view_of_the_camera(folder: MapFolder) -> None:
+def test_camera_stream_shows_the_view(folder: MapFolder) -> None:
     with emulated(folder, EmulateOptions(camera=0, pose=OPEN_PLACE)) as urls:
         camera = Camera(CameraSettings(url=urls["camera"]))
         camera.start()
@@ -399,7 +399,7 @@ def test_view_shows_walls_by_their_distance(folder: MapFolder) -> None:
     assert near > far, "the side wall is nearer, so brighter, than the corridor's end"
 
 
-def test_taken_camera_port(folder: MapFolder) -> None:
+def test_camera_port_in_use_is_refused(folder: MapFolder) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         number = taken.getsockname()[1]
         with pytest.raises(EmulateError, match=f"--camera {number}"):
@@ -443,7 +443,7 @@ def telegram(payload: bytes) -> bytes:
     return frame + struct.pack("<H", crc)
 
 
-def test_laser_client_on_the_pty(folder: MapFolder) -> None:
+def test_laser_client_gets_scans_on_the_pty(folder: MapFolder) -> None:
     with (
         emulated(folder, EmulateOptions(pose=OPEN_PLACE)) as urls,
         serial.Serial(urls["lms200"], 9600, timeout=LIMIT) as line,
@@ -507,24 +507,26 @@ def test_free_place_is_chosen_by_seed(folder: MapFolder) -> None:
         (EmulateOptions(pose=Pose(0.0, 0.0, 0.0)), "--pose: robot 0 at .* stands in a wall"),
     ],
 )
-def test_what_cannot_be_emulated(folder: MapFolder, options: EmulateOptions, words: str) -> None:
+def test_invalid_options_are_refused(
+    folder: MapFolder, options: EmulateOptions, words: str
+) -> None:
     with pytest.raises(EmulateError, match=words):
         Emulation(folder, options)
 
 
-def test_taken_tcp_port(folder: MapFolder) -> None:
+def test_tcp_port_in_use_is_refused(folder: MapFolder) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         number = taken.getsockname()[1]
         with pytest.raises(EmulateError, match="choose another port"):
             Emulation(folder, EmulateOptions(p2os=f"tcp:{number}"))
 
 
-def test_unknown_model(folder: MapFolder) -> None:
+def test_unknown_model_is_refused(folder: MapFolder) -> None:
     with pytest.raises(UnknownModelError, match="p2dx"):
         Emulation(folder, EmulateOptions(model="r2d2"))
 
 
-def test_pose_option() -> None:
+def test_pose_option_is_parsed() -> None:
     pose = parse_pose("4.0,3.7,90")
     assert pose == pytest.approx((4.0, 3.7, 1.5708), abs=1e-4)
     for text in ("4.0,3.7", "a,b,c", "nan,0,0"):

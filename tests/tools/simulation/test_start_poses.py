@@ -55,7 +55,7 @@ def test_poses_depend_on_the_seed_alone(divided_hall: OccupancyMap, border: Bord
     assert poses(7) != poses(8)
 
 
-def test_many_robots_stand_as_far_apart_as_there_is_room(
+def test_many_robots_stand_closer_where_room_is_short(
     divided_hall: OccupancyMap, border: Border
 ) -> None:
     poses = free_start_poses(divided_hall, border, 12, np.random.default_rng(1))

@@ -106,10 +106,8 @@ class LoopCloser:
 
     def _graph_distances(self, index: int) -> NDArray[np.float64]:
         """Return each keyframe's distance, m, to ``index`` along the graph, loops included."""
-        links = [
-            (i, i + 1, self._travelled[i + 1] - self._travelled[i])
-            for i in range(len(self._travelled) - 1)
-        ]
+        way = self._travelled
+        links = [(i, i + 1, way[i + 1] - way[i]) for i in range(len(way) - 1)]
         links += [(loop.start, loop.end, 0.5) for loop in self.loops]
         start, end, length = zip(*links, strict=True)
         size = len(way)

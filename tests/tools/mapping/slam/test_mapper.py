@@ -91,7 +91,7 @@ def distances(poses: list[Pose], truth: list[Pose]) -> list[float]:
     ]
 
 
-def test_a_loop_is_closed_and_the_drift_taken_out(drive: ScanLog, mapped: Mapping) -> None:
+def test_loop_closing_removes_the_drift(drive: ScanLog, mapped: Mapping) -> None:
     truth = [scan.reference for scan in drive.scans]
     before = distances([scan.odometry for scan in drive.scans], truth)
     after = distances([scan.reference for scan in mapped.log.scans], truth)
@@ -105,7 +105,7 @@ def test_a_loop_is_closed_and_the_drift_taken_out(drive: ScanLog, mapped: Mappin
     assert f"{mapped.loops} loops closed" in mapped.summary()
 
 
-def test_the_references_are_not_used(drive: ScanLog, mapped: Mapping) -> None:
+def test_references_are_not_used(drive: ScanLog, mapped: Mapping) -> None:
     elsewhere = [Pose(float(i), 0.0, 0.0) for i in range(len(drive.scans))]
     blind = map_from_odometry(replace(drive.with_references(elsewhere), referenced=False))
     assert blind.off_references is None
@@ -123,7 +123,7 @@ def localized(log: ScanLog, folder: Path) -> dict[str, object]:
     return localize_steps("odd", steps, load_map_folder(folder), LocalizeOptions()).summary
 
 
-def test_localization_holds_on_the_map_it_made(mapped: Mapping, tmp_path: Path) -> None:
+def test_localization_works_on_the_built_map(mapped: Mapping, tmp_path: Path) -> None:
     summary = localized(mapped.log, tmp_path / "made")
     assert summary["lost_share"] == 0.0
     position = summary["position_m"]
@@ -138,7 +138,7 @@ def short_log(data_folder: Path) -> ScanLog:
     return replace(log, scans=log.scans[:150], scan_lines=log.scan_lines[:150])
 
 
-def test_a_real_log_maps_without_its_references(short_log: ScanLog, tmp_path: Path) -> None:
+def test_real_log_is_mapped_without_its_references(short_log: ScanLog, tmp_path: Path) -> None:
     odometry = distances(
         [scan.odometry for scan in short_log.scans], [scan.reference for scan in short_log.scans]
     )
@@ -189,7 +189,7 @@ def mean_error(out: str) -> float:
     return float(out.split("log): mean ")[1].split(" m")[0])
 
 
-def test_command_names_what_is_wrong(
+def test_command_reports_errors(
     tmp_path: Path, drive: ScanLog, capsys: pytest.CaptureFixture[str]
 ) -> None:
     write_carmen(drive, tmp_path / "raw.log")

@@ -43,7 +43,7 @@ def worst(poses: list[Pose], truth: list[Pose]) -> float:
     return max(math.dist(a[:2], b[:2]) for a, b in zip(poses, truth, strict=True))
 
 
-def test_two_measures_of_one_step_meet_at_their_weighted_mean() -> None:
+def test_two_edges_of_one_step_give_the_weighted_mean() -> None:
     edges = [
         Edge(0, 1, Pose(1.0, 0.0, 0.1), INFORMATION, robust=False),
         Edge(0, 1, Pose(2.0, 0.4, 0.5), 3.0 * INFORMATION, robust=False),
@@ -54,7 +54,7 @@ def test_two_measures_of_one_step_meet_at_their_weighted_mean() -> None:
     assert start.between(end) == pytest.approx((1.75, 0.3, 0.4), abs=1e-4)
 
 
-def test_exact_edges_are_met_exactly_over_the_half_turn() -> None:
+def test_exact_edges_give_zero_error_across_pi() -> None:
     truth = ring()
     edges = [*drifting_edges(truth, 0.0), Edge(23, 0, truth[23].between(truth[0]), INFORMATION)]
     rough = [Pose(p.x + 0.1 * math.sin(i), p.y - 0.1, p.theta) for i, p in enumerate(truth)]
@@ -62,7 +62,7 @@ def test_exact_edges_are_met_exactly_over_the_half_turn() -> None:
     assert worst(poses, truth) < 1e-4
 
 
-def test_a_loop_takes_the_drift_out_of_a_ring() -> None:
+def test_loop_edge_removes_the_drift_of_a_ring() -> None:
     truth = ring()
     edges = drifting_edges(truth, math.radians(2.0))
     drifted = chained(edges)
@@ -72,7 +72,7 @@ def test_a_loop_takes_the_drift_out_of_a_ring() -> None:
     assert worst(closed, truth) < 0.2
 
 
-def test_a_wrong_loop_loses_its_say() -> None:
+def test_wrong_robust_loop_loses_its_weight() -> None:
     truth = ring()
     edges = drifting_edges(truth, math.radians(0.3))
     right = [Edge(i, i + 12, truth[i].between(truth[i + 12]), INFORMATION) for i in range(12)]
