@@ -114,7 +114,7 @@ def test_stream_gives_the_newest_picture_only() -> None:
         first = wait_for_picture(camera, LIMIT)
         assert first is not None
         assert first.pixels.shape == (SIZE[1], SIZE[0], 3)
-        # Nobody looks for a while: what is found then is what the server sends then.
+        # After a pause without a look the newest picture is the one just sent.
         wait_until(lambda: camera.status.pictures > first.number + 20)
         newest = camera.newest
         assert newest is not None

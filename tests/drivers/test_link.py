@@ -33,7 +33,7 @@ STREAM = encode_telegram(b"\x20\x24")
 
 
 class Heard:
-    """A listener that queues what it is told, as the agent's inbox does."""
+    """A listener that queues all calls, as the agent's inbox does."""
 
     def __init__(self) -> None:
         self.events: queue.Queue[tuple[str, float, object]] = queue.Queue()
@@ -48,7 +48,7 @@ class Heard:
         self.events.put(("down", t, reason))
 
     def wait_for(self, kind: str) -> object:
-        """Return what came with the next event of a kind; earlier others are dropped."""
+        """Return the arguments of the next event of a kind; drop others before it."""
         while True:
             heard, _t, what = self.events.get(timeout=LIMIT)
             if heard == kind:

@@ -1,4 +1,4 @@
-"""Opening a port: every failure says which port, why, and what to do, in one line."""
+"""Opening a port: every error names port, reason and remedy in one line."""
 
 from __future__ import annotations
 

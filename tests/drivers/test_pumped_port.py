@@ -1,4 +1,4 @@
-"""pyserial's URLs as ports: opened, read, written, set to a rate, lost and closed."""
+"""pyserial's URLs as ports: open, read, write, change of rate, loss and close."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ PATIENCE_S = 10.0
 
 
 class PtyLine(serial.Serial):
-    """A pty as a serial port with modem lines, which a pty has none of."""
+    """A pty as a serial port with simulated modem lines."""
 
     cts = dsr = ri = cd = False
 
@@ -61,7 +61,7 @@ class Client:
 
 
 def serve(listener: socket.socket, device: str, ended: threading.Event) -> None:
-    """Be a device server of one serial port, made of what pyserial has for that."""
+    """Run a device server of one serial port with pyserial's PortManager."""
     while not ended.is_set():
         try:
             connection, _ = listener.accept()
@@ -82,7 +82,7 @@ def serve(listener: socket.socket, device: str, ended: threading.Event) -> None:
 
 @contextmanager
 def device_server(device: str) -> Iterator[str]:
-    """Serve a device; give its URL."""
+    """Serve a device; yield its URL."""
     ended = threading.Event()
     with socket.create_server(("127.0.0.1", 0)) as listener:
         listener.settimeout(0.1)
@@ -125,7 +125,7 @@ def opened(url: str, baud: int = 9600) -> Iterator[Port]:
 
 
 def heard(port: Port, count: int) -> bytes:
-    """Return so many bytes, waiting for them as a link does."""
+    """Return ``count`` bytes, waiting for them as a link does."""
     data = b""
     give_up = time.monotonic() + PATIENCE_S
     while len(data) < count:
@@ -137,7 +137,7 @@ def heard(port: Port, count: int) -> bytes:
 
 @pytest.fixture
 def terminal() -> Iterator[tuple[int, str]]:
-    """Our end of a pty, and its device."""
+    """The master of a pty, and its device."""
     master, slave = os.openpty()
     tty.setraw(slave)
     yield master, os.ttyname(slave)
@@ -146,7 +146,7 @@ def terminal() -> Iterator[tuple[int, str]]:
 
 
 def test_base_behind_a_device_server_gets_ready() -> None:
-    """The rate set at the server counts: at another than its own the emulated base is garbled."""
+    """The server's rate is effective: at another rate the emulated base's bytes are garbled."""
     session = P2osSession(BaseSettings())
     robot = P2osEmulator(load_model("p2dx"), baud=19200)
     got_ready: list[float] = []

@@ -1,4 +1,4 @@
-"""Ways round walls: lengths, directions, sight, and where there is no way."""
+"""Paths round walls: lengths, directions, line of sight, and where there is no path."""
 
 import math
 import time
@@ -57,7 +57,7 @@ def test_path_leads_round_the_end_of_a_wall():
 
 
 def test_following_the_path_arrives_clear_of_walls():
-    """A point that drives where it is told comes into sight with the way ever shorter."""
+    """A point that follows the direction gets a line of sight; the path only gets shorter."""
     occupancy = hall((0.0, 2.0, 5.0, 2.2), (6.0, 3.6, 10.0, 3.8), (5.0, 2.0, 5.2, 4.8))
     field = ApproachField(occupancy, LINE)
     room = occupancy.distance_field()
@@ -128,7 +128,7 @@ def test_paper_lab_has_a_path_from_every_room_and_is_fast():
     field = folder.approach_field
     spent = time.process_time() - started
     assert field is not None
-    assert folder.approach_field is field  # found once for all robots
+    assert folder.approach_field is field  # computed once for all robots
     assert spent < 5.0  # 0.5 s on our slow machine; this is to catch a blow-up
     assert folder.border is not None
     rooms = [(1.0, 1.3), (1.0, 5.6), (1.6, 9.0), (1.4, 16.0), (3.5, 16.2), (7.0, 16.0)]

@@ -166,7 +166,7 @@ def test_the_previous_branch_is_kept_until_another_is_clearly_nearer() -> None:
     assert loop.project(10.0, 1.995, near=high).abscissa == pytest.approx(high)
     assert loop.project(10.0, 1.995, near=low).abscissa == pytest.approx(low)
     assert loop.project(10.0, 1.98, near=high).abscissa == pytest.approx(low)
-    # Far from both: the previous abscissa says nothing.
+    # Far from both: the previous abscissa has no effect.
     assert loop.project(10.0, 1.995, near=0.0).abscissa == pytest.approx(low)
 
 

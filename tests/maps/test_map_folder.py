@@ -1,4 +1,4 @@
-"""Map folders, and the two that come with the product."""
+"""Map folders, and the shipped ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A bad line is as bad as it was asked to be, the same each time, and good where it was not."""
+"""Fault injection on lines: rates as configured, reproducible, no other faults."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from drivers.emulation.timed_bytes import TimedBytes
 
 
 class Echo:
-    """A device that sends back what it hears, at once."""
+    """A device that sends received bytes back at once."""
 
     baud = 9600
 
@@ -34,7 +34,7 @@ def faulty(spec: str, seed: int = 1) -> tuple[LineFaults, Echo]:
 
 
 def sent_through(spec: str, pieces: int = 200, seed: int = 1) -> tuple[bytes, LineFaults, Echo]:
-    """Feed pieces of 50 bytes every 0.1 s; return what comes back by the end."""
+    """Feed 50 bytes every 0.1 s; return what comes back until the end."""
     line, device = faulty(spec, seed)
     back = b""
     for number in range(pieces):
@@ -107,7 +107,7 @@ def test_duplicates_come_twice() -> None:
     back, line, device = sent_through("duplicate=1")
     assert len(device.heard) == 20000
     assert len(back) == 4 * 10000
-    assert line.counters.duplicates == 200 + 200  # here a piece that came twice is one piece
+    assert line.counters.duplicates == 200 + 200  # here a duplicate is one item
 
 
 def test_split_writes_arrive_completely() -> None:

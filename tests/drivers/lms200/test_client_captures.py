@@ -1,6 +1,6 @@
-"""The recorded host's side of another implementation's LMS 200 driver, run against our laser.
+"""Recorded traffic of another implementation's LMS 200 driver, played to the emulated laser.
 
-That client is blind to ACKs and waits for one reply code after each of its commands.
+That client ignores ACKs and waits for one reply code after each of its commands.
 """
 
 from __future__ import annotations

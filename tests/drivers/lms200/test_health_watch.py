@@ -19,7 +19,7 @@ def device_status(*, defective: bool = False) -> Telegram:
 
 
 def set_up() -> HealthWatch:
-    """A watch that has heard the answers of a healthy laser's set-up and its first scan."""
+    """Return a watch after the replies of a healthy laser's set-up and its first scan."""
     watch = HealthWatch()
     assert watch.health is None
     watch.on_telegram(device_status())

@@ -57,7 +57,7 @@ def test_fresh_laser_is_found_at_9600_and_set_up_in_order(line: Any) -> None:
     wire.connect()
     assert wire.run_until(STREAMING, limit=6.0) < 4.0
     assert sent_codes(wire) == (
-        ["2025"] * 3  # at 38400, where nobody answers
+        ["2025"] * 3  # at 38400, where no laser answers
         + ["2025", "2040", "3a", "31", "32", "3b", "74", "2000", "77", "2024"]
     )
     assert wire.host_baud == emulator.baud == 38400
@@ -150,7 +150,7 @@ def test_asymmetric_scene_keeps_left_and_right(line: Any, resolution_deg: float)
     assert np.isinf(scan.ranges[-1])
 
 
-def test_power_cut_is_followed_by_a_new_set_up(line: Any) -> None:
+def test_laser_streams_again_after_a_power_cut(line: Any) -> None:
     emulator = Lms200Emulator(scan_source=Corner(), boot_time=5.0)
     wire = line(laser(), emulator)
     wire.connect()
@@ -247,7 +247,7 @@ def test_scans_that_stop_coming_restart_the_search(line: Any) -> None:
 
 
 class Forgetful(Lms200Emulator):
-    """A laser that says it takes a configuration and does not keep it."""
+    """A laser that acknowledges a configuration and does not keep it."""
 
     def feed(self, data: bytes, t: float) -> None:
         before = self.configuration
@@ -268,7 +268,7 @@ def test_writes_are_limited_if_the_laser_keeps_no_setting(line: Any) -> None:
     assert wire.session.trouble == "laser does not keep its measuring mode and units"
 
 
-def test_changed_password_is_reported_as_trouble(line: Any) -> None:
+def test_changed_password_is_reported_and_scans_resume(line: Any) -> None:
     emulator = Lms200Emulator(scan_source=Corner(), baud=38400)
     wire = line(laser(), emulator)
     wire.spoil = lambda data: (

@@ -1,4 +1,4 @@
-"""What commands and replies of the LMS 200 carry."""
+"""Commands and replies of the LMS 200."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Traffic of an independent client and an independent simulator against our codec and twins."""
+"""Traffic of an independent client and an independent simulator against session and emulator."""
 
 from __future__ import annotations
 

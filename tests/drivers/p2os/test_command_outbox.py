@@ -11,7 +11,7 @@ SPEEDS = [Command(CommandNumber.VEL, speed) for speed in range(1, 21)]
 
 
 class Outlet:
-    """An outbox and when each command left it."""
+    """An outbox with the time at which each command was sent."""
 
     def __init__(self) -> None:
         self.requests: list[Request] = []

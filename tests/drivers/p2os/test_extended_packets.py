@@ -21,7 +21,7 @@ from drivers.p2os.extended_packets import (
 )
 from drivers.p2os.packets import Packet, decode_packet, is_known
 
-# Data of the packets worked out in the protocol sheet, and one of each kind that it lacks.
+# Packets of the protocol sheet's examples, and one of each kind without an example.
 VECTORS: list[tuple[str, Packet]] = [
     ("90 E8 03 00 00 18 FC FF FF", EncoderPacket(1000, -1000)),
     ("98 01 08 02 1E", GyroPacket((GyroSample(520, 30),))),

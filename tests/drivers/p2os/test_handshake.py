@@ -1,4 +1,4 @@
-"""The handshake against servers that are no robots, and robots that are slow to answer."""
+"""The handshake against simulators and against robots with late replies."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ SIP = bytes.fromhex("32 00 00 00 00 00 00 00 00 00 00 80 00 00 00 00 00 00 00 00
 
 
 class PassiveServer:
-    """Echoes whatever number comes as if it were the SYNC awaited, as a known simulator does:
-    a first packet numbered above 2 ends its handshake without an answer to it."""
+    """Echoes any packet as the expected SYNC, as a known simulator does; a first packet numbered
+    above 2 ends its handshake without a reply."""
 
     def __init__(self) -> None:
         self.awaited = 0
@@ -45,7 +45,7 @@ class StrictRobot:
 
 
 class OpenRobot(StrictRobot):
-    """Is in somebody's session, and reports, until CLOSE."""
+    """Is in another client's session, and reports, until CLOSE."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -63,7 +63,7 @@ class OpenRobot(StrictRobot):
 def shake(
     answer: Callable[[bytes], list[bytes]], delay: float, *, unasked: float | None = None
 ) -> tuple[RobotIdentity | None, float]:
-    """Run a handshake for 5 s with answers late by ``delay``; a report comes at ``unasked``."""
+    """Run a handshake for 5 s with replies late by ``delay`` s and a report at ``unasked``."""
     requests: list[Request] = []
     handshake, framer = Handshake(9600, requests), PacketFramer()
     handshake.start(0.0)

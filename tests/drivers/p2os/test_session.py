@@ -45,7 +45,7 @@ def sip(flags: int = 0x0003, left: int = 0, right: int = 0) -> bytes:
 
 
 def opened(subclass: str = "p2dx", **settings: object) -> P2osSession:
-    """A session up to the robot's answer to SYNC2 at t = 0."""
+    """Return a session after the robot's reply to SYNC2 at t = 0."""
     session = P2osSession(BaseSettings(**settings))  # type: ignore[arg-type]
     session.link_up(0.0)
     for data in (b"\x00", b"\x01", RobotIdentity("R", "Pioneer", subclass).encode()):
@@ -68,7 +68,7 @@ LIMITS_OF_DEFAULT_SETTINGS = ConfigPacket(
 def ready(
     flags: int = 0x0003, config: ConfigPacket = LIMITS_OF_DEFAULT_SETTINGS, **settings: object
 ) -> P2osSession:
-    """A READY session at t = 1.0 whose robot answers CONFIG and has just reported ``flags``."""
+    """Return a READY session at t = 1.0 whose robot answers CONFIG and has reported ``flags``."""
     session = opened(**settings)
     for tick in range(1, 21):
         t = 0.05 * tick
@@ -84,7 +84,7 @@ def ready(
 def keep_reporting(
     session: P2osSession, start: float, end: float, report: bytes
 ) -> Iterator[float]:
-    """SIPs and ticks at 20 Hz."""
+    """Feed SIPs and ticks at 20 Hz."""
     for step in range(1, round((end - start) * 20) + 1):
         t = start + 0.05 * step
         session.feed(report, t)
@@ -225,7 +225,7 @@ def test_handshake_restarts_after_a_pause_on_failure(reply: bytes) -> None:
 
 
 def test_first_packet_on_a_silent_line_is_sync0_and_comes_after_listening() -> None:
-    """A server that is no robot may take any other for the end of the handshake."""
+    """Some servers take any other first packet for the end of the handshake."""
     session = P2osSession(BaseSettings())
     session.link_up(0.0)
     session.tick(0.2)
@@ -235,7 +235,7 @@ def test_first_packet_on_a_silent_line_is_sync0_and_comes_after_listening() -> N
 
 
 def test_robot_that_reports_is_stopped_before_anything_else(bench: MakeBench) -> None:
-    """The old session's motion, halted by the watchdog, must not go on for a moment."""
+    """The old session's motion, halted by the watchdog, must not resume even briefly."""
     wire = bench()
     wire.connect()
     wire.enable()
@@ -426,7 +426,7 @@ def test_silent_robot_is_found_again_and_stopped_first(bench: MakeBench, phase: 
     assert wire.session.motors is MotorState.ON
     wire.run(1.0)
     assert wire.emulator.velocity == (0.0, 0.0)
-    # The way it went unseen, up to its watchdog, is in its counters.
+    # The distance driven unobserved, until its watchdog, is in its counters.
     assert wire.states[-1].x == pytest.approx(wire.pose.x, abs=0.005)
     assert wire.states[-1].x > x + 0.3
 

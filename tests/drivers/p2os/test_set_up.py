@@ -1,4 +1,4 @@
-"""Limits are set, read back and, where the robot keeps others, told."""
+"""Limits are set, read back and reported where the robot keeps others."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Desk:
         self.set_up = SetUp(SETTINGS, self.outbox)
 
     def run(self, *, resumed: bool = False, start: float = 0.0, limit: float = 10.0) -> float:
-        """Return when it was prepared."""
+        """Run until the robot is prepared; return that time, s."""
         self.outbox.restart(start)
         self.set_up.begin(start, resumed=resumed)
         for step in range(round(limit / 0.05)):

@@ -119,7 +119,7 @@ def test_robot_moved_elsewhere_is_lost_and_relocalizes(folder: MapFolder) -> Non
     assert fleet.world.contacts == 0
 
 
-def test_dead_robot_is_left_out_of_the_figures(folder: MapFolder) -> None:
+def test_dead_robot_is_listed_as_permanent_fault_and_not_hit(folder: MapFolder) -> None:
     faults = [parse_fault("robot1:dead@20")]
     figures = run_bench(Fleet(folder, 1, 3, faults=faults), 60.0)
     assert figures["faults"] == [{"robot": "robot1", "kind": "dead", "start": 20.0, "end": None}]

@@ -1,4 +1,4 @@
-"""Robots with cameras in lockstep: who is a teammate, who a stranger, what is reported and kept."""
+"""Robots with cameras in lockstep: classification, reports and recordings."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def ahead_of(folder: MapFolder, s: float, ahead: float, aside: float, turned: fl
 
 @pytest.fixture(scope="module")
 def met(folder: MapFolder, tmp_path_factory: pytest.TempPathFactory) -> tuple[Fleet, Path]:
-    """Two robots that meet head on, a person beside the first one's way; all recorded."""
+    """Run two robots that meet head on, with a person beside the first one's path; recorded."""
     target = tmp_path_factory.mktemp("met")
     starts = [ahead_of(folder, 32.0, 0.0, 0.0, 0.0), ahead_of(folder, 32.0, 5.0, 0.0, 3.14159)]
     with closing(FleetRecorder(folder, target)) as recorder:

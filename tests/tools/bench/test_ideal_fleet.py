@@ -30,7 +30,7 @@ def intel() -> MapFolder:
 
 
 def head_on(folder: MapFolder, gap: float) -> list[Pose]:
-    """Return two robots on the border's northern side that look at each other."""
+    """Return two robots on the border's northern side that face each other."""
     return [Pose(7.0, 13.75, 0.0), Pose(7.0 + gap, 13.75, math.pi)]
 
 
@@ -124,7 +124,7 @@ def test_gate_prevents_contacts_while_many_robots_reach_the_border(intel):
 
 
 def test_no_robot_is_held_permanently_at_a_door_post(folder):
-    """A robot whom the gate does not let turn one way goes the other (once stuck: robot4)."""
+    """A robot whose turn is blocked by the gate turns the other way (regression: robot4 stuck)."""
     fleet = IdealFleet(folder, 8, 1)
     while fleet.t < 60.0:
         fleet.step()

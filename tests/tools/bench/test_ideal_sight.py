@@ -1,4 +1,4 @@
-"""Ideal sight: range, field of view, what hides, what is remembered."""
+"""Ideal sight: range, field of view, occlusion, prediction."""
 
 import math
 

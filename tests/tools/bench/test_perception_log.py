@@ -1,4 +1,4 @@
-"""What the bench counts of who was seen, with bodies and tracks put by hand."""
+"""The bench's perception figures, with bodies and tracks placed by hand."""
 
 from __future__ import annotations
 
@@ -52,13 +52,13 @@ class Stage:
         return body
 
     def report(self, number: int, x: float, y: float, last_seen: float | None = None) -> None:
-        """Have the robot know an intruder at a place, seen then or all the time."""
+        """Add an intruder at a place to the robot's known ones, seen at a time or always."""
         self.known.append(Intruder(number, number, x, y, 0.0, 0.0, 0.0, 0.0, last_seen or 0.0))
         if last_seen is None:
             self.watched.add(number)
 
     def run(self, since: float, until: float) -> dict[str, Any]:
-        """Sample ten times a second; return the figures so far."""
+        """Sample ten times a second from one time to another, s; return the figures so far."""
         for step in range(round((until - since) * 10)):
             t = since + 0.1 * step
             known = [

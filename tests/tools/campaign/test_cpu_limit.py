@@ -1,4 +1,4 @@
-"""A share of a core is asked of the kernel in the way of either version of its control groups."""
+"""The CPU limit with either version of cgroups."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Two faults done to a patrolling robot for real: emulators on pseudo-terminals, the agent process.
+"""Faults of a patrolling robot in real time: emulators on pseudo-terminals, the agent process.
 
-Times depend on the machine and are judged by `patrol faults`; here only what must happen on any.
+Times depend on the machine and are checked by `patrol faults`; here only the reactions are checked.
 """
 
 from __future__ import annotations

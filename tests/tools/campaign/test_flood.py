@@ -1,4 +1,4 @@
-"""Garbage for whoever dials."""
+"""The flood at an operator's endpoint."""
 
 import socket
 from contextlib import closing

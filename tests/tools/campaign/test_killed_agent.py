@@ -1,4 +1,4 @@
-"""An agent killed at any time leaves a recording that is whole but for its last second."""
+"""An agent killed at any time leaves a recording complete but for its last second."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Faulty lines, the tap that reads orders, and the cable that is pulled, on the emulated base."""
+"""Line faults, the order tap and the cable, on the emulated base."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a robot's reaction is measured and judged, on moments written by hand."""
+"""Measurement of a robot's reaction and its limits, on moments written by hand."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def moments(*parts: tuple[float, float, str]) -> list[Moment]:
 
 
 def reaction(**changes: object) -> Reaction:
-    """Return a faultless reaction to a pulled cable, changed."""
+    """Return a reaction to an unplugged cable within all limits, with the given changes."""
     well: dict[str, object] = {
         "fault": "base-unplugged",
         "what": "base's cable unplugged",
@@ -114,7 +114,7 @@ def test_faults_are_chosen_by_name() -> None:
         chosen_faults(["fire"])
 
 
-def test_every_unplugged_cable_has_a_limit_for_its_return() -> None:
+def test_every_fault_that_unplugs_a_cable_has_a_return_limit() -> None:
     own_pace = {"base-reset", "laser-power", "laser-absent"}
     without_cable = {"base-stuck", "laser-stuck", "laser-blind"}
     stopping = [fault for fault in LINE_FAULTS if fault.expected is not Expected.MAY_PATROL]

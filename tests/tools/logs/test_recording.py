@@ -34,7 +34,7 @@ CHUNK_ITEMS = 2
 
 
 def small_recording() -> bytes:
-    """Three chunks of two items each."""
+    """Write a recording of three chunks of two items each."""
     file = io.BytesIO()
     writer = RecordingWriter(file, HEADER)
     for index, item in enumerate(ITEMS):
@@ -50,7 +50,7 @@ def small_recording() -> bytes:
 
 
 def chunk_places(whole: bytes) -> list[int]:
-    """Where the chunk records begin."""
+    """Return the byte offsets of the chunk records."""
     places, place = [], 8
     while whole[place] != 0x0F:  # the record that ends the data
         if whole[place] == 0x06:

@@ -62,7 +62,7 @@ def test_renamed_keys_are_followed_and_constants_left_out_unless_different() -> 
     assert changed_config(old, "old", ["localization.particles=700"]).localization.particles == 700
 
 
-def test_kept_recording_contains_its_versions() -> None:
+def test_kept_recordings_configuration_is_readable() -> None:
     config, _left_out = recorded_config(read_recording(LAYOUT_1))
     assert config.robot.name == "robot1"
 

@@ -63,7 +63,7 @@ def test_map_is_built_from_a_recording(
     assert (tmp_path / "map.yaml").exists()
     assert (tmp_path / "map.png").exists()
     if source == "odometry":
-        # No place is seen twice so early in the log: the chain alone, against the odometry alone.
+        # No place is revisited so early in the log: compares the chain with the odometry.
         odometry = [scan.odometry for scan in log.scans]
         references = [scan.reference for scan in log.scans]
         frame = fit(odometry, references)

@@ -1,4 +1,4 @@
-"""Recordings by the standard reader, and by the schemas of the viewer's own library."""
+"""Recordings read by the standard reader and checked with the schemas of the viewer's library."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ ROOM = (-3.0, 5.0, -2.0, 2.0)  # x from, x to, y from, y to
 
 
 def scan_of_room(t: float, laser: Pose) -> CarmenScan:
-    """What a laser sees in an empty rectangular room."""
+    """Return the scan of a laser in an empty rectangular room."""
     angles = math.radians(-90.0) + math.radians(1.0) * np.arange(180)
     ux, uy = np.cos(laser.theta + angles), np.sin(laser.theta + angles)
     with np.errstate(divide="ignore"):
@@ -212,7 +212,7 @@ def test_the_picture_shows_map_and_border(tmp_path: Path) -> None:
     (row,), (col,) = content.map.cells_at([(7.0, 13.75)])
     top = (content.map.cells.shape[0] - 1 - row) * scale
     across = picture[top - 3 * scale : top + 3 * scale, col * scale].tolist()
-    assert [60, 150, 0] in across  # green: enough room
+    assert [60, 150, 0] in across  # green: enough clearance
 
 
 def test_picture_without_a_border_is_drawn(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""The border once robots stand on it."""
+"""Recovery of the patrol with wrecks on the border."""
 
 import numpy as np
 import pytest
@@ -69,7 +69,7 @@ def test_undriven_stretch_gives_no_recovery_time(border: Border) -> None:
 def test_undriven_length_without_room_is_crowded(
     border: Border, robots: int, crowded: bool
 ) -> None:
-    """All stand between an end and a wreck at 16 m, evenly spaced."""
+    """All robots stand between an end and a wreck at 16 m, evenly spaced."""
     wreck = Wreck(16.0, 0.0, "robot20", 50.0)
     places = [along(np.full_like(T, 1.0 + 13.0 * k / (robots - 1))) for k in range(robots)]
     figures = recovery_figures(border, places, visits_of(border, places, [wreck]), [wreck])

@@ -1,4 +1,4 @@
-"""Chances of an intruder at the border."""
+"""Probability that an intruder at the border is seen."""
 
 import numpy as np
 import pytest

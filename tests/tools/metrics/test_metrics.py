@@ -39,7 +39,7 @@ def run_along(
     action: str = Action.KEEP_GOING,
     direction: int = 1,
 ) -> RobotRun:
-    """A robot that stands at given abscissae, one per step, ``aside`` m left of the border."""
+    """Return a run at given abscissae, m, one per step, ``aside`` m left of the border."""
     places = [border.at(float(s % border.length)) for s in abscissae]
     return RobotRun(
         name=name,
@@ -87,7 +87,7 @@ def test_interference_is_counted_once_in_ten_seconds(border: Border) -> None:
     assert interferences([still, far]) == 0
 
 
-def test_meeting_with_two_turns_is_found(border: Border) -> None:
+def test_approach_and_retreat_is_a_meeting_turned_back(border: Border) -> None:
     approach = np.concatenate([np.arange(0.0, 3.0, 0.035), np.arange(3.0, 0.0, -0.035)])
     a = run_along(border, 10.0 + approach, action=Action.PATROL_COUNTER_CLOCKWISE, direction=-1)
     b = run_along(

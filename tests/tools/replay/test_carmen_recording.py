@@ -1,4 +1,4 @@
-"""Recordings, logs, captures and tables, from each to the other."""
+"""Conversions between recordings, logs, captures and tables."""
 
 from __future__ import annotations
 

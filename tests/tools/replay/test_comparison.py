@@ -1,4 +1,4 @@
-"""Recordings made by an earlier program replay as they were, in what they knew."""
+"""Recordings of earlier programs replay identically in the fields they have."""
 
 from pathlib import Path
 
@@ -22,7 +22,7 @@ def payload(stream: str, **fields: object) -> Publish:
 
 @pytest.mark.parametrize("name", ["layout_2_meeting", "layout_2_strangers"])
 def test_recording_of_layout_2_replays_identically(name: str) -> None:
-    """18 s of two robots that meet; of one with a camera among two strangers."""
+    """18 s of two robots that meet, and of one with a camera among two strangers."""
     recording = read_recording(RECORDINGS / f"{name}.mcap")
     result = Replay(recording).run()
     assert recording.layout == 2

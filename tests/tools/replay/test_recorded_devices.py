@@ -1,4 +1,4 @@
-"""A recording's devices against the unmodified agent, and on ports."""
+"""A recording's devices with the unmodified agent, and on ports."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def test_devices_send_nothing_before_the_drivers_first_byte(recording: Recording
 
 
 class Listener:
-    """Collects what a link hears."""
+    """Collects a link's bytes."""
 
     def __init__(self) -> None:
         self.heard = bytearray()

@@ -1,4 +1,4 @@
-"""Convert, record, replay: the same agent, the same effects, whatever fed it."""
+"""Convert, record, replay: the same events give the same effects."""
 
 import gzip
 from pathlib import Path
@@ -48,7 +48,7 @@ def converted(
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Twenty seconds of a robot patrolling the bench."""
+    """Record twenty seconds of a patrolling robot on the bench."""
     folder = load_map_folder(find_map("paper_lab", Path()))
     return record_lockstep(folder, 20.0, tmp_path_factory.mktemp("recording"))
 
@@ -126,7 +126,7 @@ def test_replay_ends_at_until(recorded: Path) -> None:
 
 
 def rewrite(source: Path, target: Path, change: dict[int, object]) -> None:
-    """Copy a recording with some of its items replaced by number; None leaves one out."""
+    """Copy a recording with items replaced by their number; None leaves one out."""
     recording = read_recording(source)
     t = 0.0
     with target.open("wb") as file:

@@ -1,4 +1,4 @@
-"""What would have been decided differently, on a kept recording."""
+"""Comparison of decisions under other settings, on a kept recording."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def recording() -> Recording:
 
 
 def replayed(recording: Recording, changes: list[str], since: float = 0.0) -> WhatIf:
-    """Decisions now with the changes, beside decisions now without."""
+    """Compare decisions with the changes to decisions without."""
     config = changed_config(recording.header.configuration, str(KEPT), changes)
     what_if = WhatIf()
     Replay(recording, config=config).run(check=False, since=since, what_if=what_if)

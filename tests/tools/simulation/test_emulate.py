@@ -1,5 +1,7 @@
-"""The emulated robot as its clients meet it: byte strings of the manuals over TCP and a pty, none
-of our own codecs."""
+"""The emulated robot against clients that send byte strings of the manuals over TCP and a pty.
+
+The product's codecs are not used.
+"""
 
 from __future__ import annotations
 
@@ -58,7 +60,7 @@ def folder() -> MapFolder:
 
 @contextmanager
 def emulated(folder: MapFolder, options: EmulateOptions) -> Iterator[dict[str, str]]:
-    """Run an emulated robot on a thread; give its URLs."""
+    """Run an emulated robot on a thread; yield its URLs."""
     ended = threading.Event()
     with closing(Emulation(folder, options)) as emulation:
         thread = threading.Thread(target=emulation.run, args=(lambda: not ended.is_set(),))
@@ -105,7 +107,7 @@ class ManualClient:
         self.socket.sendall(packet)
 
     def packet(self, wanted: Callable[[bytes], bool] = lambda _: True) -> bytes:
-        """Return the data of the next packet that is wanted."""
+        """Return the data of the next packet that satisfies the condition."""
         give_up = time.monotonic() + LIMIT
         while time.monotonic() < give_up:
             while (data := self._take()) is not None:
@@ -132,7 +134,7 @@ class ManualClient:
         return data
 
     def shake_hands(self) -> list[bytes]:
-        """Connect as the manual says; return the robot's name, class and subclass."""
+        """Connect as in the manual; return the robot's name, class and subclass."""
         self.send(SYNC0)
         assert self.packet() == b"\x00"
         self.send(SYNC1)
@@ -154,7 +156,7 @@ class ManualClient:
         return self.packet(lambda data: data[0] in (0x32, 0x33) and wanted(data))
 
     def drive_until(self, wanted: Callable[[bytes], bool]) -> bytes:
-        """Ask for 0.3 m/s on every report, until one is wanted."""
+        """Command 0.3 m/s on every report, until one satisfies the condition."""
 
         def there(sip: bytes) -> bool:
             self.send(VEL_300)
@@ -198,7 +200,7 @@ def test_independent_client_drives_over_tcp(folder: MapFolder) -> None:
             assert x_counts(again.sip()) == 0, "a new session starts at zero"
 
 
-# What a client of the makers' own lineage sends, byte by byte.
+# Bytes sent by a client based on the makers' own library.
 VEL_MINUS_150 = bytes.fromhex("FAFB 06 0B 1B9600 A11B")
 RVEL_MINUS_15 = bytes.fromhex("FAFB 06 15 1B0F00 241B")
 VEL2_TURN_LEFT = bytes.fromhex("FAFB 06 20 1BFD02 1D1D")  # left -60, right +60 mm/s: -765 in all
@@ -235,10 +237,10 @@ def distance(before: bytes, after: bytes) -> float:
 
 
 def set_up(client: ManualClient) -> None:
-    """Do what such a client does after OPEN: CONFIG at once, limits at the first report."""
+    """Send what such a client sends after OPEN: CONFIG at once, limits at the first report."""
     client.send(CONFIG)
     client.packet(lambda data: data[0] == 0x20)
-    client.send(BATTERY_INFO)  # of later firmware: no answer is fine
+    client.send(BATTERY_INFO)  # of later firmware: a missing reply is accepted
     client.sip()
     for number, value in LIMITS:
         client.send_int(number, value)
@@ -299,7 +301,7 @@ def test_bytes_of_an_aria_client_are_accepted(folder: MapFolder) -> None:
 
 def test_serial_client_changes_the_rate_and_reconnects(folder: MapFolder) -> None:
     with emulated(folder, EmulateOptions(pose=OPEN_PLACE)) as urls:
-        for _ in range(2):  # closing puts the robot back to the rate it starts with
+        for _ in range(2):  # CLOSE resets the robot to its start rate
             with closing(ManualClient(urls["p2os"])) as client:
                 client.send(JUNK)
                 time.sleep(0.07)
@@ -307,7 +309,7 @@ def test_serial_client_changes_the_rate_and_reconnects(folder: MapFolder) -> Non
                 client.send(CONFIG)
                 client.packet(lambda data: data[0] == 0x20)
                 client.send(HOSTBAUD_38400)
-                time.sleep(0.2)  # the robot must have heard it before the port changes
+                time.sleep(0.2)  # the robot must have received it before the port changes
                 client.socket.device.baudrate = 38400
                 client.buffer = b""
                 client.send(SYNC0)
@@ -328,18 +330,18 @@ def test_cut_line_disappears_and_returns(folder: MapFolder, place: str) -> None:
             # Hung up on: a socket ends or breaks, a serial port fails.
             with pytest.raises((AssertionError, OSError)):
                 client.packet(lambda _: False)
-        # A cable is no power switch: the session is still open.
+        # The robot stays powered without a cable: the session is still open.
         assert first_report_again(url)[0] in (0x32, 0x33)
 
 
 def first_report_again(url: str) -> bytes:
-    """Try a port that was taken away until it gives a report."""
+    """Try a port that was removed until it gives a report."""
     give_up = time.monotonic() + LIMIT
     while True:
         try:
             with closing(ManualClient(url)) as client:
                 return client.sip()
-        except (AssertionError, OSError):  # not there yet, or still being taken away
+        except (AssertionError, OSError):  # not there yet, or still being removed
             assert time.monotonic() < give_up, "never came back"
             time.sleep(0.02)
 
@@ -354,7 +356,7 @@ def test_fault_plan_resets_the_base(folder: MapFolder) -> None:
             client.packet(lambda _: False)
         client.socket.settimeout(LIMIT)
         give_up = time.monotonic() + LIMIT
-        while True:  # deaf while it starts up
+        while True:  # ignores bytes while it starts up
             assert time.monotonic() < give_up
             client.send(SYNC0)
             client.socket.settimeout(0.3)
@@ -407,7 +409,7 @@ def test_camera_port_in_use_is_refused(folder: MapFolder) -> None:
 
 
 def reconnected(url: str) -> ManualClient:
-    """Connect again right after leaving; refused while the first connection is being buried."""
+    """Connect again right after disconnecting; refused until the first connection is closed."""
     give_up = time.monotonic() + LIMIT
     while True:
         client = ManualClient(url)
@@ -433,7 +435,7 @@ def sonar_numbers(sip: bytes) -> set[int]:
 
 
 def telegram(payload: bytes) -> bytes:
-    """Frame a command to a laser as the listing says: STX, address 0, length, data, CRC."""
+    """Frame a command to a laser by the listing: STX, address 0, length, data, CRC."""
     frame = b"\x02\x00" + struct.pack("<H", len(payload)) + payload
     crc, previous = 0, 0
     for octet in frame:

@@ -1,4 +1,4 @@
-"""People and carts walk, near the border, and run into nobody."""
+"""Strangers move near the border without contacts."""
 
 from __future__ import annotations
 

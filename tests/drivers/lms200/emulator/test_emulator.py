@@ -1,4 +1,4 @@
-"""The emulated laser, as a client that knows only the listing would see it."""
+"""The emulated laser against commands built from the listing alone."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ def test_reset_confirms_then_starts_at_9600() -> None:
     output = emulator.pop_output(1.0)
     assert [item.data for item in output] == [b"\x06", bytes.fromhex("02 80 02 00 91 10 79 30")]
     assert emulator.baud == 9600
-    emulator.feed(encode_telegram(b"\x31"), 1.5)  # still booting: not heard
+    emulator.feed(encode_telegram(b"\x31"), 1.5)  # still booting: ignored
     (power_on,) = emulator.pop_output(3.0)
     assert power_on.data[4] == 0x90
     assert power_on.t == pytest.approx(2.0 + (9 * 10) / 38400 + len(power_on.data) * 10 / 9600)

@@ -12,7 +12,7 @@ from drivers.lms200.telegrams import VARIANTS, Variant
 
 
 class Clock:
-    """A scene in which every beam reads the time at which it was asked for."""
+    """A scan source whose ranges are the time of the call."""
 
     def __init__(self) -> None:
         self.asked: list[float] = []

@@ -13,7 +13,7 @@ N = CommandNumber
 
 
 def base(*commands: Command) -> EmulatedBase:
-    """A base with its motors on that has been told ``commands`` at t = 0."""
+    """Return a base with its motors on after ``commands`` at t = 0."""
     made = EmulatedBase(load_model("p2dx"))
     made.run_to(0.0)
     made.heard_at = 0.0

@@ -29,7 +29,7 @@ REACH = 15.0  # m of the simulated laser
 
 
 def true_poses(folder: MapFolder) -> list[Pose]:
-    """Once round the border and on over the first part of it again."""
+    """Return poses once round the border and again over its first part."""
     assert folder.border is not None
     way = np.arange(0.0, folder.border.length + 8.0, STEP)
     points = [folder.border.at(float(s % folder.border.length)) for s in way]
@@ -37,7 +37,7 @@ def true_poses(folder: MapFolder) -> list[Pose]:
 
 
 def drifted(truth: list[Pose], rng: np.random.Generator) -> list[Pose]:
-    """An odometry that turns 2 degrees too far per metre, and is 2 % long."""
+    """Return odometry that turns 2 degrees too far per metre and is 2 % too long."""
     poses = [Pose(0.0, 0.0, 0.0)]
     for last, pose in itertools.pairwise(truth):
         step = last.between(pose)
@@ -56,7 +56,7 @@ def drifted(truth: list[Pose], rng: np.random.Generator) -> list[Pose]:
 
 @pytest.fixture(scope="module")
 def drive() -> ScanLog:
-    """A drive round the shipped floor plan; its references are the true poses."""
+    """Return a drive round the shipped floor plan; its references are the true poses."""
     folder = load_map_folder(PAPER_LAB)
     rng = np.random.default_rng(4)
     caster = RayCaster(folder.map)
@@ -84,7 +84,7 @@ def mapped(drive: ScanLog) -> Mapping:
 
 
 def distances(poses: list[Pose], truth: list[Pose]) -> list[float]:
-    """How far each pose is from where it was, both seen from the first."""
+    """Return each pose's distance from the true one, m, both relative to the first."""
     return [
         math.dist(poses[0].between(a)[:2], truth[0].between(b)[:2])
         for a, b in zip(poses, truth, strict=True)
@@ -133,7 +133,7 @@ def test_localization_works_on_the_built_map(mapped: Mapping, tmp_path: Path) ->
 
 @pytest.fixture(scope="module")
 def short_log(data_folder: Path) -> ScanLog:
-    """The first loops of a real log."""
+    """Return the first loops of a real log."""
     log = read_scan_log(data_folder / "logs" / "intel-corrected.log.gz")
     return replace(log, scans=log.scans[:150], scan_lines=log.scan_lines[:150])
 
@@ -151,7 +151,7 @@ def test_real_log_is_mapped_without_its_references(short_log: ScanLog, tmp_path:
 
 
 def write_carmen(log: ScanLog, path: Path) -> None:
-    """Write a log that was not corrected: every pose in it is the raw odometry."""
+    """Write an uncorrected log: every pose in it is the raw odometry."""
     lines = []
     for scan in log.scans:
         assert isinstance(scan, CarmenScan)

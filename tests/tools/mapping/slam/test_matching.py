@@ -1,4 +1,4 @@
-"""Surface directions, point-to-line alignment and the exhaustive search."""
+"""Surface normals, point-to-line alignment and exhaustive search."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tools.mapping.slam.keyframe import surface_normals
 
 
 def wall(start: tuple[float, float], end: tuple[float, float]) -> NDArray[np.float64]:
-    """Points each 0.1 m, 5 mm off at random."""
+    """Return points each 0.1 m with noise of 5 mm."""
     n = round(math.dist(start, end) / 0.1)
     points = np.linspace(start, end, n, endpoint=False)
     return points + np.random.default_rng(n).normal(0.0, 0.005, points.shape)

@@ -1,4 +1,4 @@
-"""Pose graph: known optima, and outliers that lose their say."""
+"""Pose graph: known optima, and outliers that lose their weight."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ INFORMATION = np.diag([1e4, 1e4, 1e5])
 
 
 def ring(n: int = 24, radius: float = 4.0) -> list[Pose]:
-    """Poses once round a circle, looking along it, the first at the origin."""
+    """Return poses once round a circle, heading along it, the first at the origin."""
     turns = [math.tau * i / n for i in range(n)]
     circle = [
         Pose(radius * math.sin(turn), radius * (1.0 - math.cos(turn)), turn) for turn in turns
@@ -24,7 +24,7 @@ def ring(n: int = 24, radius: float = 4.0) -> list[Pose]:
 
 
 def drifting_edges(truth: list[Pose], turn: float) -> list[Edge]:
-    """Steps round the ring, each turned a little too far."""
+    """Return edges round the ring, each turned too far."""
     steps = [a.between(b) for a, b in pairwise(truth)]
     return [
         Edge(i, i + 1, Pose(step.x, step.y, step.theta + turn), INFORMATION / 100.0, robust=False)
@@ -79,6 +79,6 @@ def test_wrong_robust_loop_loses_its_weight() -> None:
     wrong = Edge(2, 20, Pose(3.0, -3.0, 1.0), INFORMATION)
     poses = optimize(chained(edges), [*edges, *right, wrong])
     assert worst(poses, truth) < 0.05
-    # The same edge, not allowed to be wrong, bends everything.
+    # The same edge without robust weighting distorts everything.
     believed = Edge(2, 20, wrong.pose, INFORMATION, robust=False)
     assert worst(optimize(chained(edges), [*edges, *right, believed]), truth) > 0.5

@@ -1,4 +1,4 @@
-"""Poses between those that are fixed."""
+"""Interpolation between fixed poses."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from maps.pose import Pose
 from tools.mapping.slam.rigid_fit import fit
 from tools.mapping.slam.trajectory import Trajectory
 
-# Straight on, but the robot turned all the while unknown to its odometer; stamps out of order.
+# Straight by the odometry, while the robot turned; stamps out of order.
 ODOMETRY = [
     (0.0, Pose(5.0, 5.0, 0.0)),
     (1.0, Pose(6.0, 5.0, 0.0)),
