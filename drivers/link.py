@@ -224,12 +224,12 @@ class Link:
         with self._lock:
             if self.state is LinkState.UP:
                 self.counters.times_lost += 1
-            told = reason == self.reason
+            known = reason == self.reason
             self.state = LinkState.DOWN
             self.trouble, self.reason = failure.trouble, reason
         if failure.trouble is PortTrouble.STALLED:
             self.counters.overflows += 1
-        if not told:
+        if not known:
             self._listener.link_down(self._clock(), reason)
 
     def _serve(self, port: Port) -> None:

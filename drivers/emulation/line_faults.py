@@ -93,25 +93,23 @@ class LineFaults:
 
     def feed(self, data: bytes, t: float) -> None:
         """Pass bytes from the client to the device, with the line's faults."""
-        self._let_pass(t)
+        self._apply_plan(t)
         if not self.deaf:
             self._send(self._to_device, data, t)
         self._deliver(t)
 
     def pop_output(self, t: float) -> list[TimedBytes]:
         """Return the device's bytes that have arrived by ``t``, with the line's faults."""
-        self._let_pass(t)
+        self._apply_plan(t)
         self._deliver(t)
         for item in self._device.pop_output(t):
             if not self.frozen:
                 self._last = item.data
             if not self.mute:
-                self._send(
-                    self._from_device, self._with_a_wrong_byte(self._last), item.t + self.late
-                )
+                self._send(self._from_device, self._corrupt_packet(self._last), item.t + self.late)
         return self._from_device.arrived(t)
 
-    def _let_pass(self, t: float) -> None:
+    def _apply_plan(self, t: float) -> None:
         """Call what is due at ``t``: cut, restore, reset."""
         if self._start is None:
             self._start = t
@@ -139,7 +137,7 @@ class LineFaults:
             return
         plan, counters = self.plan, self.counters
         duplicate, split, delay, place = direction.rng.random(4)
-        data = self._spoil(data, direction.rng)
+        data = self._corrupt_bytes(data, direction.rng)
         if delay < plan.delay:
             counters.delays += 1
             t += plan.delay_time
@@ -156,7 +154,7 @@ class LineFaults:
         if data:
             direction.put(data, t)
 
-    def _with_a_wrong_byte(self, packet: bytes) -> bytes:
+    def _corrupt_packet(self, packet: bytes) -> bytes:
         """Return a packet, at rate ``spoilt`` with one byte wrong."""
         rng = self._from_device.rng
         if not self.spoilt or rng.random() >= self.spoilt:
@@ -165,7 +163,7 @@ class LineFaults:
         wrong = packet[place] ^ int(rng.integers(1, 256))
         return packet[:place] + bytes((wrong,)) + packet[place + 1 :]
 
-    def _spoil(self, data: bytes, rng: np.random.Generator) -> bytes:
+    def _corrupt_bytes(self, data: bytes, rng: np.random.Generator) -> bytes:
         """Return data with single bytes dropped and single bits flipped."""
         if not self.plan.drop and not self.plan.corrupt:
             return data

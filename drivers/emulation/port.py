@@ -91,7 +91,7 @@ class PtyPort:
 
     def pump(self, t: float) -> None:
         """Move bytes both ways at ``t``, without waiting."""
-        if self._look_for_client():
+        if self._poll_client():
             data = os.read(self._master, READ_SIZE)
             self._emulator.feed(self._as_received(data, self._emulator.baud), t)
         while True:
@@ -107,7 +107,7 @@ class PtyPort:
         """Remove the port."""
         self.unplug()
 
-    def _look_for_client(self) -> bool:
+    def _poll_client(self) -> bool:
         """Update whether a client is connected; return whether it has sent bytes."""
         if self._master < 0:
             return False

@@ -63,5 +63,5 @@ class Exchange:
     @property
     def only_noise(self) -> bool:
         """Whether bytes arrived but no telegram: most likely sent at another rate."""
-        heard = self._framer.pending or self.amid_noise
-        return heard and self._framer.counters.good == self._good_before
+        received = self._framer.pending or self.amid_noise
+        return received and self._framer.counters.good == self._good_before

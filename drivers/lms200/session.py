@@ -149,14 +149,14 @@ class Lms200Session:
         for item in self.framer.feed(data):
             scans += self._on_item(item, t)
         self._last_received = t
-        self._keep_asking(t)
+        self._query_health(t)
         return scans
 
     def tick(self, t: float) -> None:
         """Handle timeouts: repeat the request, try the next rate, start over."""
         if self.state is not SessionState.DOWN and t >= self._exchange.deadline:
             self._out_of_time(t)
-        self._keep_asking(t)
+        self._query_health(t)
 
     # Bytes in
 
@@ -207,7 +207,7 @@ class Lms200Session:
         if self.state is SessionState.PAUSING:
             self._search(self._settings.baud, t)
         elif self.state is SessionState.SETTLING:
-            self._ask(SessionState.IDENTIFYING, telegrams.READ_TYPE, t)
+            self._request(SessionState.IDENTIFYING, telegrams.READ_TYPE, t)
         elif self.state is SessionState.STREAMING:
             silent = f"no scan for {self._settings.silence:g} s"
             self._start_over(self._with_health(silent), t)
@@ -228,7 +228,7 @@ class Lms200Session:
             return trouble
         return f"{trouble}; laser reports {health.text}"
 
-    def _ask(
+    def _request(
         self, state: SessionState, command: bytes, t: float, limit: float = REPLY_LIMIT
     ) -> None:
         self.state = state
@@ -238,7 +238,7 @@ class Lms200Session:
     def _send(self, t: float) -> None:
         self._requests.append(Write(self._exchange.send(t, self.baud)))
 
-    def _keep_asking(self, t: float) -> None:
+    def _query_health(self, t: float) -> None:
         """While streaming, query the laser's condition when its status byte has changed."""
         if self.state is SessionState.STREAMING:
             command = self._watch.next_command(t)
@@ -266,7 +266,7 @@ class Lms200Session:
             self._start_over(f"no laser answers at {rates} baud: check its power and cable", t)
             return
         self._set_baud(self._rates.pop(0))
-        self._ask(SessionState.SEARCHING, telegrams.SELECT_ON_REQUEST, t, MODE_LIMIT)
+        self._request(SessionState.SEARCHING, telegrams.SELECT_ON_REQUEST, t, MODE_LIMIT)
 
     def _set_baud(self, baud: int) -> None:
         self.baud = baud
@@ -276,10 +276,10 @@ class Lms200Session:
     def _rate_found(self, _reply: Telegram, t: float) -> None:
         self.trouble = None
         if self.baud == self._settings.baud:
-            self._ask(SessionState.IDENTIFYING, telegrams.READ_TYPE, t)
+            self._request(SessionState.IDENTIFYING, telegrams.READ_TYPE, t)
         else:
             command = telegrams.select_baud(self._settings.baud)
-            self._ask(SessionState.CHANGING_RATE, command, t, MODE_LIMIT)
+            self._request(SessionState.CHANGING_RATE, command, t, MODE_LIMIT)
 
     def _rate_changed(self, reply: Telegram, t: float) -> None:
         if telegrams.first_data_byte(reply) == telegrams.MODE_SELECTED:
@@ -293,11 +293,11 @@ class Lms200Session:
 
     def _identified(self, reply: Telegram, t: float) -> None:
         self.identity = telegrams.decode_text(reply)
-        self._ask(SessionState.READING_STATUS, telegrams.READ_STATUS, t)
+        self._request(SessionState.READING_STATUS, telegrams.READ_STATUS, t)
 
     def _status_read(self, reply: Telegram, t: float) -> None:
         self._status = DeviceStatus.decode(reply)
-        self._ask(SessionState.READING_ERRORS, telegrams.READ_ERRORS, t)
+        self._request(SessionState.READING_ERRORS, telegrams.READ_ERRORS, t)
 
     def _errors_read(self, _reply: Telegram, t: float) -> None:
         if self._status is not None and self._status.variant == self._settings.variant:
@@ -308,7 +308,7 @@ class Lms200Session:
         else:
             self.counters.variant_writes += 1
             command = telegrams.set_variant(self._settings.variant)
-            self._ask(SessionState.SETTING_VARIANT, command, t, CONFIGURATION_LIMIT)
+            self._request(SessionState.SETTING_VARIANT, command, t, CONFIGURATION_LIMIT)
 
     def _variant_set(self, reply: Telegram, t: float) -> None:
         answer = VariantReply.decode(reply)
@@ -319,7 +319,7 @@ class Lms200Session:
             self._read_configuration(t)
 
     def _read_configuration(self, t: float) -> None:
-        self._ask(SessionState.READING_CONFIGURATION, telegrams.READ_CONFIGURATION, t)
+        self._request(SessionState.READING_CONFIGURATION, telegrams.READ_CONFIGURATION, t)
 
     def _configuration_read(self, reply: Telegram, t: float) -> None:
         present = telegrams.decode_read_configuration(reply)
@@ -335,7 +335,7 @@ class Lms200Session:
         else:
             self._configuration_attempts += 1
             self._wanted_configuration = wanted
-            self._ask(SessionState.UNLOCKING, telegrams.SELECT_INSTALLATION, t, MODE_LIMIT)
+            self._request(SessionState.UNLOCKING, telegrams.SELECT_INSTALLATION, t, MODE_LIMIT)
 
     def _unlocked(self, reply: Telegram, t: float) -> None:
         if telegrams.first_data_byte(reply) != telegrams.MODE_SELECTED:
@@ -343,7 +343,7 @@ class Lms200Session:
             return
         self.counters.configuration_writes += 1
         command = telegrams.write_configuration(self._wanted_configuration)
-        self._ask(SessionState.WRITING_CONFIGURATION, command, t, CONFIGURATION_LIMIT)
+        self._request(SessionState.WRITING_CONFIGURATION, command, t, CONFIGURATION_LIMIT)
 
     def _configuration_written(self, reply: Telegram, t: float) -> None:
         if telegrams.first_data_byte(reply) != telegrams.ACCEPTED:
@@ -353,7 +353,7 @@ class Lms200Session:
 
     def _start(self, configuration: Configuration, t: float) -> None:
         self._mode = MEASURING_MODES.get(configuration.measuring_mode, self._mode)
-        self._ask(SessionState.STARTING, self._stream_command, t, MODE_LIMIT)
+        self._request(SessionState.STARTING, self._stream_command, t, MODE_LIMIT)
 
     @property
     def _stream_command(self) -> bytes:

@@ -146,8 +146,8 @@ class Handshake:
         rates = ", ".join(map(str, self.rates.all))
         if not self._received:
             return f"no reply at {rates} baud: robot switched on? cable? last bytes heard: none"
-        heard = self._received.hex(" ")
-        return f"only noise at {rates} baud: is this the robot's port? last bytes heard: {heard}"
+        received = self._received.hex(" ")
+        return f"only noise at {rates} baud: is this the robot's port? last bytes heard: {received}"
 
     def _settle(self, why: str, t: float) -> None:
         self._settling = True

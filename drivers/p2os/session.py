@@ -334,10 +334,12 @@ class P2osSession:
 
     def _go_silent(self, t: float) -> None:
         self.counters.silences += 1
-        heard = "fell silent" if self._base is not None else "answered, but sends no reports"
+        symptom = "fell silent" if self._base is not None else "answered, but sends no reports"
         name = self.identity.name if self.identity is not None else ""
         remedy = "robot switched off? cable?"
-        self._search(SessionState.SILENT, f"robot {name} {heard} at {self.baud} baud: {remedy}", t)
+        self._search(
+            SessionState.SILENT, f"robot {name} {symptom} at {self.baud} baud: {remedy}", t
+        )
 
     def _restart(self, t: float) -> None:
         """Search again: the controller reports that its session is lost."""

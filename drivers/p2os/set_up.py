@@ -50,7 +50,7 @@ class SetUp:
         self._outbox = outbox
         self._stage = Stage.DONE
         self._answered = False
-        self._asked_at = self._began_at = -math.inf
+        self._queried_at = self._began_at = -math.inf
         self._tries = self._limits_sent = 0
 
     @property
@@ -66,7 +66,7 @@ class SetUp:
         if not resumed:
             self.config = None
         if self.config is None:
-            self._ask(Stage.ASKING, t)
+            self._query(Stage.ASKING, t)
         else:
             self.on_config(self.config)
             self._send_commands()
@@ -83,7 +83,7 @@ class SetUp:
         """Do what is due at ``t``; return whether the robot is prepared."""
         if self._stage is Stage.SENDING and self._outbox.empty:
             if self.config is not None:
-                self._ask(Stage.CHECKING, t)
+                self._query(Stage.CHECKING, t)
             else:
                 self._stage = Stage.DONE
         elif self._stage in (Stage.ASKING, Stage.CHECKING):
@@ -92,11 +92,11 @@ class SetUp:
 
     def _await_config(self, t: float) -> None:
         if self._answered or t - self._began_at >= CONFIG_TIMEOUT:
-            self._end_asking()
-        elif self._tries < CONFIG_TRIES and t - self._asked_at >= CONFIG_RETRY:
-            self._ask_again(t)
+            self._end_query()
+        elif self._tries < CONFIG_TRIES and t - self._queried_at >= CONFIG_RETRY:
+            self._send_query(t)
 
-    def _end_asking(self) -> None:
+    def _end_query(self) -> None:
         if self._stage is Stage.ASKING:
             self._send_commands()
         else:
@@ -118,16 +118,16 @@ class SetUp:
         self._stage = Stage.SENDING
         self._outbox.add(*set_up_commands(self._settings))
 
-    def _ask(self, stage: Stage, t: float) -> None:
+    def _query(self, stage: Stage, t: float) -> None:
         self._stage = stage
         self._answered = False
         self._began_at = t
         self._tries = 0
-        self._ask_again(t)
+        self._send_query(t)
 
-    def _ask_again(self, t: float) -> None:
+    def _send_query(self, t: float) -> None:
         self._tries += 1
-        self._asked_at = t
+        self._queried_at = t
         self._outbox.add(REQUEST_CONFIG)
 
 

@@ -74,7 +74,7 @@ class IdealFleet:
         self.t = round(self.t + STEP_S, 6)
         self._inject()
         self._move()
-        teammates = self._look()
+        teammates = self._sense()
         self._closest = self._sight.apart.min(axis=1).tolist()
         for index, robot in enumerate(self.robots):
             if not robot.dead:
@@ -103,7 +103,7 @@ class IdealFleet:
             else:
                 self.world.move(body, *motion)
 
-    def _look(self) -> list[tuple[float, float] | None]:
+    def _sense(self) -> list[tuple[float, float] | None]:
         poses = np.array([robot.body.pose for robot in self.robots]).T
         heading = np.array((np.cos(poses[2]), np.sin(poses[2])))
         speed = np.array([robot.v for robot in self.robots])

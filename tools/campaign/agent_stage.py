@@ -192,10 +192,10 @@ class AgentStage:
         assert self._content.border is not None
         return self._content.border.project(pose.x, pose.y).distance
 
-    def limit_agent(self, what: int, most: int) -> None:
+    def limit_agent(self, what: int, limit: int) -> None:
         """Set a resource limit (``resource.RLIMIT_*``) of the agent's process; -1 for no limit."""
         if self._agent is not None:
-            resource.prlimit(self._agent.pid, what, (most, resource.RLIM_INFINITY))
+            resource.prlimit(self._agent.pid, what, (limit, resource.RLIM_INFINITY))
 
     def _log_end(self, t: float) -> None:
         """Store the end of the present agent's process, once."""

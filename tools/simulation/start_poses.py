@@ -39,16 +39,16 @@ def free_start_poses(
         occupancy.cells == FREE, occupancy.distance_field() - occupancy.resolution / 2, 0.0
     )
     points = _points_near_border(occupancy, clearance, border, rng)
-    most = 0
+    fitting = 0
     for apart in _APART:
         for _ in range(_ORDERS):
             order = points[rng.permutation(len(points))]
             chosen = _far_apart(order, apart, count, occupancy, clearance, border)
             if len(chosen) == count:
                 return [_with_random_heading(place, rng) for place in chosen]
-            most = max(most, len(chosen))
+            fitting = max(fitting, len(chosen))
     raise StartPoseError(
-        f"no room for {count} robots, found places for {most} "
+        f"no room for {count} robots, found places for {fitting} "
         f"({_FROM_BORDER[0]:g} to {_FROM_BORDER[1]:g} m from the border, {_APART[-1]:g} m apart): "
         "use fewer robots or a larger map"
     )

@@ -265,8 +265,8 @@ class P2osEmulator:
             CommandNumber.ENABLE: self._enable_motors,
             CommandNumber.SETO: self._zero_odometer,
             CommandNumber.CONFIG: self._send_config,
-            CommandNumber.ENCODER: self._ask_stream,
-            CommandNumber.IOREQUEST: self._ask_stream,
+            CommandNumber.ENCODER: self._request_stream,
+            CommandNumber.IOREQUEST: self._request_stream,
             CommandNumber.SONAR: self._switch_sonar,
             CommandNumber.ADSEL: self._select_analog_port,
             CommandNumber.DIGOUT: self._set_outputs,
@@ -309,7 +309,7 @@ class P2osEmulator:
         else:
             self._sonar.stop()
 
-    def _ask_stream(self, command: Command, _t: float) -> None:
+    def _request_stream(self, command: Command, _t: float) -> None:
         self._streams.request(command)
 
     def _select_analog_port(self, command: Command, _t: float) -> None:

@@ -92,9 +92,9 @@ def test_second_report_of_a_stay_is_not_counted_as_reported_once(folder: MapFold
     stage.report(1, *place(stage.near))
     assert stage.run(0.0, 6.0)["strangers"]["stays_reported_once"] == 1
     stage.report(2, *place(stage.near))
-    told = stage.run(6.0, 8.0)["strangers"]
-    assert told["stays"] == 1
-    assert told["stays_reported_once"] == told["stays_unreported"] == 0
+    figures = stage.run(6.0, 8.0)["strangers"]
+    assert figures["stays"] == 1
+    assert figures["stays_reported_once"] == figures["stays_unreported"] == 0
 
 
 def test_old_report_at_the_place_does_not_count_for_a_new_stay(folder: MapFolder) -> None:
@@ -108,9 +108,9 @@ def test_report_counts_for_the_nearest_stranger(folder: MapFolder) -> None:
     assert stage.world.place(stage.far, stage.here.compose(Pose(1.5, -0.5, 0.0)))
     between = stage.here.compose(Pose(1.5, -0.3, 0.0))
     stage.report(1, between.x, between.y)
-    told = stage.run(0.0, 6.0)["strangers"]
-    assert told["stays"] == 2
-    assert told["stays_reported_once"] == told["stays_unreported"] == 1
+    figures = stage.run(0.0, 6.0)["strangers"]
+    assert figures["stays"] == 2
+    assert figures["stays_reported_once"] == figures["stays_unreported"] == 1
 
 
 @pytest.mark.parametrize(("kind", "share"), [(Kind.TEAMMATE, 1.0), (Kind.STRANGER, 0.0)])

@@ -93,7 +93,7 @@ def surface_normals(points: NDArray[np.float64]) -> NDArray[np.float64]:
     # Principal axis of a 2 x 2 covariance; the normal is a quarter turn from it.
     along = 0.5 * np.arctan2(2.0 * xy, xx - yy)
     spread = np.hypot(0.5 * (xx - yy), xy)
-    largest, least = 0.5 * (xx + yy) + spread, 0.5 * (xx + yy) - spread
+    largest, smallest = 0.5 * (xx + yy) + spread, 0.5 * (xx + yy) - spread
     normals = np.column_stack((-np.sin(along), np.cos(along)))
-    normals[(count < _MIN_POINTS) | (least > _FLATNESS * largest)] = np.nan
+    normals[(count < _MIN_POINTS) | (smallest > _FLATNESS * largest)] = np.nan
     return normals
