@@ -1,4 +1,4 @@
-"""The lasting name of a serial adapter, by which it is found again under another device name.
+"""The persistent name of a serial adapter: it stays when the kernel renames the device node.
 
 udev keeps one link per adapter (by vendor, product and serial number) in one folder; the kernel's
 names (ttyUSB0, ttyUSB1) go by the order of plugging in.
@@ -11,8 +11,8 @@ from pathlib import Path
 BY_ID = Path("/dev/serial/by-id")
 
 
-def lasting_name(device: str, folder: Path = BY_ID) -> Path | None:
-    """Return the link that leads to ``device`` now; None where udev made none."""
+def persistent_name(device: str, folder: Path = BY_ID) -> Path | None:
+    """Return the link that points to ``device`` now; None if there is none, or no such device."""
     try:
         target = Path(device).resolve(strict=True)
         links = sorted(folder.iterdir())

@@ -34,7 +34,7 @@ _WAIT = 0.05  # s
 
 
 class CameraState(StrEnum):
-    """Where a camera stands."""
+    """State of a camera's thread."""
 
     CLOSED = "closed"
     OPENING = "opening"
@@ -45,8 +45,8 @@ class CameraState(StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Picture:
-    """One picture. ``t`` (s) is when it had arrived, by the camera's clock; exposure, coding and
-    transport came before, by an amount nobody tells. ``number`` counts from 1."""
+    """One picture. ``t`` is its arrival by the camera's clock; exposure, coding and transport came
+    before, by an unknown delay. ``number`` counts from 1."""
 
     t: float
     number: int
@@ -56,11 +56,11 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class CameraStatus:
-    """A camera at one moment, for people.
+    """A snapshot of the camera, for people.
 
-    trouble, reason: what keeps it from giving pictures, and that in words with a remedy.
-    fixed: which automatic adjustments are off.
-    pictures: how many came. times_lost: how often they ceased.
+    trouble, reason: why there are no pictures, as a code and in words with a remedy.
+    fixed: the automatic adjustments that are switched off.
+    pictures: pictures received. times_lost: how often the source was lost.
     """
 
     state: CameraState
@@ -72,22 +72,22 @@ class CameraStatus:
 
 
 class CameraListener(Protocol):
-    """Hears of every picture, on the camera's thread; while it is busy no other is grabbed."""
+    """Callbacks of a camera, called on its thread; while one runs no picture is grabbed."""
 
     def camera_up(self, t: float) -> None:
-        """Pictures come from now on."""
+        """The first picture after an outage or the start has arrived; called before ``picture``."""
 
     def camera_down(self, t: float, reason: str) -> None:
-        """None come, and why; told when either changes."""
+        """No pictures come, for ``reason``; called again only when the reason changes."""
 
     def picture(self, picture: Picture) -> None:
-        """Take a picture."""
+        """A picture has arrived."""
 
 
 class Camera:
-    """Grabs on a thread of its own from ``start`` to ``close``; ``clock`` returns s.
+    """Grabs pictures on its own thread from ``start`` to ``close``; ``clock`` returns seconds.
 
-    Every picture is taken off the source as it comes, so ``newest`` is never one that had to queue.
+    Every picture is read from the source as it arrives, so ``newest`` has not waited in a queue.
     """
 
     def __init__(
@@ -99,7 +99,7 @@ class Camera:
         self._settings = settings
         self._clock = clock
         self._listener = listener
-        self._told: str | None = None  # why it is down; empty while up
+        self._reported: str | None = None  # reason last reported to the listener; "" while up
         self._lock = threading.Lock()
         self._newest: Picture | None = None
         self._status = CameraStatus(CameraState.CLOSED, None, "", (), 0, 0)
@@ -108,28 +108,28 @@ class Camera:
 
     @property
     def newest(self) -> Picture | None:
-        """The last picture, None while none comes; whether it is new is told by its number."""
+        """The last picture, None while the camera is down."""
         with self._lock:
             return self._newest
 
     @property
     def status(self) -> CameraStatus:
-        """Where the camera stands now."""
+        """A snapshot of the camera now."""
         with self._lock:
             return self._status
 
     @property
     def alive(self) -> bool:
-        """Whether the thread is there; only ``close`` ends it, or a fault of ours."""
+        """Whether the thread runs: until ``close``, a file's end or a programming error."""
         return self._thread is not None and self._thread.is_alive()
 
     def start(self) -> None:
-        """Begin; may be called once."""
+        """Start the thread; may be called once."""
         self._thread = threading.Thread(target=self._run, name="camera", daemon=True)
         self._thread.start()
 
     def close(self) -> None:
-        """End the thread, which may take as long as a silent source is waited for; idempotent."""
+        """End the thread; blocks for up to the source's read timeout. Idempotent."""
         self._closing.set()
         if self._thread is not None:
             self._thread.join()
@@ -154,7 +154,7 @@ class Camera:
             pause = min(2.0 * pause, LONGEST_PAUSE)
 
     def _open_and_grab(self) -> None:
-        """Grab until told to close, or until a file has ended."""
+        """Grab until ``close`` or the end of a file; raise CameraError once the source is lost."""
         capture = open_capture(self._settings)
         try:
             fixed = fix_adjustments(capture, self._settings)
@@ -189,13 +189,13 @@ class Camera:
                 pictures=number,
             )
         if self._listener is not None:
-            if self._told != "":
+            if self._reported != "":
                 self._listener.camera_up(picture.t)
-            self._told = ""
+            self._reported = ""
             self._listener.picture(picture)
 
     def _note(self, state: CameraState) -> None:
-        """Enter a state that is nobody's fault; why the camera was down stays readable."""
+        """Change the state only; the last trouble and reason stay readable."""
         with self._lock:
             self._status = replace(self._status, state=state)
 
@@ -211,13 +211,13 @@ class Camera:
                 fixed=(),
                 times_lost=self._status.times_lost + lost,
             )
-        if self._listener is not None and self._told != str(failure):
-            self._told = str(failure)
-            self._listener.camera_down(self._clock(), self._told)
+        if self._listener is not None and self._reported != str(failure):
+            self._reported = str(failure)
+            self._listener.camera_down(self._clock(), self._reported)
 
 
 class _Pacer:
-    """Lets a file's pictures come at the rate they were taken at."""
+    """Paces the pictures of a file at its recorded frame rate."""
 
     def __init__(self, capture: cv2.VideoCapture, clock: Callable[[], float]) -> None:
         rate = capture.get(cv2.CAP_PROP_FPS)
@@ -226,7 +226,7 @@ class _Pacer:
         self._next = clock()
 
     def until_next(self) -> float:
-        """Return how long, s, to wait before the next picture."""
+        """Return the time to wait before the next picture, s."""
         self._next += self._period
         return max(0.0, self._next - self._clock())
 
@@ -241,7 +241,7 @@ def _ceased(url: str, grabbed: int) -> CameraError:
 
 
 def wait_for_picture(camera: Camera, limit: float, after: int = 0) -> Picture | None:
-    """Return the first picture numbered above ``after`` that is seen within ``limit`` s."""
+    """Wait up to ``limit`` s for a picture numbered above ``after``; None if there is none."""
     give_up = time.monotonic() + limit
     while (picture := camera.newest) is None or picture.number <= after:
         ended = camera.status.state is CameraState.ENDED

@@ -1,4 +1,4 @@
-"""Where pictures come from: OpenCV opens it, and what OpenCV does not tell is found out before."""
+"""Opens the camera with OpenCV; finds the causes of failure, which OpenCV does not report."""
 
 from __future__ import annotations
 
@@ -15,28 +15,28 @@ import msgspec
 from drivers.port import CONNECT_LIMIT
 from drivers.port_error import PortTrouble, explain
 
-SILENCE_MS = 2000  # without a picture, or for opening: the source is given up
+SILENCE_MS = 2000  # limit for opening and for reading a picture
 DEFAULT_PORTS = {"http": 80, "https": 443}
-QUIET = "-8"  # FFmpeg's level; what fails is told by the state, once
+QUIET = "-8"  # FFmpeg's log level; failures show in the camera's state
 
 _V4L2_MANUAL_EXPOSURE = 1.0
 
 
 class CameraTrouble(StrEnum):
-    """What keeps a camera from giving pictures."""
+    """Why a camera gives no pictures."""
 
     MISSING = "missing"
     NO_PERMISSION = "no permission"
     BAD_ADDRESS = "bad address"
-    REFUSED = "refused"  # the host is there, nothing listens
+    REFUSED = "refused"  # the host answers, nothing listens at the port
     UNREACHABLE = "unreachable"
-    NO_PICTURES = "no pictures"  # something is there, but no camera, or one in use
-    LOST = "lost"  # pictures came and come no more
+    NO_PICTURES = "no pictures"  # the source exists, but is no camera or is in use
+    LOST = "lost"  # pictures ceased
     OTHER = "other"
 
 
 class CameraSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where the camera is and how it is set; an empty ``url`` means there is none."""
+    """Address, mounting and adjustments of the camera; an empty ``url`` means no camera."""
 
     url: Annotated[
         str,
@@ -118,17 +118,17 @@ class CameraSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
 
 
 class Adjustable(Protocol):
-    """What has OpenCV's numbered properties."""
+    """A device with OpenCV's numbered properties."""
 
     def set(self, propId: int, value: float, /) -> bool:
-        """Set one; True says that the driver took it, not that it did anything."""
+        """Set a property; True means that the driver accepted it, not that it had an effect."""
 
     def get(self, propId: int, /) -> float:
-        """Return one, 0 where there is none."""
+        """Return a property's value, 0 if the device lacks it."""
 
 
 class CameraError(OSError):
-    """No picture can be had; the message says why and what to do, in one line."""
+    """The camera gives no pictures; the message is one line with the reason and the remedy."""
 
     def __init__(self, message: str, trouble: CameraTrouble) -> None:
         super().__init__(message)
@@ -136,14 +136,14 @@ class CameraError(OSError):
 
 
 def is_file(url: str) -> bool:
-    """Tell a file, which ends, from a device or a stream, which are opened again."""
+    """Whether ``url`` is a file, which ends; devices and streams are opened again after a loss."""
     return "://" not in url and Path(url).is_file()
 
 
 def open_capture(settings: CameraSettings) -> cv2.VideoCapture:
     """Open the source for reading; raises CameraError naming it, the reason and the remedy."""
     url = settings.url
-    _look_before_opening(url)
+    _check_source(url)
     os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", QUIET)
     os.environ.setdefault("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", str(SILENCE_MS // 1000))
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
@@ -161,11 +161,11 @@ def open_capture(settings: CameraSettings) -> cv2.VideoCapture:
     return capture
 
 
-def _look_before_opening(url: str) -> None:
-    """Find out by ourselves what keeps a source from being opened: OpenCV does not tell."""
+def _check_source(url: str) -> None:
+    """Raise CameraError if the source cannot be opened: OpenCV does not report the reason."""
     parts = urlsplit(url)
     if "://" not in url:
-        _look_at_path(Path(url))
+        _check_path(Path(url))
         return
     if parts.scheme not in DEFAULT_PORTS or not parts.hostname:
         raise CameraError(
@@ -190,7 +190,7 @@ _TROUBLES = {
 }
 
 
-def _look_at_path(path: Path) -> None:
+def _check_path(path: Path) -> None:
     if not path.exists():
         raise CameraError(
             f"no such camera: {path}; check cable and name, see /dev/v4l/by-id",
@@ -204,7 +204,7 @@ def _look_at_path(path: Path) -> None:
 
 
 def no_pictures(url: str) -> CameraError:
-    """Return the error that says that something is there, but no pictures."""
+    """Return the error for a source that exists but gives no pictures."""
     return CameraError(
         f"no pictures from {url}: is it a camera, in use by another process, the path right?",
         CameraTrouble.NO_PICTURES,
@@ -212,8 +212,9 @@ def no_pictures(url: str) -> CameraError:
 
 
 def fix_adjustments(device: Adjustable, settings: CameraSettings) -> tuple[str, ...]:
-    """Switch automatic exposure and white balance off where the device allows, so that a colour
-    looks the same all day; return which are fixed. Read back, as drivers accept what they ignore.
+    """Switch automatic exposure and white balance off where possible; return which are off.
+
+    Colours then look the same all day. Read back, because drivers accept values that they ignore.
     """
     fixed = []
     if _set(device, cv2.CAP_PROP_AUTO_EXPOSURE, _V4L2_MANUAL_EXPOSURE) and (

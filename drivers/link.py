@@ -1,7 +1,7 @@
 """The live side of a device's line: one thread that opens it, reads, writes, and opens it again.
 
-A port that is lost is opened again within half a second of its coming back. A serial adapter that
-comes back under another device name is found by its lasting name.
+A lost port is opened again within half a second of its return. A serial adapter that returns under
+another device name is found by its persistent name.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Protocol
 
-from drivers.adapter_name import BY_ID, lasting_name
+from drivers.adapter_name import BY_ID, persistent_name
 from drivers.port import Port, open_port
 from drivers.port_error import PortError, PortTrouble
 from drivers.requests import Request, SetBaud, Write
@@ -30,7 +30,7 @@ CLOSING_LIMIT = 0.5  # s for the last writes to leave
 
 
 class LinkState(StrEnum):
-    """Where a link stands."""
+    """State of a link."""
 
     CLOSED = "closed"
     OPENING = "opening"
@@ -39,7 +39,7 @@ class LinkState(StrEnum):
 
 
 class LinkListener(Protocol):
-    """Who is told what happens on a link; called from the link's thread, with its clock's time."""
+    """Callbacks of a link, called on its thread; ``t`` is by its clock."""
 
     def received(self, t: float, data: bytes) -> None:
         """Bytes arrived; the last of them was read at ``t``."""
@@ -48,12 +48,12 @@ class LinkListener(Protocol):
         """The port was opened."""
 
     def link_down(self, t: float, reason: str) -> None:
-        """The port was lost or cannot be opened; told again only when the reason changes."""
+        """The port was lost or cannot be opened; called again only when the reason changes."""
 
 
 @dataclass(slots=True)
 class LinkCounters:
-    """What went over a link since it was made."""
+    """Traffic of a link since it was made."""
 
     bytes_in: int = 0
     bytes_out: int = 0
@@ -66,10 +66,10 @@ class LinkCounters:
 
 @dataclass(frozen=True, slots=True)
 class LinkStatus:
-    """A link at one moment, for people and telemetry.
+    """A snapshot of a link, for people and telemetry.
 
-    trouble, reason: what keeps it down, and that in words with a remedy; None and "" while up.
-    port: what was last opened: the URL, or the adapter's new name.
+    trouble, reason: why it is down, as a code and in words with a remedy; None and "" while up.
+    port: the port last opened: the URL, or the adapter's new device name.
     """
 
     state: LinkState
@@ -79,12 +79,12 @@ class LinkStatus:
 
 
 class Link:
-    """Keeps a port open as long as it can, and tells a listener.
+    """Keeps a port open and reports to a listener what arrives and when it goes up or down.
 
     ``url``: serial device, pty path, ``socket://host:port`` or another URL of pyserial. The port is
     opened, and opened again after a loss, at ``baud``. ``write`` and ``set_baud`` only queue: they
-    never block and never raise; what fails shows as ``link_down``. ``clock`` returns s.
-    ``adapters`` is the folder of adapters' lasting names.
+    never block and never raise; failures are reported by ``link_down``. ``clock`` returns seconds.
+    ``adapters`` is the folder of the adapters' persistent names.
     """
 
     def __init__(
@@ -101,7 +101,7 @@ class Link:
         self.trouble: PortTrouble | None = None  # the kind of reason
         self.counters = LinkCounters()
         self._adapters = adapters
-        self._adapter: Path | None = None  # lasting name of what was last open
+        self._adapter: Path | None = None  # persistent name of the adapter last open
         self._port_name = url
         self._baud = baud
         self._listener = listener
@@ -115,7 +115,7 @@ class Link:
         self._thread: threading.Thread | None = None
 
     def start(self) -> None:
-        """Start the thread; what happens is told to the listener from then on."""
+        """Start the thread, which calls the listener; RuntimeError if already started."""
         if self._thread is not None:
             raise RuntimeError("a link is started once")
         self._wake_reader, self._wake_writer = os.pipe()
@@ -126,13 +126,13 @@ class Link:
 
     @property
     def status(self) -> LinkStatus:
-        """How the link stands now."""
+        """A snapshot of the link now."""
         with self._lock:
             return LinkStatus(self.state, self.trouble, self.reason, self._port_name)
 
     @property
     def alive(self) -> bool:
-        """Whether the thread is there; only ``close`` ends it, or a fault of ours."""
+        """Whether the thread runs; it ends only by ``close`` or a programming error."""
         return self._thread is not None and self._thread.is_alive()
 
     def write(self, data: bytes) -> None:
@@ -202,11 +202,11 @@ class Link:
             port.close()
 
     def _open(self) -> Port:
-        """Open the adapter that was open before, wherever it is now; else what the URL names."""
+        """Open the adapter that was open before under its present device name; else the URL."""
         found = self._adapter is not None and self._adapter.exists()
         self._port_name = str(self._adapter) if found else self.url
         port = open_port(self._port_name, self._baud)
-        self._adapter = lasting_name(self._port_name, self._adapters)
+        self._adapter = persistent_name(self._port_name, self._adapters)
         return port
 
     def _go_up(self) -> None:
@@ -224,16 +224,16 @@ class Link:
         with self._lock:
             if self.state is LinkState.UP:
                 self.counters.times_lost += 1
-            told = reason == self.reason
+            known = reason == self.reason
             self.state = LinkState.DOWN
             self.trouble, self.reason = failure.trouble, reason
         if failure.trouble is PortTrouble.STALLED:
             self.counters.overflows += 1
-        if not told:
+        if not known:
             self._listener.link_down(self._clock(), reason)
 
     def _serve(self, port: Port) -> None:
-        """Move bytes both ways until told to close."""
+        """Move bytes both ways until ``close``; raise PortError once the port is lost."""
         poll = select.poll()
         poll.register(self._wake_reader, select.POLLIN)
         while not self._closing.is_set():

@@ -1,6 +1,6 @@
 """An open line to a device: a serial port, a TCP connection or any other URL that pyserial knows.
 
-All are non-blocking reads and writes.
+All reads and writes are non-blocking.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from drivers.pumped_port import READ_TIMEOUT, PumpedPort
 CONNECT_LIMIT = 1.0  # s
 READ_SIZE = 4096
 _NETWORK = ("socket", "rfc2217")
-_SLOW_ENOUGH = 115200  # baud; above this a byte is over before its receiver is ready for the next
+_SLOW_ENOUGH = 115200  # baud; above this the receiver needs a gap between bytes
 _BYTE_GAP = 60e-6  # s between bytes sent faster than that: a laser at 500000 baud asks for 55 us
 
 
@@ -29,7 +29,7 @@ class Port(Protocol):
     """An open line. Every method but ``close`` raises PortError once the line is lost."""
 
     def fileno(self) -> int:
-        """Return the descriptor to wait on."""
+        """Return the file descriptor to wait on."""
 
     def read(self) -> bytes:
         """Return what has arrived, without waiting; call when the descriptor is readable."""
@@ -44,14 +44,14 @@ class Port(Protocol):
         """Wait until all written bytes have left."""
 
     def close(self) -> None:
-        """Give the line back; may be called once."""
+        """Close the line; may be called once."""
 
 
 def open_port(url: str, baud: int) -> Port:
-    """Open a serial device, a pty's path, or a URL of pyserial, for this process alone.
+    """Open a serial device, a pty's path, or a URL of pyserial, exclusively.
 
-    ``socket://host:port`` is a device server that passes bytes on; ``rfc2217://host:port`` is one
-    that sets the rate too. Raises PortError naming the port, the reason and the remedy.
+    ``socket://host:port`` is a device server without, ``rfc2217://host:port`` one with control of
+    the rate. Raises PortError naming the port, the reason and the remedy.
     """
     scheme = url.partition("://")[0].lower() if "://" in url else ""
     if scheme in _NETWORK:
@@ -99,11 +99,11 @@ class SerialPort:
         self._fd: int = device.fileno()
 
     def fileno(self) -> int:
-        """Return the device's descriptor."""
+        """Return the device's file descriptor."""
         return self._fd
 
     def read(self) -> bytes:
-        """Return what has arrived; a readable device without bytes has gone."""
+        """Return the bytes that have arrived; PortError if readable without bytes: unplugged."""
         try:
             data = os.read(self._fd, READ_SIZE)
         except BlockingIOError:
@@ -115,7 +115,7 @@ class SerialPort:
         return data
 
     def write(self, data: bytes) -> int:
-        """Send what the driver's buffer takes; byte by byte above 115200 baud."""
+        """Send what the kernel's buffer takes and return its length; one byte above 115200 baud."""
         if self._device.baudrate > _SLOW_ENOUGH:
             data = data[:1]
             time.sleep(_BYTE_GAP)
@@ -163,11 +163,11 @@ class SocketPort:
         self._connection = connection
 
     def fileno(self) -> int:
-        """Return the connection's descriptor."""
+        """Return the connection's file descriptor."""
         return self._connection.fileno()
 
     def read(self) -> bytes:
-        """Return what has arrived; PortError when the other side has closed."""
+        """Return the bytes that have arrived; PortError when the other side has closed."""
         try:
             data = self._connection.recv(READ_SIZE)
         except BlockingIOError:
@@ -181,7 +181,7 @@ class SocketPort:
         return data
 
     def write(self, data: bytes) -> int:
-        """Send what the connection takes."""
+        """Send what the connection takes and return its length."""
         try:
             return self._connection.send(data)
         except BlockingIOError:
@@ -192,10 +192,10 @@ class SocketPort:
             ) from failure
 
     def set_baud(self, baud: int) -> None:
-        """Do nothing: the rate is the device server's affair."""
+        """Do nothing: the rate is set at the device server."""
 
     def drain(self) -> None:
-        """Do nothing: what was sent is on its way."""
+        """Do nothing: TCP does not report when bytes have left."""
 
     def close(self) -> None:
         """Close the connection."""

@@ -1,4 +1,4 @@
-"""Why a line to a device cannot be opened or was lost, in one line with a remedy."""
+"""Errors of opening or losing a port, each explained in one line with a remedy."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from enum import StrEnum
 
 
 class PortTrouble(StrEnum):
-    """What keeps a port from being open."""
+    """Why a port is not open."""
 
-    MISSING = "missing"  # no such device: not plugged in, or under another name
+    MISSING = "missing"  # no such device node: not plugged in, or renamed
     NO_PERMISSION = "no permission"
     IN_USE = "in use"  # by another process
-    NO_DEVICE = "no device"  # a name with nothing behind it
+    NO_DEVICE = "no device"  # a device node without a device
     NOT_A_PORT = "not a port"
     BAD_ADDRESS = "bad address"
-    REFUSED = "refused"  # the host is there, nothing listens
+    REFUSED = "refused"  # the host answers, nothing listens at the port
     UNREACHABLE = "unreachable"
     UNPLUGGED = "unplugged"  # was open, is gone
     HUNG_UP = "hung up"  # the other side closed the connection
@@ -27,7 +27,7 @@ class PortTrouble(StrEnum):
 
 
 class PortError(OSError):
-    """A port could not be opened, or was lost; the message says why and what to do, in one line."""
+    """A port could not be opened or was lost; the message is one line with reason and remedy."""
 
     def __init__(self, message: str, trouble: PortTrouble = PortTrouble.OTHER) -> None:
         super().__init__(message)
@@ -68,7 +68,7 @@ _TROUBLES = {
 
 
 def explain(url: str, failure: Exception) -> PortError:
-    """Return the error that says in one line why ``url`` could not be opened and what to do."""
+    """Return the PortError for a failure to open ``url``, with reason and remedy in one line."""
     reason = " ".join(str(failure).split())
     if reason.startswith("invalid URL"):
         return PortError(
@@ -92,5 +92,5 @@ def _trouble_of(failure: BaseException) -> PortTrouble:
     if isinstance(cause, termios.error):
         number = cause.args[0]
     elif number is None and isinstance(cause, OSError):
-        return _trouble_of(cause)  # pyserial passes errors of its network on without their number
+        return _trouble_of(cause)  # pyserial drops the errno of network errors
     return PortTrouble.OTHER if number is None else _TROUBLES.get(number, PortTrouble.OTHER)

@@ -1,4 +1,4 @@
-"""A pyserial port without a descriptor to wait on, made one by two threads that move its bytes."""
+"""Adapter that gives a pyserial port without a file descriptor one, by two threads and sockets."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ import serial
 
 from drivers.port_error import PortError, PortTrouble
 
-READ_TIMEOUT = 0.1  # s a thread waits for bytes before it looks whether the port was closed
+READ_TIMEOUT = 0.1  # s; a closed port is noticed this late
 _CHUNK = 4096
-_FULL_PAUSE = 0.01  # s before bytes are offered again that the caller has no room for
-_WRITE_LIMIT = 1.0  # s until bytes written must have left
+_FULL_PAUSE = 0.01  # s before a retry when the socket is full
+_WRITE_LIMIT = 1.0  # s for written bytes to leave
 _TROUBLES = (OSError, ValueError, AttributeError, TypeError)
-"""What pyserial raises, the last two where a port is closed while it waits."""
+"""Exceptions of pyserial; the last two come from a port closed during a blocking call."""
 
 
 class Device(Protocol):
-    """What every port of pyserial has; made with ``READ_TIMEOUT`` as its timeout."""
+    """The common interface of pyserial's ports; opened with ``READ_TIMEOUT`` as its timeout."""
 
     baudrate: int
 
@@ -31,19 +31,19 @@ class Device(Protocol):
         """Bytes that have arrived."""
 
     def read(self, size: int, /) -> bytes:
-        """Return so many bytes, fewer after the timeout."""
+        """Return ``size`` bytes, fewer after the timeout."""
 
     def write(self, data: bytes, /) -> int | None:
-        """Send bytes, waiting as long as that takes."""
+        """Send bytes; blocks until they are taken."""
 
     def flush(self) -> None:
-        """Wait until they have left."""
+        """Wait until all written bytes have left."""
 
     def reset_input_buffer(self) -> None:
-        """Discard what has arrived."""
+        """Discard unread bytes."""
 
     def close(self) -> None:
-        """Give the port back."""
+        """Close the port."""
 
 
 class PumpedPort:
@@ -61,8 +61,8 @@ class PumpedPort:
         self._near.setblocking(False)
         self._changed = threading.Condition()
         self._to_write = 0  # bytes taken from the caller and not by the port
-        self._wanted_baud: int | None = None  # for the thread that reads: nothing is lost between
-        self._refusal = ""  # of the rate wanted last
+        self._wanted_baud: int | None = None  # the reading thread sets it, so no byte is misread
+        self._refusal = ""  # why the last change of rate failed, "" if it did not
         self._failure = ""
         self._closing = False
         self._threads = [
@@ -73,11 +73,11 @@ class PumpedPort:
             thread.start()
 
     def fileno(self) -> int:
-        """Return the descriptor of our end of the pair."""
+        """Return the file descriptor of this end of the socket pair."""
         return self._near.fileno()
 
     def read(self) -> bytes:
-        """Return what has arrived; PortError once the port has failed."""
+        """Return the bytes that have arrived; PortError once the port has failed."""
         try:
             data = self._near.recv(_CHUNK)
         except BlockingIOError:
@@ -87,7 +87,7 @@ class PumpedPort:
         return data
 
     def write(self, data: bytes) -> int:
-        """Send what the pair takes."""
+        """Send what the socket pair takes and return its length."""
         with self._changed:
             try:
                 sent = self._near.send(data)
@@ -112,7 +112,7 @@ class PumpedPort:
                 )
 
     def drain(self) -> None:
-        """Wait until the port has taken all written bytes, for a second at most."""
+        """Wait until the port has taken all written bytes; PortError after 1 s."""
         with self._changed:
             self._changed.wait_for(lambda: self._failure or not self._to_write, _WRITE_LIMIT)
             if self._failure:
@@ -133,7 +133,7 @@ class PumpedPort:
         for thread in self._threads:
             thread.join(_WRITE_LIMIT)
         self._device.close()
-        for thread in self._threads:  # that waited for the network until now
+        for thread in self._threads:  # a blocking network call ended only now
             thread.join(_WRITE_LIMIT)
         self._far.close()
 

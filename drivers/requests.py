@@ -1,4 +1,4 @@
-"""What a device session asks of its link; the owner of the link carries it out in order."""
+"""Requests of a device session to its link; the link's owner executes them in order."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Write:
-    """Send these bytes."""
+    """Send bytes."""
 
     data: bytes
 

@@ -1,1 +1,1 @@
-"""Maps and borders: what is known of the world before the patrol starts."""
+"""Maps and borders: the environment as known before the patrol starts."""

@@ -1,4 +1,4 @@
-"""The way to the border round walls: geodesic distance in the space free for a robot."""
+"""Shortest paths to the border round walls: geodesic distance in the robot's free space."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from scipy.sparse.csgraph import dijkstra
 from maps.border import Border
 from maps.occupancy_map import FREE, OccupancyMap
 
-_ROOM = 0.40  # m from the walls: the base's corners reach 0.37 m round the axle, and a margin
-_NARROW_ROOM = 0.30  # m from the walls: enough to drive straight, not to turn on the spot
-_NARROW_COST = 3.0  # a metre of narrow way counts as so many, so it is taken for want of another
-_SIGHT_ROOM = 0.30  # m from the walls that a line of sight keeps, as far as its start does
-_BESIDE = 0.30  # m; nearer to the border no wall fits between, for it keeps 0.45 m from all
-_LOOK_AHEAD = 0.8  # m along the way to the point steered for
-_SNAP = 0.6  # m to the nearest cell with a way, for a robot that stands outside all of them
+_CLEARANCE = 0.40  # m: the base's corners are 0.37 m from the axle's middle, and a margin
+_NARROW_CLEARANCE = 0.30  # m of clearance: enough to drive straight, not to turn on the spot
+_NARROW_COST = 3.0  # cost factor of narrow cells, so that wider paths are preferred
+_SIGHT_CLEARANCE = 0.30  # m of clearance of a line of sight, or that of its start if less
+_BESIDE = 0.30  # m; nearer to the border no wall can be between: it keeps 0.45 m from all walls
+_LOOK_AHEAD = 0.8  # m along the path to the point steered for
+_SNAP = 0.6  # m to the nearest cell with a path, for a robot outside all of them
 _MOVES = np.array(  # (rows, cols) between neighboring cells; 16 directions keep lengths within 3 %
     [(0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1), (2, -1), (1, -2)]
 )
@@ -30,26 +30,26 @@ _Number = TypeVar("_Number", bound=np.generic)
 
 
 class Approach(NamedTuple):
-    """The way to the border from one place, where a wall hides it.
+    """The shortest path to the border from a position whose line of sight is blocked by a wall.
 
-    distance: m along the way, infinite if there is none; direction: unit vector in the map frame
-    along its beginning, (0, 0) if there is none.
+    distance: m along the path, infinite if there is none. direction: unit vector in the map frame
+    at its start, (0, 0) if there is none.
     """
 
     distance: float
     direction: tuple[float, float]
 
 
-_NO_WAY = Approach(math.inf, (0.0, 0.0))
+_NO_PATH = Approach(math.inf, (0.0, 0.0))
 
 
 class ApproachField:
-    """The ways to a border from everywhere on a map; immutable once built."""
+    """The shortest paths to a border from every cell of a map; immutable once built."""
 
     def __init__(self, occupancy: OccupancyMap, border: Border) -> None:
-        """Find all shortest ways (Dijkstra from every point of the border at once)."""
+        """Compute all shortest paths (Dijkstra from all points of the border at once)."""
         self._occupancy = occupancy
-        self._padded = np.pad(_room_around(occupancy), 1)  # there is no room outside the map
+        self._padded = np.pad(_clearances(occupancy), 1)  # no clearance outside the map
         self._clearance = self._padded[1:-1, 1:-1]
         self._corner = np.array(((occupancy.origin.x,), (occupancy.origin.y,)))
         self._last_cell = np.array(self._padded.shape[::-1])[:, None] - 1.0
@@ -57,21 +57,21 @@ class ApproachField:
         inside = occupancy.inside(rows, cols)
         goals = np.zeros(occupancy.cells.shape, dtype=np.bool_)
         goals[rows[inside], cols[inside]] = True
-        cost, onward = _shortest_ways(self._clearance, goals)
+        cost, next_cell = _shortest_paths(self._clearance, goals)
         self._distance = cost * occupancy.resolution
-        self._onward = onward
-        self._nearest = _nearest_with_way(np.isfinite(cost))
+        self._next_cell = next_cell
+        self._nearest = _nearest_with_path(np.isfinite(cost))
 
     def around_walls(self, x: float, y: float, foot: tuple[float, float]) -> Approach | None:
-        """Return the way from (x, y) if a wall hides foot, the closest border point; else None.
+        """Return the path from (x, y); None if the line to ``foot`` is free of walls.
 
-        All in m in the map frame. None means that the straight line is the way.
+        foot: the border's point nearest to (x, y). All in m in the map frame.
         """
-        if math.dist((x, y), foot) < _BESIDE or self._sees(x, y, *foot):
+        if math.dist((x, y), foot) < _BESIDE or self._line_of_sight(x, y, *foot):
             return None
-        cell = self._cell_with_way(x, y)
+        cell = self._cell_with_path(x, y)
         if cell == _NOWHERE:
-            return _NO_WAY
+            return _NO_PATH
         aim = self._point_ahead(x, y, cell)
         dx, dy = aim[0] - x, aim[1] - y
         length = math.hypot(dx, dy)
@@ -81,8 +81,11 @@ class ApproachField:
         distance = float(self._distance.flat[cell]) + beside
         return Approach(distance, (dx / length, dy / length))
 
-    def _cell_with_way(self, x: float, y: float) -> int:
-        """Index of the cell at a place, or of one near by and in sight, that has a way."""
+    def _cell_with_path(self, x: float, y: float) -> int:
+        """Return the index of a cell with a path: at (x, y), or near and in line of sight.
+
+        _NOWHERE if there is none.
+        """
         rows, cols = self._occupancy.cells_at((x, y))
         if not self._occupancy.inside(rows, cols)[0]:
             return _NOWHERE
@@ -92,18 +95,18 @@ class ApproachField:
             return cell
         center = self._center(cell)
         near = math.dist((x, y), center) <= _SNAP
-        return cell if near and self._sees(x, y, *center) else _NOWHERE
+        return cell if near and self._line_of_sight(x, y, *center) else _NOWHERE
 
     def _point_ahead(self, x: float, y: float, cell: int) -> tuple[float, float]:
-        """Farthest point of the way, within reach, that can be driven to in a straight line."""
+        """Return the farthest point of the path within _LOOK_AHEAD that a straight line reaches."""
         points = [self._center(cell)]
         while math.dist(points[-1], (x, y)) < _LOOK_AHEAD:
-            cell = int(self._onward.flat[cell])
+            cell = int(self._next_cell.flat[cell])
             if cell == _NOWHERE:
                 break
             points.append(self._center(cell))
         for point in points[:1:-2]:
-            if self._keeps_room(x, y, *point):
+            if self._is_passable(x, y, *point):
                 return point
         return points[min(1, len(points) - 1)]
 
@@ -112,20 +115,20 @@ class ApproachField:
         resolution, origin = self._occupancy.resolution, self._occupancy.origin
         return origin.x + (col + 0.5) * resolution, origin.y + (row + 0.5) * resolution
 
-    def _keeps_room(self, x: float, y: float, to_x: float, to_y: float) -> bool:
-        """Tell whether a straight line stays as far from the walls as its start, or far enough."""
-        room = self._room_along(x, y, to_x, to_y)
-        return bool(room.min() >= min(_ROOM, room[0]))
+    def _is_passable(self, x: float, y: float, to_x: float, to_y: float) -> bool:
+        """Whether a straight line keeps _CLEARANCE, or the clearance of its start if less."""
+        room = self._clearance_along(x, y, to_x, to_y)
+        return bool(room.min() >= min(_CLEARANCE, room[0]))
 
-    def _sees(self, x: float, y: float, to_x: float, to_y: float) -> bool:
-        """Tell whether a straight line keeps its room from the walls, as far as its start does."""
+    def _line_of_sight(self, x: float, y: float, to_x: float, to_y: float) -> bool:
+        """Whether a straight line keeps _SIGHT_CLEARANCE, or the clearance of its start if less."""
         resolution = self._occupancy.resolution
-        room = self._room_along(x, y, to_x, to_y)
-        needed = min(_SIGHT_ROOM, max(float(room[0]) - resolution, resolution / 2))
+        room = self._clearance_along(x, y, to_x, to_y)
+        needed = min(_SIGHT_CLEARANCE, max(float(room[0]) - resolution, resolution / 2))
         return bool(room.min() >= needed)
 
-    def _room_along(self, x: float, y: float, to_x: float, to_y: float) -> NDArray[np.float32]:
-        """Room from the walls along a straight line, from its start on; 0 outside the map."""
+    def _clearance_along(self, x: float, y: float, to_x: float, to_y: float) -> NDArray[np.float32]:
+        """Return the clearance from walls along a straight line, m; 0 outside the map."""
         resolution = self._occupancy.resolution
         count = math.ceil(2.0 * math.hypot(to_x - x, to_y - y) / resolution) + 2
         start, end = np.array(((x,), (y,))), np.array(((to_x,), (to_y,)))
@@ -136,10 +139,10 @@ class ApproachField:
         return np.asarray(self._padded.take(row * self._padded.shape[1] + col))
 
 
-def _room_around(occupancy: OccupancyMap) -> NDArray[np.float32]:
-    """Distance (rows, cols), m, from each free cell's centre to the nearest wall; else 0.
+def _clearances(occupancy: OccupancyMap) -> NDArray[np.float32]:
+    """Return (rows, cols) the clearance, m, of each free cell's centre from walls; else 0.
 
-    What is not known to be free has no room, and the map's edge is a wall.
+    Cells that are not known to be free have none, and the map's edge counts as a wall.
     """
     room = occupancy.distance_field() - occupancy.resolution / 2
     rows, cols = room.shape
@@ -149,21 +152,21 @@ def _room_around(occupancy: OccupancyMap) -> NDArray[np.float32]:
     return np.where(occupancy.cells == FREE, np.maximum(room, 0.0), 0.0).astype(np.float32)
 
 
-def _shortest_ways(
+def _shortest_paths(
     clearance: NDArray[np.float32], goals: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-    """Return (rows, cols) lengths in cells to the nearest goal, and the next cell on the way.
+    """Return (rows, cols) path lengths in cells to the nearest goal, and each path's next cell.
 
-    Length infinite and next cell -1 where there is no way; next cell -1 at the goals.
+    Length infinite and next cell -1 where there is no path; next cell -1 at the goals.
     """
     node = np.full(clearance.shape, _NOWHERE, dtype=np.int32)
-    cells = np.flatnonzero((clearance >= _NARROW_ROOM) | (goals & (clearance > 0.0)))
+    cells = np.flatnonzero((clearance >= _NARROW_CLEARANCE) | (goals & (clearance > 0.0)))
     node.flat[cells] = np.arange(len(cells))
     cost = np.full(clearance.shape, np.inf, dtype=np.float32)
-    onward = np.full(clearance.shape, _NOWHERE, dtype=np.int32)
+    next_cell = np.full(clearance.shape, _NOWHERE, dtype=np.int32)
     starts = node[goals & (node != _NOWHERE)]
     if not len(starts):
-        return cost, onward
+        return cost, next_cell
     lengths, before, _ = dijkstra(
         _graph(node, clearance, len(cells)),
         indices=starts,
@@ -172,15 +175,15 @@ def _shortest_ways(
     )
     cost.flat[cells] = lengths
     known = before >= 0
-    onward.flat[cells[known]] = cells[before[known]]
-    return cost, onward
+    next_cell.flat[cells[known]] = cells[before[known]]
+    return cost, next_cell
 
 
 def _graph(
     node: NDArray[np.int32], clearance: NDArray[np.float32], count: int
 ) -> csr_array[np.float64]:
-    """Graph (nodes, nodes) of the lengths between neighboring cells."""
-    factor = np.where(clearance < _ROOM, _NARROW_COST, 1.0)
+    """Return the graph (nodes, nodes) of the lengths between neighboring cells."""
+    factor = np.where(clearance < _CLEARANCE, _NARROW_COST, 1.0)
     ones, others, lengths = [], [], []
     for move in _MOVES:
         for row, col in (move, -move):
@@ -197,7 +200,7 @@ def _graph(
 def _shifted(
     grid: NDArray[_Number], rows: int, cols: int
 ) -> tuple[NDArray[_Number], NDArray[_Number]]:
-    """Two views of a grid: each cell of the first lies (rows, cols) before that of the second."""
+    """Return two views of a grid; each cell of the first is (rows, cols) before the second's."""
 
     def parts(shift: int, size: int) -> tuple[slice, slice]:
         return slice(max(-shift, 0), size - max(shift, 0)), slice(
@@ -209,17 +212,17 @@ def _shifted(
     return grid[here_rows, here_cols], grid[there_rows, there_cols]
 
 
-def _nearest_with_way(has_way: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Index (rows, cols) of the nearest cell that has a way, -1 if none has."""
-    if not has_way.any():
-        return np.full(has_way.shape, _NOWHERE, dtype=np.int32)
+def _nearest_with_path(has_path: NDArray[np.bool_]) -> NDArray[np.int32]:
+    """Return (rows, cols) the index of the nearest cell that has a path, -1 if none has."""
+    if not has_path.any():
+        return np.full(has_path.shape, _NOWHERE, dtype=np.int32)
     _, labels = cv2.distanceTransformWithLabels(
-        np.where(has_way, 0, 255).astype(np.uint8),
+        np.where(has_path, 0, 255).astype(np.uint8),
         cv2.DIST_L2,
         cv2.DIST_MASK_5,
         labelType=cv2.DIST_LABEL_PIXEL,
     )
     cell_of_label = np.zeros(int(labels.max()) + 1, dtype=np.int32)
-    cells = np.flatnonzero(has_way)
+    cells = np.flatnonzero(has_path)
     cell_of_label[labels.flat[cells]] = cells
     return np.asarray(cell_of_label[labels], dtype=np.int32)

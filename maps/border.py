@@ -2,7 +2,7 @@
 
 On a closed border s grows clockwise seen from above, whatever the order of its file, and
 differences of s wrap. On an open one s is 0 at the first point, the left end, and the projection
-is clamped at both ends. (Patrol CW is +s: the paper's eq. 7 and 13 agree only with that sense.)
+is clamped at both ends. (Patrol CW is +s, the only sense consistent with the paper's eq. 7 and 13.)
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from maps.pose import wrap_angle
 
 _GAP_TOLERANCE = 1e-3  # m between the end of a primitive and the start of the next
 _KINK_TOLERANCE = 0.02  # rad between their headings
-_BRANCH_MARGIN = 0.02  # m by which another branch must be nearer to leave the present one
+_BRANCH_MARGIN = 0.02  # m by which another branch must be nearer to be chosen
 _BRANCH_REACH = 0.5  # m of abscissa around the previous projection that count as its branch
-_CELL = 0.5  # m; side of the cells for which the pieces near by are kept
+_CELL = 0.5  # m; side of the cells that cache the near pieces
 _DRAWING_STEP = 0.02  # m, for the area and the crossing check
 
 
 class BorderError(ValueError):
-    """A border that cannot be patrolled; the message names the primitive and the remedy."""
+    """An invalid border; the message names the primitive and the remedy."""
 
 
 class BorderProjection(msgspec.Struct, frozen=True):
@@ -87,7 +87,7 @@ class Border:
         return min((p.radius for p in self.primitives if isinstance(p, Arc)), default=math.inf)
 
     def require_radius(self, radius: float) -> None:
-        """Refuse arcs tighter than a turning radius, m; BorderError names the place."""
+        """Raise BorderError, naming the place, if an arc is tighter than a turning radius, m."""
         for index, (primitive, s) in enumerate(zip(self.primitives, self._starts, strict=True)):
             if isinstance(primitive, Arc) and primitive.radius < radius:
                 raise BorderError(
@@ -107,7 +107,7 @@ class Border:
         return BorderProjection(s, foot_x, foot_y, distance, (tx, ty), curvature, side)
 
     def nearest(self, x: float, y: float, near: float | None = None) -> tuple[float, float]:
-        """Return (distance, abscissa), m, of a projection; for one who needs no more of it."""
+        """Return only (distance, abscissa), m, of ``project``, which is faster."""
         feet = self._feet_near(x, y)
         if len(feet) == 1:
             distance, s = feet[0].nearest(x, y)
@@ -120,7 +120,7 @@ class Border:
     def _nearest_of(
         self, feet: Sequence[SegmentFoot | ArcFoot], x: float, y: float, near: float | None
     ) -> tuple[float, float]:
-        """Return (distance, abscissa) of the nearest point of some pieces; keep to a branch."""
+        """Return (distance, abscissa), m, of the nearest point of ``feet``, on the branch kept."""
         best_distance, best_s = math.inf, 0.0
         kept_distance, kept_s = math.inf, 0.0
         for foot in feet:
@@ -138,9 +138,9 @@ class Border:
         return best_distance, best_s
 
     def _feet_near(self, x: float, y: float) -> tuple[SegmentFoot | ArcFoot, ...]:
-        """Return the pieces that can matter to a projection from anywhere in the cell of (x, y).
+        """Return the pieces that can be nearest to any point in the cell of (x, y).
 
-        Kept by cell: within one, a piece's distance changes by no more than half its diagonal.
+        Cached by cell: within it a distance differs from the centre's by at most half the diagonal.
         """
         cell = (x // _CELL, y // _CELL)
         feet = self._feet_of_cell.get(cell)
@@ -151,7 +151,7 @@ class Border:
             feet = tuple(
                 foot
                 for foot, distance in zip(self._feet, distances, strict=True)
-                if not distance > farthest  # of no number at all: every piece
+                if not distance > farthest  # written so that nan keeps every piece
             )
             self._feet_of_cell[cell] = feet
         return feet
@@ -176,7 +176,7 @@ class Border:
         return self._feet[index].at(s)
 
     def difference(self, s_to: float, s_from: float) -> float:
-        """Return the signed way along the border, m; on a closed one in [-length/2, length/2)."""
+        """Return s_to - s_from along the border, m; on a closed one in [-length/2, length/2)."""
         delta = s_to - s_from
         if not self.closed:
             return delta
@@ -235,7 +235,7 @@ def _check_joints(primitives: Sequence[Primitive], *, closed: bool) -> None:
 
 
 def _check_crossings(primitives: Sequence[Primitive], *, closed: bool) -> None:
-    """Refuse a border that meets itself; neighbours that join smoothly meet only at their joint."""
+    """Raise BorderError if the border meets itself; neighbours may meet at their joint only."""
     lines = [LineString(_drawn(primitive)) for primitive in primitives]
     for one, other in combinations(range(len(lines)), 2):
         adjacent = other == one + 1 or (closed and one == 0 and other == len(lines) - 1)
@@ -247,13 +247,13 @@ def _check_crossings(primitives: Sequence[Primitive], *, closed: bool) -> None:
 
 
 def _signed_area(primitives: Sequence[Primitive]) -> float:
-    """Area enclosed by a closed border, m2, positive if it runs counter-clockwise."""
+    """Return the enclosed area, m2, positive if the border runs counter-clockwise."""
     x, y = np.concatenate([_drawn(primitive)[:-1] for primitive in primitives]).T
     return float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y) / 2.0)
 
 
 def _drawn(primitive: Primitive) -> NDArray[np.float64]:
-    """Points (n, 2) along a primitive, ends included."""
+    """Return points (n, 2) along a primitive, ends included."""
     if isinstance(primitive, Segment):
         return np.array([primitive.start, primitive.end])
     count = math.ceil(primitive.length / _DRAWING_STEP) + 2

@@ -64,7 +64,7 @@ class BorderEntries(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
 
 def read_border(data: bytes, place: str) -> Border:
-    """Decode a border file's bytes; ``place`` names it in BorderError."""
+    """Decode a border file's bytes; raises BorderError, which names the file by ``place``."""
     try:
         entries = msgspec.toml.decode(data, type=BorderEntries)
         return _border_of(entries)
@@ -118,20 +118,20 @@ def _arc_of(number: int, entry: ArcEntry) -> Arc:
 
 
 def _chain(pieces: list[Primitive], *, closed: bool) -> list[Primitive]:
-    """Order the pieces so that each starts where the one before ends."""
+    """Return the pieces ordered so that each starts where the one before ends."""
     first = 0 if closed else _first_piece(pieces)
     chained, rest = [pieces[first]], pieces[:first] + pieces[first + 1 :]
     while rest:
         end = chained[-1].end
         following = min(rest, key=lambda piece: math.dist(end, piece.start))
-        # A gap is left in, for the border's own check to name it.
+        # A gap stays: Border's own check reports it with both ends.
         chained.append(following)
         rest.remove(following)
     return chained
 
 
 def _first_piece(pieces: list[Primitive]) -> int:
-    """Index of the piece whose start is no other piece's end."""
+    """Return the index of the piece whose start is no other piece's end."""
     firsts = [
         index
         for index, piece in enumerate(pieces)

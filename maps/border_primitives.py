@@ -1,4 +1,4 @@
-"""What a border is made of: straight segments and circular arcs, each with a direction."""
+"""Primitives of a border: straight segments and circular arcs, each with a direction."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Segment:
         return 0.0
 
     def reversed(self) -> Segment:
-        """Return the same piece driven the other way."""
+        """Return the same piece in the opposite direction."""
         return Segment(self.end, self.start)
 
     def points(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -94,7 +94,7 @@ class Arc:
         return self.turn / self.radius
 
     def reversed(self) -> Arc:
-        """Return the same piece driven the other way."""
+        """Return the same piece in the opposite direction."""
         return Arc(self.center, self.radius, self.start_angle + self.sweep, -self.sweep)
 
     def points(self, u: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""How much room a border leaves: the distance from each of its points to the nearest wall."""
+"""Clearance of a border: the distance from each of its points to the nearest wall."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ class BorderPlace:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Clearance:
-    """The room along a border.
+    """The clearance along a border.
 
-    abscissae (n,), distances (n,): m, each centimetre; from the border to the nearest occupied
+    abscissae (n,), distances (n,): m, at steps of 0.01 m; from the border to the nearest occupied
     cell's edge, 0 inside one, width plus height of the map if it has no wall. narrowest: where the
     distance is smallest. first_outside, first_unknown, first_occupied: where the border first
     leaves the map, enters unknown cells, enters a wall; None if it does not.
@@ -52,10 +52,10 @@ class Clearance:
 
 
 def border_clearance(occupancy: OccupancyMap, border: Border) -> Clearance:
-    """Measure the room along a border on a map.
+    """Measure the clearance along a border on a map.
 
-    The distance field is read at the border's points by bilinear interpolation; half a cell is
-    taken off, for the field counts to the centres of occupied cells.
+    The distance field is interpolated bilinearly at the border's points, less half a cell, because
+    it holds distances to the centres of occupied cells.
     """
     points = border.polyline(_STEP)
     abscissae = np.linspace(0.0, border.length, len(points))
@@ -63,7 +63,7 @@ def border_clearance(occupancy: OccupancyMap, border: Border) -> Clearance:
     inside = occupancy.inside(rows, cols)
     states = np.full(len(points), FREE, dtype=np.uint8)
     states[inside] = occupancy.cells[rows[inside], cols[inside]]
-    field = np.minimum(occupancy.distance_field(), sum(occupancy.size))  # inf * 0 is no number
+    field = np.minimum(occupancy.distance_field(), sum(occupancy.size))  # inf * 0 is nan
     to_centers = _interpolate(occupancy, field, points)
     distances = np.maximum(to_centers - occupancy.resolution / 2, 0.0)
     distances[states == OCCUPIED] = 0.0
@@ -88,7 +88,7 @@ def border_clearance(occupancy: OccupancyMap, border: Border) -> Clearance:
 def _interpolate(
     occupancy: OccupancyMap, field: NDArray[np.float32], points: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Value (n,) of a field of cell centres at points (n, 2); the edge's value beyond it."""
+    """Return (n,) values of a field of cell centres at points (n, 2), clamped at its edge."""
     limits = np.array(field.shape[::-1]) - 1
     place = (points - occupancy.origin[:2]) / occupancy.resolution - 0.5
     place = np.clip(place, 0.0, limits)

@@ -1,4 +1,4 @@
-"""Map folders: an occupancy map, its borders, and the bytes of both, so a recording can carry them.
+"""Map folders: an occupancy map, its borders, and the bytes of both for a recording.
 
 A folder holds ``map.yaml``, the image it names and one ``<name>.toml`` per border; the default
 border is ``border.toml`` and may be absent.
@@ -22,10 +22,10 @@ _DESCRIPTION = "map.yaml"
 
 @dataclass(frozen=True, eq=False)
 class MapFolder:
-    """What a robot knows of a place before it starts.
+    """An occupancy map, optionally with a border, and their files' bytes.
 
     name: of the folder. files: name -> content of the files in use (map.yaml, image, border).
-    border_name: which of its borders, without ``.toml``.
+    border_name: of the border in use, without ``.toml``.
     """
 
     name: str
@@ -36,20 +36,20 @@ class MapFolder:
 
     @cached_property
     def approach_field(self) -> ApproachField | None:
-        """The ways to the border round walls, found once for all robots; None without a border."""
+        """The paths to the border round walls, computed once; None without a border."""
         return ApproachField(self.map, self.border) if self.border else None
 
 
 def load_map_folder(folder: Path, border: str = DEFAULT_BORDER) -> MapFolder:
     """Read a map folder and one of its borders.
 
-    Raises MapError or BorderError naming the file; a missing border is one unless it is the
+    Raises MapError or BorderError naming the file, also for a missing border unless it is the
     default one.
     """
     description = read_map_file(folder / _DESCRIPTION)
     image = read_description(description, str(folder / _DESCRIPTION)).image
     if Path(image).name != image:
-        # A recording carries the folder's files by name, and must be able to put them back.
+        # A recording stores the folder's files by name and restores them to one folder.
         raise MapError(
             f"{folder / _DESCRIPTION}: image '{image}' must lie in the map folder itself"
         )
@@ -63,7 +63,7 @@ def load_map_folder(folder: Path, border: str = DEFAULT_BORDER) -> MapFolder:
 def map_folder_from_files(
     name: str, files: Mapping[str, bytes], border: str = DEFAULT_BORDER
 ) -> MapFolder:
-    """Make a map folder of its files' bytes, e.g. those a recording carries.
+    """Make a map folder from its files' bytes, e.g. those in a recording.
 
     Raises as ``load_map_folder`` does.
     """

@@ -33,7 +33,7 @@ _REQUIRED_KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", 
 
 
 class MapError(ValueError):
-    """A map that cannot be used; the message names the file, the place and the remedy."""
+    """An invalid map; the message names the file, the place and the remedy."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,7 +125,7 @@ def load_map(yaml_path: Path) -> OccupancyMap:
 
 
 def read_map_file(path: Path) -> bytes:
-    """Read one file of a map; MapError names it and the remedy."""
+    """Read one file of a map; raises MapError naming it and the remedy."""
     try:
         return path.read_bytes()
     except OSError as error:
@@ -138,7 +138,7 @@ def read_map_file(path: Path) -> bytes:
 
 
 def save_map(occupancy: OccupancyMap, folder: Path) -> None:
-    """Write ``map.yaml`` and ``map.pgm`` into a folder, made if absent; nothing is lost."""
+    """Write ``map.yaml`` and ``map.pgm``, lossless, into a folder, made if absent."""
     folder.mkdir(parents=True, exist_ok=True)
     pixels = _PIXEL_OF_STATE[occupancy.cells[::-1]]
     rows, cols = pixels.shape
@@ -157,7 +157,7 @@ def save_map(occupancy: OccupancyMap, folder: Path) -> None:
 
 
 def read_description(data: bytes, place: str) -> MapDescription:
-    """Decode and check a map's YAML text; ``place`` names it in MapError."""
+    """Decode and check a map's YAML text; raises MapError, which names it by ``place``."""
     try:
         content = yaml.safe_load(data)
     except (yaml.YAMLError, UnicodeDecodeError) as error:
@@ -189,7 +189,7 @@ def read_description(data: bytes, place: str) -> MapDescription:
 
 
 def assemble_map(description: MapDescription, image: bytes, place: str) -> OccupancyMap:
-    """Make a map of its checked description and its image file's bytes (named ``place``)."""
+    """Make a map from its description and its image's bytes; MapError names it by ``place``."""
     pixels = _decode_image(image, place)
     darkness = (pixels if description.negate else 255 - pixels) / 255.0
     cells = np.full(pixels.shape, UNKNOWN, dtype=np.uint8)
@@ -256,6 +256,6 @@ def _origin(value: Any, place: str) -> Pose:
 
 
 def _yaml_number(value: float) -> str:
-    """Write a float so that every YAML reader takes it for one (1e-05 lacks the point)."""
+    """Format a float so that every YAML parser reads a float (1e-05 lacks the point)."""
     text = repr(float(value))
     return text.replace("e", ".0e") if "e" in text and "." not in text else text

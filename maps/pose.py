@@ -37,5 +37,5 @@ class Pose(NamedTuple):
         return Pose(-c * self.x - s * self.y, s * self.x - c * self.y, wrap_angle(-self.theta))
 
     def between(self, other: Pose) -> Pose:
-        """Return ``other`` as seen from this pose: ``self.inverse().compose(other)``."""
+        """Return ``other`` relative to this pose: ``self.inverse().compose(other)``."""
         return self.inverse().compose(other)

@@ -9,8 +9,8 @@ from maps.border import Border, BorderError
 from maps.border_primitives import Arc, Point, Primitive, Segment
 from maps.pose import wrap_angle
 
-_STRAIGHT = 1e-9  # rad: corners that turn less are no corners
-_EMPTY = 1e-6  # m: lines shorter than this between two arcs are left out
+_STRAIGHT = 1e-9  # rad; corners that turn less are ignored
+_EMPTY = 1e-6  # m; shorter lines between two arcs are left out
 
 
 def round_polygon(
@@ -65,7 +65,7 @@ def _check_vertices(vertices: Sequence[Point], *, closed: bool) -> None:
 
 
 def _turn(vertices: Sequence[Point], before: int, corner: int, after: int) -> float:
-    """Change of heading at a corner, rad, positive to the left."""
+    """Return the change of heading at a corner, rad, positive to the left."""
     (x0, y0), (x1, y1), (x2, y2) = vertices[before], vertices[corner], vertices[after]
     turn = wrap_angle(math.atan2(y2 - y1, x2 - x1) - math.atan2(y1 - y0, x1 - x0))
     if abs(turn) > math.radians(179.0):
@@ -76,7 +76,7 @@ def _turn(vertices: Sequence[Point], before: int, corner: int, after: int) -> fl
 def _line_between(
     vertices: Sequence[Point], number: int, following: int, cuts: dict[int, float]
 ) -> Segment | None:
-    """Straight part between the arcs of two neighbouring vertices; None if they touch."""
+    """Return the straight part between the arcs of neighbouring vertices; None if they touch."""
     (x0, y0), (x1, y1) = vertices[number], vertices[following]
     length = math.dist((x0, y0), (x1, y1))
     first, last = cuts.get(number, 0.0), cuts.get(following, 0.0)
@@ -92,7 +92,7 @@ def _line_between(
 
 
 def _corner_arc(vertex: Point, heading: float, turn: float, radius: float) -> Arc:
-    """Arc tangent to the lines into (``heading``) and out of (``heading + turn``) a vertex."""
+    """Return the arc tangent to the lines into (``heading``) and out of (``+ turn``) a vertex."""
     side = math.copysign(1.0, turn)
     cut = radius * math.tan(abs(turn) / 2)
     center = (
@@ -103,7 +103,7 @@ def _corner_arc(vertex: Point, heading: float, turn: float, radius: float) -> Ar
 
 
 def _signed_area(vertices: Sequence[Point]) -> float:
-    """Area of the polygon, m2, positive if its vertices run counter-clockwise."""
+    """Return the polygon's area, m2, positive if its vertices run counter-clockwise."""
     following = [*vertices[1:], vertices[0]]
     return (
         sum(x0 * y1 - x1 * y0 for (x0, y0), (x1, y1) in zip(vertices, following, strict=True)) / 2

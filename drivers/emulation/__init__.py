@@ -1,1 +1,1 @@
-"""What all emulated devices share: their ports, faults of their lines, timed bytes."""
+"""Shared by all emulated devices: ports, line faults, timed bytes."""

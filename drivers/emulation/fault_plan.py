@@ -1,4 +1,4 @@
-"""What shall go wrong on a line, and when; as people write it in one argument."""
+"""The faults of a line and their times, and the command-line syntax for them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class FaultSpecError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class Span:
-    """A time from ``begin`` to ``end`` (s) since the line was first used."""
+    """The time from ``begin`` up to, not including, ``end``, s since the line was first used."""
 
     begin: float
     end: float
@@ -24,12 +24,13 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class FaultPlan:
-    """What shall go wrong, in both directions.
+    """The faults of a line, applied in both directions.
 
-    drop, corrupt: probability per byte of being lost, of one bit being wrong.
-    duplicate, split, delay: probability per piece of traffic (what is sent at once) of coming
-    twice, in two parts, and ``delay_time`` (s) late; order is kept.
-    silences: nothing passes. cuts: the same, and the port goes away. resets: the device restarts.
+    drop, corrupt: probability per byte of being lost, of having one bit flipped.
+    duplicate, split, delay: probability per write of arriving twice, in two parts, ``delay_time``
+    (s) late; order is kept.
+    silences: nothing passes. cuts: the same, and the port goes away. resets: times, s, at which
+    the device restarts.
     """
 
     drop: float = 0.0
@@ -50,7 +51,7 @@ _EXAMPLE = (
 
 
 def parse_faults(spec: str) -> FaultPlan:
-    """Read faults from ``name=value,name=value``.
+    """Parse faults from ``name=value,name=value``.
 
     Probabilities are 0 to 1, times s; ``delay=P:S``, ``silence=FROM:TO``, ``cut=FROM:TO`` and
     ``reset=AT``, the last three as often as wanted. Raises FaultSpecError.

@@ -1,7 +1,7 @@
-"""A bad line on request: what a cable, an adapter or a reset does to the bytes of a device.
+"""Fault injection on a device's line: faults of cable and adapter, and device resets.
 
-Wraps an emulated device and is one itself. All chances come from a given generator, so that the
-same seed and the same traffic give the same faults.
+Wraps an emulated device and is one itself. All random draws come from a given generator: the same
+seed and the same traffic give the same faults.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _BITS_PER_BYTE = 10
 
 @dataclass(slots=True)
 class FaultCounters:
-    """What has been done to the bytes so far, both ways."""
+    """Faults injected so far, both ways."""
 
     passed_bytes: int = 0
     dropped_bytes: int = 0
@@ -38,7 +38,7 @@ class FaultCounters:
 
 @dataclass(slots=True)
 class _Direction:
-    """Bytes on their way one way, none overtaking another."""
+    """Bytes in transit in one direction, first in, first out."""
 
     rng: np.random.Generator
     under_way: deque[TimedBytes] = field(default_factory=deque)
@@ -56,25 +56,25 @@ class _Direction:
 
 
 class LineFaults:
-    """An emulated device behind a line that goes bad by a plan, and by switches while it runs.
+    """An emulated device behind a line with faults, by a plan and by switches set at run time.
 
     The owner may set ``on_cut(t)`` and ``on_restored(t)`` (take the port away, bring it back) and
-    ``on_reset(t)`` (restart the device); they are called when their time has come, during ``feed``
-    or ``take_output``.
+    ``on_reset(t)`` (restart the device); they are called when due, during ``feed`` or
+    ``pop_output``.
     """
 
     def __init__(self, device: EmulatedDevice, plan: FaultPlan, rng: np.random.Generator) -> None:
         self.plan = plan
         self.deaf = False
-        """Nothing the client sends arrives."""
+        """Drop all bytes from the client."""
         self.mute = False
-        """Nothing the device sends arrives."""
+        """Drop all bytes from the device."""
         self.frozen = False
-        """The device's last packet or telegram comes again in place of each new one."""
+        """Repeat the device's last packet or telegram in place of each new one."""
         self.spoilt = 0.0
-        """Share of the device's packets of which one byte arrives wrong."""
+        """Share of the device's packets that arrive with one byte wrong."""
         self.late = 0.0
-        """s that all from the device comes late."""
+        """Delay of all bytes from the device, s."""
         self._last = b""
         self.counters = FaultCounters()
         self.on_cut: Callable[[float], None] = _nothing
@@ -92,27 +92,25 @@ class LineFaults:
         return self._device.baud
 
     def feed(self, data: bytes, t: float) -> None:
-        """Take bytes from the client; the device gets what the line leaves of them."""
-        self._let_pass(t)
+        """Pass bytes from the client to the device, with the line's faults."""
+        self._apply_plan(t)
         if not self.deaf:
             self._send(self._to_device, data, t)
         self._deliver(t)
 
     def pop_output(self, t: float) -> list[TimedBytes]:
-        """Return what the line leaves of the device's bytes by ``t``."""
-        self._let_pass(t)
+        """Return the device's bytes that have arrived by ``t``, with the line's faults."""
+        self._apply_plan(t)
         self._deliver(t)
         for item in self._device.pop_output(t):
             if not self.frozen:
                 self._last = item.data
             if not self.mute:
-                self._send(
-                    self._from_device, self._with_a_wrong_byte(self._last), item.t + self.late
-                )
+                self._send(self._from_device, self._corrupt_packet(self._last), item.t + self.late)
         return self._from_device.arrived(t)
 
-    def _let_pass(self, t: float) -> None:
-        """Do what is due at a time: cut, restore, reset."""
+    def _apply_plan(self, t: float) -> None:
+        """Call what is due at ``t``: cut, restore, reset."""
         if self._start is None:
             self._start = t
         elapsed = t - self._start
@@ -133,13 +131,13 @@ class LineFaults:
             self._device.feed(item.data, t)
 
     def _send(self, direction: _Direction, data: bytes, t: float) -> None:
-        """Put what is left of bytes that were sent at ``t`` on their way."""
+        """Put bytes sent at ``t`` in transit, with faults injected."""
         if self._is_silent(t):
             self.counters.silenced_bytes += len(data)
             return
         plan, counters = self.plan, self.counters
         duplicate, split, delay, place = direction.rng.random(4)
-        data = self._spoil(data, direction.rng)
+        data = self._corrupt_bytes(data, direction.rng)
         if delay < plan.delay:
             counters.delays += 1
             t += plan.delay_time
@@ -156,8 +154,8 @@ class LineFaults:
         if data:
             direction.put(data, t)
 
-    def _with_a_wrong_byte(self, packet: bytes) -> bytes:
-        """Return a packet as it is, or with one byte wrong."""
+    def _corrupt_packet(self, packet: bytes) -> bytes:
+        """Return a packet, at rate ``spoilt`` with one byte wrong."""
         rng = self._from_device.rng
         if not self.spoilt or rng.random() >= self.spoilt:
             return packet
@@ -165,8 +163,8 @@ class LineFaults:
         wrong = packet[place] ^ int(rng.integers(1, 256))
         return packet[:place] + bytes((wrong,)) + packet[place + 1 :]
 
-    def _spoil(self, data: bytes, rng: np.random.Generator) -> bytes:
-        """Lose and flip single bytes."""
+    def _corrupt_bytes(self, data: bytes, rng: np.random.Generator) -> bytes:
+        """Return data with single bytes dropped and single bits flipped."""
         if not self.plan.drop and not self.plan.corrupt:
             return data
         octets = np.frombuffer(data, dtype=np.uint8)

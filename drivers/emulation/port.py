@@ -1,6 +1,6 @@
 """Ports at which real clients reach an emulated device: a pseudo-terminal, or TCP.
 
-Either can be unplugged and plugged in again, as a cable; the device lives on meanwhile.
+Either can be unplugged and plugged in again like a cable; the device keeps running meanwhile.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ _BAUD_BY_CODE = {
 
 
 def garbled(data: bytes) -> bytes:
-    """Return what a receiver makes of bytes sent at another rate than its own: other bytes."""
+    """Return what a receiver decodes from bytes sent at another rate than its own: other bytes."""
     return data.translate(_GARBLE_TABLE)
 
 
 class EmulatedDevice(Protocol):
-    """The device's side of a line, as the emulators provide it."""
+    """The device's side of a line: the interface of the emulators."""
 
     @property
     def baud(self) -> int:
@@ -46,11 +46,11 @@ class EmulatedDevice(Protocol):
 
 
 class PtyPort:
-    """Hosts an emulator on a pseudo-terminal; ``url`` is the path clients open, again and again.
+    """Serves an emulator on a pseudo-terminal; clients open ``url``, one after another.
 
     A pty carries bytes at any rate; a line does not. So while the client's rate is not the
-    device's, what either sends arrives as other bytes. With nobody there output is lost. ``name``
-    is a link to make and keep: a device name that outlives unplugging.
+    device's, bytes arrive garbled both ways. Without a client output is lost. ``name`` is a
+    symbolic link to make: a device name that stays the same over unplugging.
     """
 
     def __init__(self, emulator: EmulatedDevice, name: Path | None = None) -> None:
@@ -61,18 +61,18 @@ class PtyPort:
 
     @property
     def url(self) -> str:
-        """The path to open; without a ``name`` a new one after each plugging in."""
+        """The path to open; without a ``name`` a new one after each ``plug_in``."""
         return self._device if self._name is None else str(self._name)
 
     def plug_in(self) -> None:
-        """Make the port appear; nothing where it is there already."""
+        """Make the port appear; no effect if it is there already."""
         if self._master >= 0:
             return
         self._master, slave = os.openpty()
         tty.setraw(slave)
         os.set_blocking(self._master, False)
         self._device = os.ttyname(slave)
-        os.close(slave)  # from now on a hang-up tells that no client is there
+        os.close(slave)  # from now on a hang-up means that no client is there
         self._client_there = False
         self._poll = select.poll()
         self._poll.register(self._master, select.POLLIN)
@@ -80,7 +80,7 @@ class PtyPort:
             self._name.symlink_to(self._device)
 
     def unplug(self) -> None:
-        """Take the port away; its client is hung up on."""
+        """Remove the port and disconnect its client."""
         if self._master < 0:
             return
         os.close(self._master)
@@ -90,8 +90,8 @@ class PtyPort:
             self._name.unlink()
 
     def pump(self, t: float) -> None:
-        """Carry bytes both ways at time ``t`` (s), without waiting."""
-        if self._look_for_client():
+        """Move bytes both ways at ``t``, without waiting."""
+        if self._poll_client():
             data = os.read(self._master, READ_SIZE)
             self._emulator.feed(self._as_received(data, self._emulator.baud), t)
         while True:
@@ -104,11 +104,11 @@ class PtyPort:
                 self._write(self._as_received(data, baud))
 
     def close(self) -> None:
-        """Take the port away for good."""
+        """Remove the port."""
         self.unplug()
 
-    def _look_for_client(self) -> bool:
-        """Notice a client coming or going; return whether bytes from it are waiting."""
+    def _poll_client(self) -> bool:
+        """Update whether a client is connected; return whether it has sent bytes."""
         if self._master < 0:
             return False
         events = dict(self._poll.poll(0)).get(self._master, 0)
@@ -119,7 +119,7 @@ class PtyPort:
         return bool(events & select.POLLIN)
 
     def _discard_unread(self) -> None:
-        """Drop what a client that left did not read: the next one shall not find it."""
+        """Discard what a disconnected client did not read, so that the next one does not get it."""
         slave = os.open(self._device, os.O_RDWR | os.O_NOCTTY)
         termios.tcflush(slave, termios.TCIFLUSH)
         os.close(slave)
@@ -130,16 +130,15 @@ class PtyPort:
 
     def _write(self, data: bytes) -> None:
         try:
-            os.write(self._master, data)  # what a full buffer refuses is lost, as by an overrun
+            os.write(self._master, data)  # a full buffer loses the rest, as an overrun does
         except BlockingIOError:
             return
 
 
 class TcpPort:
-    """Hosts an emulator on a TCP port of this machine, for one client at a time; TCP has no rate.
+    """Serves an emulator on a TCP port of this machine, to one client at a time; TCP has no rate.
 
-    ``port`` 0 takes any free one. A client may leave and another come; a second one meanwhile is
-    hung up on.
+    ``port`` 0 takes any free one. A second client is disconnected while the first is connected.
     """
 
     def __init__(self, emulator: EmulatedDevice, port: int = 0, host: str = "127.0.0.1") -> None:
@@ -151,17 +150,17 @@ class TcpPort:
         self.url = f"socket://{host}:{self._address[1]}"
 
     def plug_in(self) -> None:
-        """Listen again; nothing where it listens already."""
+        """Listen again; no effect if it listens already."""
         if self._listener.fileno() < 0:
             self._listener = _listen(*self._address[:2])
 
     def unplug(self) -> None:
-        """Hang up and stop listening."""
+        """Disconnect the client and stop listening."""
         self._hang_up()
         self._listener.close()
 
     def pump(self, t: float) -> None:
-        """Carry bytes both ways at time ``t`` (s), without waiting."""
+        """Move bytes both ways at ``t``, without waiting."""
         self._accept()
         data = self._receive()
         if data:
@@ -172,7 +171,7 @@ class TcpPort:
         self._flush()
 
     def close(self) -> None:
-        """Hang up and stop listening for good."""
+        """Disconnect the client and stop listening."""
         self.unplug()
 
     def _accept(self) -> None:

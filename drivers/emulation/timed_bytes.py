@@ -1,4 +1,4 @@
-"""Bytes together with the moment they were complete on a serial line."""
+"""Bytes with the time at which they were complete on a serial line."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class TimedBytes:
-    """Bytes sent by an emulated device; ``t`` is when the last of them has left the wire, in s."""
+    """Bytes sent by an emulated device; ``t`` is when the last of them has left the wire."""
 
     t: float
     data: bytes

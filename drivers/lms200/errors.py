@@ -1,4 +1,4 @@
-"""The laser's own error list: the B2 telegram and what its numbers mean.
+"""The laser's error list: the B2 telegram and the meaning of its error numbers.
 
 Source: SICK telegram listing 8007954/Q501, telegram B2 and error numbers.
 """
@@ -15,7 +15,7 @@ _PAST = 0x80  # in the type byte: the error is no longer present
 
 
 class Severity(IntEnum):
-    """How bad: bits 0-2 of a status byte, and the type of an error entry."""
+    """Severity: bits 0-2 of a status byte, and the type of an error entry."""
 
     OK = 0
     INFO = 1
@@ -67,7 +67,7 @@ class ErrorEntry:
 
 
 def decode_errors(telegram: Telegram) -> tuple[ErrorEntry, ...]:
-    """Return the entries of B2; none is a healthy laser."""
+    """Return the entries of a B2 telegram; empty for a healthy laser."""
     data = telegram.payload[1:-1]
     return tuple(
         ErrorEntry(kind & ~_PAST, number, not kind & _PAST)

@@ -1,4 +1,4 @@
-"""One command to the laser and the wait for its reply: tries, deadline, signs of noise.
+"""One command to the laser and its reply: tries, deadline, detection of noise.
 
 Source: SICK telegram listing 8007954/Q501, acknowledgement and timing.
 """
@@ -7,15 +7,15 @@ from __future__ import annotations
 
 from drivers.lms200.framing import MAX_PAYLOAD, OVERHEAD, TelegramFramer, encode_telegram
 
-TRIES = 3  # the laser may overlook a request while its mirror turns
-ACK_LIMIT = 0.25  # s from the last byte of the line to the ACK: 60 ms by the listing, and our own
+TRIES = 3  # the laser may miss a request while its mirror turns
+ACK_LIMIT = 0.25  # s from the last byte to the ACK; 60 ms in the listing, the rest is margin
 NAK_PAUSE = 0.03  # s before a refused telegram may be repeated
 
 _BITS_PER_BYTE = 10
 
 
 class Exchange:
-    """A command under way. The owner writes what ``send`` returns and acts at the ``deadline``."""
+    """A command in progress. The owner writes what ``send`` returns and acts at ``deadline``."""
 
     def __init__(self, framer: TelegramFramer) -> None:
         self.command = b""
@@ -28,7 +28,7 @@ class Exchange:
         self._noise_before = 0
 
     def begin(self, command: bytes, reply_limit: float) -> None:
-        """Take the next command; its reply comes within ``reply_limit`` (s) of the ACK."""
+        """Set the next command; its reply is due within ``reply_limit`` (s) of the ACK."""
         self.command = command
         self.tries_left = TRIES
         self._reply_limit = reply_limit
@@ -43,25 +43,25 @@ class Exchange:
         self._latest_ack = self.deadline + longest_frame
         return encode_telegram(self.command)
 
-    def bytes_came(self, t: float) -> None:
-        """Something arrives: a scan may be on its way, the ACK comes after it."""
+    def on_bytes(self, t: float) -> None:
+        """Extend the deadline: the bytes may be a scan, which delays the ACK."""
         self.deadline = max(self.deadline, min(t + ACK_LIMIT, self._latest_ack))
 
     def acknowledged(self, t: float) -> None:
-        """The laser has understood: it replies."""
+        """Set the deadline for the reply after an ACK."""
         self.deadline = t + self._reply_limit
 
     def refused(self, t: float) -> None:
-        """The laser has not understood: repeat at the deadline."""
+        """Set the deadline after a NAK, at which the command is repeated."""
         self.deadline = t + NAK_PAUSE
 
     @property
     def amid_noise(self) -> bool:
-        """Whether bytes since the command was sent made no sense: a lone ACK may be one too."""
+        """Whether bytes were discarded since the command was sent: an ACK may then be noise too."""
         return self._framer.counters.discarded_bytes != self._noise_before
 
     @property
     def only_noise(self) -> bool:
-        """Whether bytes came and none made a telegram: most likely sent at another rate."""
-        heard = self._framer.pending or self.amid_noise
-        return heard and self._framer.counters.good == self._good_before
+        """Whether bytes arrived but no telegram: most likely sent at another rate."""
+        received = self._framer.pending or self.amid_noise
+        return received and self._framer.counters.good == self._good_before

@@ -99,7 +99,7 @@ class Nak:
 
 @dataclass(slots=True)
 class FramerCounters:
-    """What became of the bytes received."""
+    """Counts of the bytes and frames received."""
 
     good: int = 0
     bad_checksum: int = 0
@@ -107,7 +107,7 @@ class FramerCounters:
 
 
 class TelegramFramer:
-    """Finds telegrams, ACKs and NAKs in a byte stream; any bytes in, never an exception out.
+    """Finds telegrams, ACKs and NAKs in a byte stream; accepts any bytes and never raises.
 
     Takes telegrams whose address is in ``addresses``. After a bad CRC the search resumes at the
     byte after the failed STX. Holds at most one frame's length of bytes between calls.
@@ -116,23 +116,23 @@ class TelegramFramer:
     def __init__(self, addresses: range = LASER_ADDRESSES) -> None:
         self.counters = FramerCounters()
         self.examined_bytes = 0
-        """Bytes looked at as a frame's beginning or summed for its CRC: the work done, each byte
-        being looked at again by every frame it might belong to."""
+        """Bytes tested as a frame's start or summed for its CRC; a byte counts once for every frame
+        it might belong to."""
         self._addresses = addresses
         self._buffer = bytearray()
 
     @property
     def pending(self) -> bool:
-        """Whether a frame has begun and not ended."""
+        """Whether an unfinished frame is buffered."""
         return bool(self._buffer)
 
     def feed(self, data: bytes) -> list[Telegram | Ack | Nak]:
-        """Take bytes; return what they complete, in order."""
+        """Take bytes; return what they complete, in order of arrival."""
         self._buffer += data
         return self._search()
 
     def flush(self) -> list[Telegram | Ack | Nak]:
-        """The line fell silent inside a frame: give that frame up, return what hid behind it."""
+        """Discard the unfinished frame after a silence; return what was complete behind its STX."""
         found: list[Telegram | Ack | Nak] = []
         while self._buffer:
             del self._buffer[0]
@@ -141,7 +141,7 @@ class TelegramFramer:
         return found
 
     def reset(self) -> None:
-        """Forget the bytes of an unfinished frame."""
+        """Discard the bytes of an unfinished frame."""
         self.counters.discarded_bytes += len(self._buffer)
         self._buffer.clear()
 
@@ -174,7 +174,7 @@ class TelegramFramer:
         return found
 
     def _frame_length(self, at: int) -> int | None:
-        """Return the length of the good frame at ``at``; 0: none there; None: not all here."""
+        """Return the length of the valid frame at ``at``; 0: there is none, None: incomplete."""
         buffer = self._buffer
         received = len(buffer) - at
         if received > 1 and buffer[at + 1] not in self._addresses:

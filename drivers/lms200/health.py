@@ -1,4 +1,4 @@
-"""How the laser says it is: status byte, status telegram and error list as one finding.
+"""The laser's health: status byte, status telegram and error list combined.
 
 Source: SICK telegram listing 8007954/Q501, status byte, telegrams B1 and B2.
 """
@@ -16,11 +16,11 @@ _POLLUTION = 0x80
 
 @dataclass(frozen=True, slots=True)
 class LaserHealth:
-    """The laser's condition.
+    """The laser's condition as it reports it.
 
     level: the status byte's severity.
-    pollution: the front window is dirty. implausible: the laser doubts its measured values.
-    defective: the status telegram says so. errors: the error list, past entries too.
+    pollution: the front window is dirty. implausible: measured values are flagged implausible.
+    defective: the status telegram's flag. errors: the error list, past entries too.
     """
 
     level: Severity
@@ -31,12 +31,12 @@ class LaserHealth:
 
     @property
     def present_errors(self) -> tuple[ErrorEntry, ...]:
-        """What is wrong now: entries still present and more than information."""
+        """The entries that are still present and more severe than information."""
         return tuple(e for e in self.errors if e.present and e.severity != Severity.INFO)
 
     @property
     def ok(self) -> bool:
-        """Whether nothing is wrong; a level of "info" is not."""
+        """Whether there is no warning, error or flag; the level "info" is ok."""
         doubts = self.pollution or self.implausible or self.defective or self.present_errors
         return self.level <= Severity.INFO and not doubts
 
@@ -56,7 +56,7 @@ class LaserHealth:
 
 
 def health_of(status: int, errors: tuple[ErrorEntry, ...], *, defective: bool) -> LaserHealth:
-    """Combine a telegram's status byte, the error list and the status telegram's verdict."""
+    """Combine a telegram's status byte, the error list and the status telegram's defect flag."""
     return LaserHealth(
         level=Severity(min(status & _SEVERITY_BITS, Severity.FATAL)),
         pollution=bool(status & _POLLUTION),

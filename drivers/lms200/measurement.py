@@ -28,9 +28,9 @@ _FLAG_SHIFT = 13  # the lowest bit that is a flag in any mode
 
 
 class Special(IntEnum):
-    """What a value says that is no range; counts up from the mode's smallest special value."""
+    """Meaning of a value that is no range; counts up from the mode's smallest special value."""
 
-    RANGE = 0  # none: it is a range
+    RANGE = 0  # not special
     BEYOND_MAXIMUM = 1
     READ_ERROR = 4  # of channel 1
     LOW_SIGNAL = 5  # against the noise
@@ -41,15 +41,15 @@ class Special(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class MeasuringMode:
-    """How a 16-bit value divides into distance and flags."""
+    """Division of a 16-bit value into distance and flags."""
 
     mask: int  # the distance bits
     no_return: int  # the largest special value
-    reflector_bits: int = 0  # of the flags: how well a reflector was seen
+    reflector_bits: int = 0  # the flags that hold the reflector level
 
     @property
     def limit(self) -> int:
-        """The smallest special value, "beyond maximum"; from here on nothing is a distance."""
+        """The smallest special value, "beyond maximum"; only values below it are distances."""
         return self.no_return - Special.NO_RETURN + Special.BEYOND_MAXIMUM
 
     @property
@@ -73,11 +73,11 @@ MODE_32_M = 0x05
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Measurement:
-    """What one B0 telegram says, geometry and units resolved; arrays are by beam, (n,).
+    """The content of one B0 telegram, geometry and units resolved; arrays are by beam, (n,).
 
     ranges: float64 m, inf where there is none. specials: uint8, a ``Special`` each (numbers in
     between are reserved). flags: uint8, the mode's flags in bits 0 to 2. reflectors: bool, or None
-    where the mode tells nothing of reflectors. The first beam is the rightmost, at ``first_deg``
+    where the mode has no reflector bits. The first beam is the rightmost, at ``first_deg``
     (0 right, 90 ahead, 180 left), the next ``step_deg`` to its left.
     """
 
@@ -102,7 +102,7 @@ _PARTIAL_COUNTS = {181: 180, 180: 180, 101: 100, 100: 100}  # one turn: count ->
 
 
 def decode_measurement(telegram: Telegram, mode: MeasuringMode) -> Measurement | None:
-    """Return None where the telegram is not a whole scan, or its length is not its count's."""
+    """Decode a B0 telegram; None if it is no whole scan or its length differs from its count."""
     payload = telegram.payload
     if telegram.code != MEASURED_VALUES or len(payload) < 4:
         return None
@@ -127,7 +127,7 @@ def decode_measurement(telegram: Telegram, mode: MeasuringMode) -> Measurement |
 
 
 def _geometry(count: int, word: int) -> tuple[float, float, int] | None:
-    """Return first beam (deg), step (deg) and mirror turns; None for a count of no scan."""
+    """Return first beam (deg), step (deg) and mirror turns; None if no scan has this count."""
     if word & _PARTIAL:
         angle = _PARTIAL_COUNTS.get(count)
         quarter_deg = 0.25 * (word >> _QUARTER_SHIFT & 0b11)
@@ -149,10 +149,10 @@ def encode_measurement(
     indices: bytes = b"",
     status: int = STATUS_OK,
 ) -> bytes:
-    """Return the B0 payload of ranges (n,) m; what the mode cannot hold is "beyond maximum".
+    """Return the B0 payload for ranges (n,), m; ranges above the mode's limit are "beyond maximum".
 
-    inf and nan become ``inf_means``. ``quarter``: of a partial scan, its offset in quarters of a
-    degree. ``indices``: scan and telegram index, where enabled.
+    inf and nan become ``inf_means``. ``quarter``: a partial scan's offset in quarters of a degree,
+    None for a whole scan. ``indices``: scan and telegram index, where enabled.
     """
     missing = mode.limit - Special.BEYOND_MAXIMUM + inf_means
     values = np.full(ranges.shape, missing, dtype="<u2")

@@ -1,4 +1,4 @@
-"""One laser scan in SI units, dated to the moment it was measured."""
+"""One laser scan in SI units, with the time of its measurement."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from drivers.lms200.measurement import TURN, Measurement
 class Scan:
     """One sweep of the laser, or several interlaced ones; arrays are by beam, (n,).
 
-    t: time measured (s), the middle of the sweep; of an interlaced scan the mean over its turns.
+    t: time of measurement, the middle of the sweep; of an interlaced scan the mean over its turns.
     angle_min, angle_increment: rad in the laser frame (x forward, y left); the first beam is the
     rightmost, beams follow counter-clockwise.
     ranges: float64 m; inf where there is no usable return, never nan.
@@ -24,7 +24,7 @@ class Scan:
     turns: mirror turns; beams i, i + turns, i + 2 turns... come from the same one.
     specials: uint8, why a beam has no range, as ``Special``; 0 where it has one.
     flags: uint8, bits 0 to 2 as the measuring mode defines them (fields, dazzle, reflector level).
-    reflectors: bool, beams that saw a reflector; None where the mode does not tell.
+    reflectors: bool, beams that hit a reflector; None where the mode does not report it.
     """
 
     t: float
@@ -62,7 +62,7 @@ def beam_time_offsets(
 
 
 def scan_of(measurement: Measurement, arrival: float, wire_time: float) -> Scan:
-    """Date a measurement whose telegram's last byte arrived at ``arrival`` (s).
+    """Return the scan of a measurement whose telegram's last byte arrived at ``arrival`` (s).
 
     Sending took ``wire_time`` (s) and began when the last mirror turn ended; the middle of the
     sweep lies half of all its turns before that.

@@ -1,9 +1,9 @@
-"""The host's conversation with an LMS 200, from finding its rate to a stream of scans.
+"""The host's session with an LMS 200, from finding its rate to a stream of scans.
 
-Sans-I/O: told the time, fed bytes, asked for what to write. Order of steps: find the rate (a
-laser left streaming is stopped by the same command), go to the wanted rate, type, status, errors,
-variant, configuration, stream. Variant and configuration are written only where the laser says they
-differ: its EEPROM endures few writes. Source: SICK telegram listing 8007954/Q501, timing and modes.
+Sans-I/O: takes bytes and times, returns requests to the link. Order of steps: find the rate (a
+laser left streaming is stopped by the same command), set the wanted rate, type, status, errors,
+variant, configuration, stream. Variant and configuration are written only where the laser reports
+others: its EEPROM endures few writes. Source: SICK telegram listing 8007954/Q501, timing and modes.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ CONFIGURATION_LIMIT = 15.0  # s, writing the EEPROM
 SETTLING = 0.25  # s, both ends changing rate
 INNER_SILENCE = 0.25  # s without a byte inside a telegram: its end is lost
 RESTART_PAUSE = 0.5  # s
-MAX_WRITES = 2  # of variant and of configuration, each; a laser that keeps neither is used as is
+MAX_WRITES = 2  # of variant and of configuration, each; then the laser is used as it is
 
 _BITS_PER_BYTE = 10
 
 
 class SessionState(StrEnum):
-    """Where the conversation stands."""
+    """State of the session."""
 
     DOWN = "down"
     PAUSING = "pausing"
@@ -58,10 +58,10 @@ class SessionState(StrEnum):
 
 @dataclass(slots=True)
 class LaserCounters:
-    """What happened since the session was made."""
+    """Counts since the session was made."""
 
     scans: int = 0
-    unusable: int = 0  # measured values that are no whole scan
+    unusable: int = 0  # telegrams of measured values that are no whole scan
     timeouts: int = 0
     naks: int = 0
     searches: int = 0
@@ -70,10 +70,10 @@ class LaserCounters:
 
 
 class Lms200Session:
-    """Brings a laser, in whatever state it is, to streaming, and keeps it there.
+    """Brings a laser from any state to streaming, and keeps it streaming.
 
-    After every call take ``take_requests()`` and carry them out in order. ``trouble`` says, for
-    people, why there are no scans or what the laser would not do; None when all is as set.
+    After every call take ``pop_requests()`` and execute them in order. ``trouble`` is a line for
+    people: why there are no scans, or which setting the laser refused; None when all is as set.
     """
 
     def __init__(self, settings: LaserSettings) -> None:
@@ -109,17 +109,17 @@ class Lms200Session:
 
     @property
     def health(self) -> LaserHealth | None:
-        """What the laser says of itself, kept up to date; None until it has been asked."""
+        """The laser's condition as it reports it; None until the first report."""
         return self._watch.health
 
-    # What the owner of the link calls
+    # Called by the owner of the link
 
     def link_up(self, t: float) -> None:
-        """The port is open: look for the laser."""
+        """Start the search for the laser: the port is open."""
         self._search(self._settings.baud, t)
 
     def link_down(self, t: float) -> None:  # noqa: ARG002 - every session has this call
-        """The port is gone: forget what was under way."""
+        """Drop requests and unfinished telegrams: the port is closed."""
         self.state = SessionState.DOWN
         self._requests.clear()
         self.framer.reset()
@@ -132,7 +132,7 @@ class Lms200Session:
         self._requests.append(Write(encode(telegrams.SELECT_ON_REQUEST)))
 
     def pop_requests(self) -> list[Request]:
-        """Return, once, what the link is asked to do, in order."""
+        """Return and clear the requests to the link, in order."""
         requests, self._requests = self._requests, []
         return requests
 
@@ -142,21 +142,21 @@ class Lms200Session:
             return []
         scans: list[Scan] = []
         if self.state in self._on_reply:
-            self._exchange.bytes_came(t)
+            self._exchange.on_bytes(t)
         if self.framer.pending and t - self._last_received >= INNER_SILENCE:
             for item in self.framer.flush():
                 scans += self._on_item(item, self._last_received)
         for item in self.framer.feed(data):
             scans += self._on_item(item, t)
         self._last_received = t
-        self._keep_asking(t)
+        self._query_health(t)
         return scans
 
     def tick(self, t: float) -> None:
-        """Notice silence: repeat the request, try the next rate, start over."""
+        """Handle timeouts: repeat the request, try the next rate, start over."""
         if self.state is not SessionState.DOWN and t >= self._exchange.deadline:
             self._out_of_time(t)
-        self._keep_asking(t)
+        self._query_health(t)
 
     # Bytes in
 
@@ -187,7 +187,7 @@ class Lms200Session:
 
     def _on_measurement(self, telegram: Telegram, t: float) -> list[Scan]:
         if self.state not in (SessionState.STARTING, SessionState.STREAMING):
-            return []  # of a stream about to be stopped, geometry not settled
+            return []  # from a stream about to be stopped, of unknown geometry
         measurement = decode_measurement(telegram, self._mode)
         if measurement is None:
             self.counters.unusable += 1
@@ -207,7 +207,7 @@ class Lms200Session:
         if self.state is SessionState.PAUSING:
             self._search(self._settings.baud, t)
         elif self.state is SessionState.SETTLING:
-            self._ask(SessionState.IDENTIFYING, telegrams.READ_TYPE, t)
+            self._request(SessionState.IDENTIFYING, telegrams.READ_TYPE, t)
         elif self.state is SessionState.STREAMING:
             silent = f"no scan for {self._settings.silence:g} s"
             self._start_over(self._with_health(silent), t)
@@ -228,7 +228,7 @@ class Lms200Session:
             return trouble
         return f"{trouble}; laser reports {health.text}"
 
-    def _ask(
+    def _request(
         self, state: SessionState, command: bytes, t: float, limit: float = REPLY_LIMIT
     ) -> None:
         self.state = state
@@ -238,8 +238,8 @@ class Lms200Session:
     def _send(self, t: float) -> None:
         self._requests.append(Write(self._exchange.send(t, self.baud)))
 
-    def _keep_asking(self, t: float) -> None:
-        """While scans come, ask for the laser's condition when its status byte has changed."""
+    def _query_health(self, t: float) -> None:
+        """While streaming, query the laser's condition when its status byte has changed."""
         if self.state is SessionState.STREAMING:
             command = self._watch.next_command(t)
             if command is not None:
@@ -257,7 +257,7 @@ class Lms200Session:
     def _search(self, first_baud: int, t: float) -> None:
         self.counters.searches += 1
         self._rates = rates_to_try(first_baud, self._settings.baud, self._streamed_at)
-        self._watch.forget_questions()
+        self._watch.restart()
         self._try_next_rate(t)
 
     def _try_next_rate(self, t: float) -> None:
@@ -266,7 +266,7 @@ class Lms200Session:
             self._start_over(f"no laser answers at {rates} baud: check its power and cable", t)
             return
         self._set_baud(self._rates.pop(0))
-        self._ask(SessionState.SEARCHING, telegrams.SELECT_ON_REQUEST, t, MODE_LIMIT)
+        self._request(SessionState.SEARCHING, telegrams.SELECT_ON_REQUEST, t, MODE_LIMIT)
 
     def _set_baud(self, baud: int) -> None:
         self.baud = baud
@@ -276,10 +276,10 @@ class Lms200Session:
     def _rate_found(self, _reply: Telegram, t: float) -> None:
         self.trouble = None
         if self.baud == self._settings.baud:
-            self._ask(SessionState.IDENTIFYING, telegrams.READ_TYPE, t)
+            self._request(SessionState.IDENTIFYING, telegrams.READ_TYPE, t)
         else:
             command = telegrams.select_baud(self._settings.baud)
-            self._ask(SessionState.CHANGING_RATE, command, t, MODE_LIMIT)
+            self._request(SessionState.CHANGING_RATE, command, t, MODE_LIMIT)
 
     def _rate_changed(self, reply: Telegram, t: float) -> None:
         if telegrams.first_data_byte(reply) == telegrams.MODE_SELECTED:
@@ -293,11 +293,11 @@ class Lms200Session:
 
     def _identified(self, reply: Telegram, t: float) -> None:
         self.identity = telegrams.decode_text(reply)
-        self._ask(SessionState.READING_STATUS, telegrams.READ_STATUS, t)
+        self._request(SessionState.READING_STATUS, telegrams.READ_STATUS, t)
 
     def _status_read(self, reply: Telegram, t: float) -> None:
         self._status = DeviceStatus.decode(reply)
-        self._ask(SessionState.READING_ERRORS, telegrams.READ_ERRORS, t)
+        self._request(SessionState.READING_ERRORS, telegrams.READ_ERRORS, t)
 
     def _errors_read(self, _reply: Telegram, t: float) -> None:
         if self._status is not None and self._status.variant == self._settings.variant:
@@ -308,7 +308,7 @@ class Lms200Session:
         else:
             self.counters.variant_writes += 1
             command = telegrams.set_variant(self._settings.variant)
-            self._ask(SessionState.SETTING_VARIANT, command, t, CONFIGURATION_LIMIT)
+            self._request(SessionState.SETTING_VARIANT, command, t, CONFIGURATION_LIMIT)
 
     def _variant_set(self, reply: Telegram, t: float) -> None:
         answer = VariantReply.decode(reply)
@@ -319,7 +319,7 @@ class Lms200Session:
             self._read_configuration(t)
 
     def _read_configuration(self, t: float) -> None:
-        self._ask(SessionState.READING_CONFIGURATION, telegrams.READ_CONFIGURATION, t)
+        self._request(SessionState.READING_CONFIGURATION, telegrams.READ_CONFIGURATION, t)
 
     def _configuration_read(self, reply: Telegram, t: float) -> None:
         present = telegrams.decode_read_configuration(reply)
@@ -335,7 +335,7 @@ class Lms200Session:
         else:
             self._configuration_attempts += 1
             self._wanted_configuration = wanted
-            self._ask(SessionState.UNLOCKING, telegrams.SELECT_INSTALLATION, t, MODE_LIMIT)
+            self._request(SessionState.UNLOCKING, telegrams.SELECT_INSTALLATION, t, MODE_LIMIT)
 
     def _unlocked(self, reply: Telegram, t: float) -> None:
         if telegrams.first_data_byte(reply) != telegrams.MODE_SELECTED:
@@ -343,7 +343,7 @@ class Lms200Session:
             return
         self.counters.configuration_writes += 1
         command = telegrams.write_configuration(self._wanted_configuration)
-        self._ask(SessionState.WRITING_CONFIGURATION, command, t, CONFIGURATION_LIMIT)
+        self._request(SessionState.WRITING_CONFIGURATION, command, t, CONFIGURATION_LIMIT)
 
     def _configuration_written(self, reply: Telegram, t: float) -> None:
         if telegrams.first_data_byte(reply) != telegrams.ACCEPTED:
@@ -353,7 +353,7 @@ class Lms200Session:
 
     def _start(self, configuration: Configuration, t: float) -> None:
         self._mode = MEASURING_MODES.get(configuration.measuring_mode, self._mode)
-        self._ask(SessionState.STARTING, self._stream_command, t, MODE_LIMIT)
+        self._request(SessionState.STARTING, self._stream_command, t, MODE_LIMIT)
 
     @property
     def _stream_command(self) -> bytes:
@@ -370,10 +370,10 @@ class Lms200Session:
 
 
 def rates_to_try(first: int, wanted: int, streamed_at: int | None) -> list[int]:
-    """Return the rates at which to look for the laser, in order.
+    """Return the rates, baud, at which to search for the laser, in order.
 
-    The one at which scans last came is tried between any two others: a cable that is plugged in
-    again finds the laser streaming there.
+    The rate at which scans last came is tried between any two others: a laser whose cable is
+    plugged in again is still streaming at it.
     """
     order = [first]
     for rate in dict.fromkeys((wanted, *COMMON_BAUDS)):

@@ -16,7 +16,7 @@ _UNIT_CODES = {"cm": UNIT_CM, "mm": UNIT_MM}
 
 
 class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where the laser is and how it shall run.
+    """Address, mounting and operating mode of the laser.
 
     A laser behind the base controller's auxiliary port is not supported: TTY2 and SERAUX carry at
     most 200 bytes a cycle of 100 ms, a scan of 181 values takes 372.
@@ -91,12 +91,12 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
     @property
     def variant(self) -> Variant:
-        """Field of view and resolution as the laser takes them."""
+        """Field of view and resolution in the laser's units."""
         return Variant(self.field_of_view_deg, round(self.resolution_deg * 100))
 
     @property
     def scan_period(self) -> float:
-        """Between two scans, s: whole mirror turns, and no sooner than the line has carried one.
+        """Time between two scans, s: whole mirror turns, no less than a scan takes on the line.
 
         Source: SICK telegram listing 8007954/Q501, scans lost at each rate.
         """
@@ -110,5 +110,5 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
     @property
     def unit_code(self) -> int:
-        """Units as the laser's configuration holds them."""
+        """Code of the units in the laser's configuration."""
         return _UNIT_CODES[self.units]

@@ -1,6 +1,7 @@
-"""Commands to the LMS 200 and what its replies carry, save measured values (``measurement.py``).
+"""Commands to the LMS 200 and the content of its replies, but for measured values.
 
-Payloads are command and data, unframed; replies end with the status byte.
+Payloads are command and data, unframed; replies end with the status byte. Measured values are in
+``measurement.py``.
 Source: SICK telegram listing 8007954/Q501, commands and status telegram.
 """
 
@@ -83,7 +84,7 @@ class Variant:
     resolution_cdeg: int
 
     def encode(self) -> bytes:
-        """Return angle and resolution as the 3B command and BB reply carry them."""
+        """Return angle and resolution as encoded in the 3B command and the BB reply."""
         return struct.pack("<HH", self.angle_deg, self.resolution_cdeg)
 
     @property
@@ -120,7 +121,7 @@ class VariantReply:
 
     @classmethod
     def decode(cls, telegram: Telegram) -> VariantReply | None:
-        """Return None where the telegram is too short."""
+        """Decode a BB telegram; None if it is too short."""
         if len(telegram.payload) < 6:
             return None
         status, angle, resolution = struct.unpack_from("<BHH", telegram.payload, 1)
@@ -165,7 +166,7 @@ class DeviceStatus:
 
     @classmethod
     def decode(cls, telegram: Telegram) -> DeviceStatus | None:
-        """Return None where the telegram is too short to hold the units."""
+        """Decode a B1 telegram; None if it is too short to hold the units."""
         payload = telegram.payload
         if len(payload) < cls.SHORTEST:
             return None
@@ -199,9 +200,9 @@ class DeviceStatus:
 
 @dataclass(frozen=True, slots=True)
 class Configuration:
-    """The configuration block of 74 and 77: firmware differs in its length, 34 bytes by the book.
+    """The configuration block of 74 and 77; its length differs by firmware, 34 in the listing.
 
-    Only units and measuring mode are ever changed; the rest goes back as it was read.
+    Only units and measuring mode are ever changed; the rest is written back as it was read.
     """
 
     SHORTEST = 7  # up to and with the units, as the shortest known 77 sends
@@ -211,7 +212,7 @@ class Configuration:
 
     @classmethod
     def decode(cls, block: bytes) -> Configuration | None:
-        """Return None where the block is too short to hold the units, or absurdly long."""
+        """Check a block; None if it is shorter than SHORTEST or longer than LONGEST."""
         return cls(block) if cls.SHORTEST <= len(block) <= cls.LONGEST else None
 
     @property
@@ -234,7 +235,7 @@ class Configuration:
         return Configuration(self.block[:5] + bytes((measuring_mode, units)) + self.block[7:])
 
     def overlaid(self, block: bytes) -> Configuration:
-        """Return this block with its first bytes replaced, as a shorter 77 does."""
+        """Return this block with its first bytes replaced by ``block``, as a shorter 77 does."""
         return Configuration(block + self.block[len(block) :])
 
 
@@ -252,5 +253,5 @@ def write_configuration(configuration: Configuration) -> bytes:
 
 
 def decode_read_configuration(telegram: Telegram) -> Configuration | None:
-    """Return what F4 carries; None where it is unusable."""
+    """Return the configuration in an F4 telegram; None if it is unusable."""
     return Configuration.decode(telegram.payload[1:-1])

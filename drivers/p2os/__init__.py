@@ -1,4 +1,4 @@
-"""P2OS: the Pioneer base controller's serial protocol, its client session and its emulated twin.
+"""P2OS: the Pioneer base controller's serial protocol, its client session and its emulator.
 
 Not supported: a laser wired to one of the base's auxiliary ports. The controller would pass its
 bytes on in SERAUX packets of at most 200 bytes, each asked for by GETAUX, beside the SIPs at the

@@ -1,4 +1,4 @@
-"""What one SIP says about the robot, in SI units."""
+"""The content of one SIP in SI units."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from drivers.p2os.odometer import Odometer
 from drivers.p2os.sip import SIP_MOVING, Sip
 
 NO_TEMPERATURE = -127
-"""This and -128 stand for a temperature that is not measured."""
+"""This and -128 mean that the temperature is not measured."""
 
 
 class ChargeState(IntEnum):
-    """What the charger does, as later firmware reports it."""
+    """State of the charger, reported by later firmware."""
 
     NOT_CHARGING = 0
     BULK = 1
@@ -25,15 +25,15 @@ class ChargeState(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class BaseState:
-    """One report of the base, at the time it was measured.
+    """One report of the base, with the time of its measurement.
 
     ``x``, ``y``, ``theta`` are in the odom frame, continuous across counter wraps and new
     sessions; theta is not wrapped. Bit 0 of a bumper mask is the ring's first segment.
     ``sonar`` holds (transducer number, range in m) of the readings new since the last report.
-    What only later firmware reports is None, 0 or False with P2OS.
+    Fields that only later firmware reports are None, 0 or False with P2OS.
     """
 
-    t: float  # s
+    t: float
     x: float  # m
     y: float  # m
     theta: float  # rad
@@ -51,21 +51,21 @@ class BaseState:
     flags: int
     sonar: tuple[tuple[int, float], ...]
     stop_button: bool = False  # as later firmware reports it; P2OS has no such flag
-    moving: bool = False  # the controller's own word for it
-    charge_state: ChargeState | None = None  # None where the firmware does not say
+    moving: bool = False  # the controller's own flag
+    charge_state: ChargeState | None = None  # None where the firmware does not report it
     charge: float | None = None  # 0 to 1
     fault_flags: int = 0
     temperature_celsius: int | None = None
-    unknown_sonars: int = 0  # readings of transducers the model does not have, left out
+    unknown_sonars: int = 0  # number of readings dropped: the model lacks the transducer
 
     @property
     def standing(self) -> bool:
-        """Whether both wheels report rest, to within 10 mm/s."""
+        """Whether both wheels report less than 10 mm/s."""
         return abs(self.v_left) < 0.01 and abs(self.v_right) < 0.01
 
 
 def base_state(t: float, sip: Sip, odometer: Odometer, model: RobotModel) -> BaseState:
-    """Convert a SIP by the model's factors; ``odometer`` has already followed its counters."""
+    """Convert a SIP by the model's factors; ``odometer`` must be up to date with its counters."""
     conversion = model.conversion
     v_left = sip.left_speed_counts * conversion.speed
     v_right = sip.right_speed_counts * conversion.speed

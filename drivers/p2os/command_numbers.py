@@ -2,7 +2,7 @@
 
 Source: Pioneer 2 and H8-series Operations Manuals, command tables. Left out: the arm, the
 commands of other robots (Seekur, PatrolBot, PowerBot), the sound commands on whose numbers the
-sources disagree, and MAINTENANCE, which no driver has a use for.
+sources disagree, and MAINTENANCE, which no driver uses.
 """
 
 from __future__ import annotations
@@ -108,7 +108,7 @@ ARGUMENT_RANGES: dict[CommandNumber, tuple[int, int]] = {
     _N.CONFIG: (1, 1),
     _N.ENCODER: (0, 2),  # 0 stop, 1 one packet, 2 stream
     _N.RVEL: (-500, 500),  # deg/s
-    _N.DCHEAD: (-359, 359),  # deg, relative to the heading steered for
+    _N.DCHEAD: (-359, 359),  # deg, relative to the heading setpoint
     _N.SETRA: (-2000, 2000),  # deg/s^2; negative sets the deceleration
     _N.SONAR: (0, 9),  # 0 off, 1 on; later firmware: 2 * array number more for one array
     _N.DIGOUT: (0, MAX_MAGNITUDE),  # mask * 256 + states
@@ -121,7 +121,7 @@ ARGUMENT_RANGES: dict[CommandNumber, tuple[int, int]] = {
     _N.GYROCALCCW: (-MAX_MAGNITUDE, MAX_MAGNITUDE),
     _N.IOREQUEST: (0, 2),  # 0 stop, 1 one packet, 2 stream
     _N.PTUPOS: (0x0100, 0x04FF),  # port * 256 + pulse in 10 us
-    _N.GETAUX: (0, 200),  # bytes; 0 discards what waits
+    _N.GETAUX: (0, 200),  # bytes; 0 discards those waiting
     _N.BUMP_STALL: (0, 3),  # 0 off, 1 front, 2 rear, 3 both
     _N.TCM2: (0, 7),
     _N.DOCK: (0, 255),
@@ -148,9 +148,9 @@ ARGUMENT_RANGES: dict[CommandNumber, tuple[int, int]] = {
     _N.DRIFTFACTOR: (-MAX_MAGNITUDE, MAX_MAGNITUDE),
     _N.SOUNDTOG: (0, 1),
     _N.TICKSMM: (1, MAX_MAGNITUDE),
-    _N.BATTEST: (0, 255),  # decivolts to pretend, 0 = the real ones
+    _N.BATTEST: (0, 255),  # decivolts to simulate, 0 = measured
 }
-"""Integer arguments a command may take; a number not here takes none."""
+"""Allowed integer arguments by command; a command not listed takes none."""
 
 OPTIONAL_ARGUMENT = frozenset((_N.OPEN, _N.CLOSE, _N.CONFIG))
 

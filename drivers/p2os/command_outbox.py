@@ -1,6 +1,6 @@
-"""Commands on their way to an open robot, no faster than its controller takes them.
+"""Rate-limited sending of commands to a robot in a session.
 
-A P2OS controller serves about one command in each of its cycles of 50 ms (Pioneer 2 Operations
+A P2OS controller executes about one command in each of its cycles of 50 ms (Pioneer 2 Operations
 Manual, 1999), later firmware one in 5 ms (H8-series manual). A few may arrive together.
 """
 
@@ -16,14 +16,14 @@ from drivers.requests import Request, Write
 P2OS_PERIOD = 0.050  # s per command, on average
 LATER_PERIOD = 0.005  # s
 BURST = 2
-"""Commands that may leave together after a pause; also what one call to ``flush`` sends at most."""
+"""Most commands that are sent together after a pause, and by one call of ``flush``."""
 DEFAULT_WATCHDOG = 2.0  # s
 
 
 class CommandOutbox:
-    """Writes commands to ``requests``: urgent ones at once, queued ones at the controller's pace.
+    """Writes commands to ``requests``: urgent ones at once, queued ones at the controller's rate.
 
-    ``note_sent`` hears of every command as it leaves.
+    ``note_sent(command, t)`` is called for every command sent.
     """
 
     def __init__(
@@ -31,7 +31,7 @@ class CommandOutbox:
     ) -> None:
         self.period = P2OS_PERIOD
         self.watchdog = DEFAULT_WATCHDOG
-        """Silence, s, after which the controller halts until the next packet of any kind."""
+        """Time without a packet, s, after which the controller halts until the next packet."""
         self.last_sent = -math.inf
         self._requests = requests
         self._note_sent = note_sent
@@ -41,11 +41,11 @@ class CommandOutbox:
 
     @property
     def empty(self) -> bool:
-        """Whether everything queued has left."""
+        """Whether nothing is queued."""
         return not self._queue
 
     def restart(self, t: float) -> None:
-        """Forget what is queued and what the controller was like: its servers open now."""
+        """Clear the queue and assume P2OS's period and watchdog; a session opens at ``t``."""
         self._queue.clear()
         self.period = P2OS_PERIOD
         self.watchdog = DEFAULT_WATCHDOG
@@ -56,25 +56,25 @@ class CommandOutbox:
         self._queue.extend(commands)
 
     def drop_queued(self) -> None:
-        """Forget what is queued."""
+        """Clear the queue."""
         self._queue.clear()
 
     def flush(self, t: float) -> None:
-        """Send as much of the queue as the controller takes now."""
+        """Send the part of the queue that the controller can take now."""
         for _ in range(min(BURST, len(self._queue))):
             if self.has_room(t):
                 self.send(self._queue.popleft(), t)
 
     def has_room(self, t: float) -> bool:
-        """Tell whether the controller takes another command now."""
+        """Whether the controller can take another command now."""
         self._earn_credit(t)
         return self._credit >= 1.0 - 1e-6
 
     def send(self, command: Command, t: float) -> None:
-        """Send at once: for what stops the robot or opens and closes its servers.
+        """Send at once: for commands that stop the robot or open and close its servers.
 
-        Where the watchdog has halted the robot any packet would make it resume its old motion:
-        STOP goes first.
+        After the watchdog has halted the robot any packet would make it resume its old motion, so
+        STOP is sent first.
         """
         if t - self.last_sent >= self.watchdog and command != STOP:
             self._write(STOP, t)

@@ -23,14 +23,14 @@ HOST_BAUDS = (9600, 19200, 38400, 57600, 115200)
 
 
 class CommandRangeError(ValueError):
-    """An argument that the command does not take."""
+    """The argument is outside the command's range."""
 
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """One command: number, argument, and whatever bytes followed the argument on the wire.
+    """One command: number, argument, and any bytes behind the argument on the wire.
 
-    ``surplus`` holds what clients append without meaning: a string's uncounted NUL, an argument
+    ``surplus`` holds meaningless bytes that clients append: a string's uncounted NUL, an argument
     type without an argument.
     """
 
@@ -45,7 +45,7 @@ class Command:
 
     @property
     def two_bytes(self) -> tuple[int, int]:
-        """The argument as a (high, low) pair of signed bytes, however its sign was sent."""
+        """The argument as a (high, low) pair of signed bytes, with either encoding of its sign."""
         word = self.integer & 0xFFFF
         high, low = word >> 8, word & 0xFF
         return high - 256 * (high > 127), low - 256 * (low > 127)

@@ -22,10 +22,10 @@ Text = Annotated[str, "text"]  # NUL-terminated
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConfigPacket:
-    """The fields in wire order; those a shorter packet does not carry keep their zero.
+    """The fields in wire order; fields that a shorter packet lacks are zero.
 
-    ``field_count`` says how many were on the wire (P2OS_FIELD_COUNT on P2OS), ``surplus`` what
-    followed them.
+    ``field_count`` is how many were on the wire (P2OS_FIELD_COUNT on P2OS), ``surplus`` the bytes
+    behind them.
     Speeds are in mm/s and deg/s, accelerations in mm/s^2 and deg/s^2.
     """
 
@@ -104,12 +104,12 @@ class ConfigPacket:
 
     @property
     def is_whole(self) -> bool:
-        """Whether all that P2OS sends was on the wire."""
+        """Whether all fields of P2OS were on the wire."""
         return self.field_count >= P2OS_FIELD_COUNT
 
     @property
     def is_of_later_firmware(self) -> bool:
-        """Whether the packet goes on where those of P2OS end."""
+        """Whether the packet has more fields than those of P2OS."""
         return self.field_count > P2OS_FIELD_COUNT
 
     def encode(self) -> bytes:
@@ -136,8 +136,7 @@ LATER_FIELD_COUNT = [name for name, _ in _LAYOUT].index("charge_threshold") + 1
 
 
 def decode_config(data: bytes) -> ConfigPacket | None:
-    """Read a packet's data as a CONFIG; None when it is another packet. Short ones are read as
-    far as they go."""
+    """Decode a packet's data as a CONFIG, also a short one; None if it is another packet."""
     if data[0] != CONFIG_TYPE:
         return None
     values: dict[str, Any] = {}

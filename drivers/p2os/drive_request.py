@@ -1,4 +1,4 @@
-"""The motion asked of the robot, as VEL and RVEL arguments, and when each last went out."""
+"""The requested velocity as VEL and RVEL arguments, and when each was last sent."""
 
 from __future__ import annotations
 
@@ -13,35 +13,35 @@ STALE_AFTER = 0.3  # s
 
 
 class DriveRequest:
-    """Turns m/s and rad/s into the commands that are due; remembers how old the wish is."""
+    """Converts a velocity in m/s and rad/s to the commands that are due; knows its age."""
 
     def __init__(self, settings: BaseSettings) -> None:
         self._top_speed = settings.max_speed
         self._top_turn_rate = settings.max_turn_rate
-        self.forget()
+        self.reset()
 
-    def forget(self) -> None:
-        """Know neither a wish nor what the robot was told before."""
+    def reset(self) -> None:
+        """Forget the request and the commands sent."""
         self._wanted: dict[CommandNumber, int] = {}
         self._sent: dict[CommandNumber, tuple[int, float]] = {}
-        self._asked_at = -math.inf
+        self._set_at = -math.inf
 
     @property
     def moving(self) -> bool:
-        """Whether the robot was last told to move."""
+        """Whether the last VEL or RVEL sent is not zero."""
         return any(value != 0 for value, _ in self._sent.values())
 
     def is_stale(self, t: float) -> bool:
-        """Tell whether someone who wanted motion has fallen silent."""
+        """Whether motion is requested or under way and the last request is too old."""
         wanted = self.moving or any(self._wanted.values())
-        return wanted and t - self._asked_at > STALE_AFTER
+        return wanted and t - self._set_at > STALE_AFTER
 
-    def ask(self, t: float, v: float, w: float) -> None:
-        """Wish for ``v`` m/s, ``w`` rad/s, clamped to the settings.
+    def set(self, t: float, v: float, w: float) -> None:
+        """Request ``v`` m/s and ``w`` rad/s, clamped to the settings.
 
-        A wish that is not finite is none: standstill.
+        A request that is not finite means standstill.
         """
-        self._asked_at = t
+        self._set_at = t
         if not (math.isfinite(v) and math.isfinite(w)):
             v = w = 0.0
         speed = max(-self._top_speed, min(self._top_speed, v))
@@ -51,12 +51,12 @@ class DriveRequest:
             CommandNumber.RVEL: round(math.degrees(turn_rate)),
         }
 
-    def drop(self) -> None:
-        """Want standstill, whoever asked for more."""
+    def zero(self) -> None:
+        """Replace the request by standstill; its age stays."""
         self._wanted = dict.fromkeys(self._wanted, 0)
 
     def due(self, t: float) -> list[Command]:
-        """Return what must go out: values not sent yet or sent long ago, the oldest first."""
+        """Return the commands to send: changed values and those to refresh, the oldest first."""
         due = [
             (self._sent_at(number), Command(number, value))
             for number, value in self._wanted.items()
@@ -65,11 +65,11 @@ class DriveRequest:
         return [command for _, command in sorted(due, key=lambda pair: pair[0])]
 
     def changed(self) -> list[Command]:
-        """Return the values wanted but not sent yet."""
+        """Return the commands whose values have not been sent yet."""
         return [Command(n, value) for n, value in self._wanted.items() if self._is_changed(n)]
 
     def on_sent(self, command: Command, t: float) -> None:
-        """Remember a VEL or RVEL that went out; STOP counts as both at zero."""
+        """Note a VEL or RVEL that was sent at ``t``; STOP counts as both at zero."""
         if command.number == CommandNumber.STOP:
             for number in (CommandNumber.VEL, CommandNumber.RVEL):
                 self._sent[number] = (0, -math.inf)

@@ -24,7 +24,7 @@ _JOYSTICK = struct.Struct("<BBBHHH")
 
 @dataclass(frozen=True, slots=True)
 class EncoderPacket:
-    """Ticks of each wheel since the controller started; they wrap at 32 bits."""
+    """Ticks of each wheel since the controller started, wrapping at 32 bits."""
 
     left_ticks: int
     right_ticks: int
@@ -57,7 +57,7 @@ class GyroPacket:
 
 @dataclass(frozen=True, slots=True)
 class AuxPacket:
-    """Bytes that came in at an auxiliary serial port, 1 to 3."""
+    """Bytes received at an auxiliary serial port, 1 to 3."""
 
     port: int
     data: bytes
@@ -71,8 +71,8 @@ class AuxPacket:
 class IoPacket:
     """Digital inputs and outputs, and analog inputs as 0 to 5 V in 10 bits (P2OS: 11).
 
-    The inputs are the user's, then front bumpers, rear bumpers and infrared. Bumper bits are 0
-    where pressed here.
+    The inputs are the user's, then front bumpers, rear bumpers and infrared. Here a bumper bit is
+    0 when pressed.
     """
 
     inputs: bytes

@@ -34,7 +34,7 @@ def encode_packet(data: bytes) -> bytes:
 
 @dataclass(slots=True)
 class FramingCounters:
-    """What a framer met on the line."""
+    """Counts of packets and bytes received."""
 
     good: int = 0
     bad_checksum: int = 0
@@ -52,8 +52,8 @@ class PacketFramer:
     def __init__(self, max_count: int = MAX_COUNT) -> None:
         self.counters = FramingCounters()
         self.examined_bytes = 0
-        """Bytes searched for a header or summed for a checksum: the work done, each byte being
-        looked at again by every packet it might belong to."""
+        """Bytes searched for a header or summed for a checksum; a byte counts once for every
+        packet it might belong to."""
         self._max_count = max_count
         self._buffer = bytearray()
 
@@ -63,17 +63,17 @@ class PacketFramer:
         return len(self._buffer)
 
     def reset(self) -> None:
-        """Forget the unfinished packet."""
+        """Discard the unfinished packet."""
         self.counters.discarded_bytes += len(self._buffer)
         self._buffer.clear()
 
     def feed(self, data: bytes) -> list[bytes]:
-        """Take bytes from the line; return the data of every packet completed by them."""
+        """Take bytes from the line; return the data of every packet they complete."""
         self._buffer += data
         return self._pop_packets()
 
     def abandon_packet(self) -> list[bytes]:
-        """Give up the unfinished packet; return packets that were hidden behind its header."""
+        """Discard the unfinished packet; return packets that were complete behind its header."""
         if not self._buffer:
             return []
         self.counters.discarded_bytes += 1

@@ -1,7 +1,6 @@
 """The P2OS handshake SYNC0, SYNC1, SYNC2, with the search for the robot's rate.
 
-Source: Pioneer 2 Operations Manual, connecting; the ways out of trouble are those that clients of
-these robots found necessary.
+Source: Pioneer 2 Operations Manual, connecting; recovery from failures as in existing clients.
 """
 
 from __future__ import annotations
@@ -12,23 +11,23 @@ from drivers.p2os.rate_search import RateSearch
 from drivers.p2os.robot_identity import RobotIdentity, decode_sync_reply
 from drivers.requests import Request, SetBaud, Write
 
-LISTENING_TIME = 0.25  # s, two cycles of reports and more
+LISTENING_TIME = 0.25  # s, more than two cycles of reports
 REPLY_TIMEOUT = 0.5  # s
-SETTLING_TIME = 0.3  # s, in which replies to earlier commands run dry
-PATIENCE = 3  # times in a row that the same trouble is met before people are told
-HEARD_KEPT = 8  # bytes
+SETTLING_TIME = 0.3  # s, for replies to earlier commands to end
+PATIENCE = 3  # times the same failure occurs before it becomes ``trouble``
+KEPT_BYTES = 8  # bytes
 ECHOES = frozenset(command.encode()[3:-2] for command in (STOP, OPEN, CLOSE, SYNCS[2]))
-"""Packets of ours that no robot sends: the port hears itself."""
+"""Packets that no robot sends: received, they show that the port echoes."""
 
 
 class Handshake:
     """Brings a robot from any state to the point where OPEN starts its servers.
 
     A robot still in a session takes SYNC0 for PULSE and would resume that session's motion, but
-    it also reports all the time: so the line is listened to before the first SYNC0, and a robot
-    that reports is stopped first. STOP goes out unasked only where there was a session on this
-    line: servers exist that take any first packet but SYNC0 for the end of the handshake.
-    ``trouble`` says, for people, why there is no robot yet.
+    it also sends reports: so the handshake listens before the first SYNC0 and stops a robot that
+    reports. STOP is sent unconditionally only where there was a session on this line: some servers
+    take any first packet but SYNC0 for the end of the handshake. ``trouble`` is a line for people
+    with the reason why there is no robot yet, or None.
     """
 
     def __init__(self, baud: int, requests: list[Request]) -> None:
@@ -42,37 +41,39 @@ class Handshake:
         self._deadline = 0.0
         self._settling = False
         self._in_session = False
-        self._heard = b""
-        self._stuck: dict[str, int] = {}
+        self._received = b""
+        self._failures: dict[str, int] = {}
 
     @property
     def baud(self) -> int:
-        """Rate in use."""
+        """Present rate."""
         return self.rates.baud
 
     def start(self, t: float, *, in_session: bool = False) -> None:
-        """Begin, at the rate that worked last if there is one; ``in_session``: the robot was in a
-        session of ours on this line and fell silent."""
+        """Begin, at the rate of the last success if there was one.
+
+        in_session: the robot was in a session of this client on this line and fell silent.
+        """
         self.trouble = None
         self._in_session = in_session
-        self._heard = b""
-        self._stuck.clear()
+        self._received = b""
+        self._failures.clear()
         self.rates.restart()
         self._requests.append(SetBaud(self.baud))
         self._begin_rate(t)
 
     def on_bytes(self, data: bytes) -> None:
-        """Remember what was heard last, packet or not."""
-        self._heard = (self._heard + data)[-HEARD_KEPT:]
+        """Keep the last bytes received, for messages."""
+        self._received = (self._received + data)[-KEPT_BYTES:]
 
     def feed(self, data: bytes, t: float) -> RobotIdentity | None:
         """Take a packet; return the robot's identity when it completes the handshake."""
         if data in ECHOES:
-            self._get_stuck("the port echoes what is sent: loop-back plug, radio modem?", t)
+            self._settle("the port echoes what is sent: loop-back plug, radio modem?", t)
         elif self._settling:
             return None
         elif data[0] in NOTIFICATION_TYPES:
-            self._get_stuck("robot refuses the handshake again and again: press its RESET", t)
+            self._settle("robot refuses the handshake again and again: press its RESET", t)
         elif data[0] > 2:
             self._close_old_session(t)
         elif self._expected == 2 and (identity := decode_sync_reply(data)) is not None:
@@ -82,11 +83,11 @@ class Handshake:
         elif self._expected < 2 and data[0] == self._expected:
             self._send_sync(self._expected + 1, t)
         else:
-            self._get_stuck("robot answers the handshake out of order: press its RESET", t)
+            self._settle("robot answers the handshake out of order: press its RESET", t)
         return None
 
     def tick(self, t: float) -> None:
-        """Try again once a reply is overdue; when a rate has had its tries go to the next."""
+        """Try again once a reply is overdue; after a rate's number of tries go to the next rate."""
         if t < self._deadline:
             return
         if self._settling:
@@ -104,7 +105,7 @@ class Handshake:
             self._attempt(t)
         else:
             self._settling = False
-            self._expected = 0  # somebody just before us may have asked
+            self._expected = 0  # a reply to another client's SYNC0 counts too
             self._deadline = t + LISTENING_TIME
 
     def _attempt(self, t: float) -> None:
@@ -130,7 +131,7 @@ class Handshake:
         if self.rates.return_to_configured():
             # A closed controller falls back to the rate it starts with.
             self._requests.append(SetBaud(self.baud))
-        self._get_stuck(
+        self._settle(
             "robot sends reports but does not end its old session: sending wire broken? "
             "else press its RESET",
             t,
@@ -143,17 +144,17 @@ class Handshake:
 
     def _no_robot(self) -> str:
         rates = ", ".join(map(str, self.rates.all))
-        if not self._heard:
+        if not self._received:
             return f"no reply at {rates} baud: robot switched on? cable? last bytes heard: none"
-        heard = self._heard.hex(" ")
-        return f"only noise at {rates} baud: is this the robot's port? last bytes heard: {heard}"
+        received = self._received.hex(" ")
+        return f"only noise at {rates} baud: is this the robot's port? last bytes heard: {received}"
 
-    def _get_stuck(self, why: str, t: float) -> None:
+    def _settle(self, why: str, t: float) -> None:
         self._settling = True
         self._deadline = t + SETTLING_TIME
-        self._stuck[why] = self._stuck.get(why, 0) + 1
-        if self._stuck[why] >= PATIENCE:
-            self.trouble = f"{why}; last bytes heard: {self._heard.hex(' ')}"
+        self._failures[why] = self._failures.get(why, 0) + 1
+        if self._failures[why] >= PATIENCE:
+            self.trouble = f"{why}; last bytes heard: {self._received.hex(' ')}"
 
     def _write(self, data: bytes) -> None:
         self._requests.append(Write(data))

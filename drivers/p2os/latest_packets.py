@@ -13,7 +13,7 @@ from drivers.p2os.packets import ExtendedPacket
 
 
 class LatestPackets:
-    """What each source said last; None for one that has said nothing in this session."""
+    """The latest packet of each kind; None if none came in this session."""
 
     def __init__(self) -> None:
         self.encoder: EncoderPacket | None = None
@@ -23,10 +23,10 @@ class LatestPackets:
         self.aux: dict[int, AuxPacket] = {}
         """By port, 1 to 3."""
         self.received_at: dict[type[ExtendedPacket], float] = {}
-        """When a packet of each kind last came, s."""
+        """Arrival time of the latest packet of each kind."""
 
     def update(self, packet: ExtendedPacket, t: float) -> None:
-        """Keep a packet received at ``t`` in place of the one before."""
+        """Replace the latest packet of this kind by one received at ``t``."""
         self.received_at[type(packet)] = t
         match packet:
             case EncoderPacket():

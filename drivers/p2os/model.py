@@ -1,6 +1,6 @@
 """Robot models: conversion factors, limits and geometry, loaded from ``models/*.toml``.
 
-A model file may say ``like = "p2dx"`` and then holds only what differs from that model.
+A model file with ``like = "p2dx"`` holds only the differences to that model.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Body(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 class LaserMount(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Place of the laser in base_link."""
+    """Pose of the laser in base_link."""
 
     x: float  # m
     y: float  # m
@@ -49,7 +49,7 @@ class LaserMount(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
 
 class OdometryNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Standard deviations of what the wheels count, proportional to it."""
+    """Standard deviations of the odometry per unit of motion."""
 
     rotation_per_rotation: NotNegative  # rad/rad
     rotation_per_translation: NotNegative  # rad/m
@@ -58,7 +58,7 @@ class OdometryNoise(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
 
 class SonarMount(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fields=True):
-    """Place and direction of one sonar transducer in base_link."""
+    """Pose of one sonar transducer in base_link."""
 
     x: float  # m
     y: float  # m
@@ -71,15 +71,15 @@ class SonarMount(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fi
 
 
 class RobotModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Everything the driver and the bench know of one subclass of robot.
+    """Conversion factors, limits and geometry of one subclass of robot.
 
-    Source: the vendor's parameter files of the models; the odometry's noise is ours.
+    Source: the vendor's parameter files of the models; the odometry noise is our estimate.
     """
 
     subclass: str
     top_speed: Positive  # m/s
     top_turn_rate_deg: Positive  # deg/s
-    sonar_far: Positive  # m, what a transducer reports that heard nothing
+    sonar_far: Positive  # m, reported by a transducer without an echo
     sonar: tuple[SonarMount, ...]
     conversion: Conversion
     body: Body
@@ -93,7 +93,7 @@ class RobotModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
     @property
     def laser_mount(self) -> tuple[float, float, float]:
-        """The laser's place in base_link: x and y in m, heading in rad."""
+        """The laser's pose in base_link: x and y in m, heading in rad."""
         return self.laser.x, self.laser.y, math.radians(self.laser.heading_deg)
 
 
@@ -105,7 +105,7 @@ def model_names() -> list[str]:
 
 @cache
 def load_model(subclass: str) -> RobotModel:
-    """Return the model of a subclass, in any case of letters; raises UnknownModelError."""
+    """Return the model of a subclass, ignoring case; raises UnknownModelError."""
     name = subclass.lower()
     if name not in model_names():
         known = ", ".join(model_names())
@@ -114,7 +114,7 @@ def load_model(subclass: str) -> RobotModel:
 
 
 def _fields(name: str) -> dict[str, Any]:
-    """Return the content of a model file over that of the file it is like."""
+    """Return the content of a model file merged over that of the file named by ``like``."""
     text = _MODELS.joinpath(f"{name}.toml").read_text(encoding="utf-8")
     own: dict[str, Any] = msgspec.toml.decode(text)
     base = own.pop("like", None)
@@ -122,7 +122,7 @@ def _fields(name: str) -> dict[str, Any]:
 
 
 def _overlaid(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
-    """Return ``below`` with the values of ``above`` in place of its own, table by table."""
+    """Return ``below`` with its values replaced by those of ``above``, recursively by table."""
     result = below | above
     for key, value in above.items():
         if isinstance(value, dict) and key in below:

@@ -1,4 +1,4 @@
-"""Whether the motors have power, and who decided so."""
+"""State of the motors' power: on, off, being enabled, cut by the stop button."""
 
 from __future__ import annotations
 
@@ -12,46 +12,46 @@ ENABLE_PATIENCE = 3.0  # s
 
 
 class MotorState(StrEnum):
-    """What is known of the motors' power."""
+    """State of the motors' power."""
 
     UNKNOWN = "unknown"  # no report yet
-    OFF = "off"  # nobody has asked for them
-    ENABLING = "enabling"  # asked for, not reported yet
+    OFF = "off"  # not enabled by this client
+    ENABLING = "enabling"  # ENABLE sent, not confirmed by a report
     ON = "on"
     STOP_BUTTON = "stop button"  # a person has switched them off; only a person may end that
 
 
 class MotorWatch:
-    """Follows the motors through reports and commands.
+    """Tracks the motors' power through reports and commands.
 
-    Later firmware reports its stop button. P2OS does not: there the motors go off while enabled,
-    with no stall and no command of ours. Either way they stay off until a report shows that a
-    person has switched them on again by the MOTORS button.
+    Later firmware reports its stop button. P2OS does not: there motors that go off while enabled,
+    without a stall or a command, mean the button. Either way the state is latched until a report
+    shows that a person has switched them on again by the MOTORS button.
     """
 
     def __init__(self) -> None:
         self.state = MotorState.UNKNOWN
-        self._asked_at = self._asked_last = math.inf
+        self._enabling_since = self._last_enable = math.inf
         self._button_held = False
 
     @property
-    def may_be_asked(self) -> bool:
-        """Whether ENABLE would do what the session's owner wants and nobody forbids."""
+    def may_enable(self) -> bool:
+        """Whether the motors are off and no person has switched them off."""
         return self.state is MotorState.OFF
 
-    def ask(self, t: float) -> None:
-        """Note that ENABLE 1 is on its way."""
+    def on_enable(self, t: float) -> None:
+        """Note that ENABLE 1 was queued at ``t``."""
         if self.state is not MotorState.ENABLING:
-            self._asked_at = t
+            self._enabling_since = t
         self.state = MotorState.ENABLING
-        self._asked_last = t
+        self._last_enable = t
 
     def is_overdue(self, t: float) -> bool:
-        """Tell whether ENABLE 1 ought to be sent again."""
-        return self.state is MotorState.ENABLING and t - self._asked_last >= ENABLE_RETRY
+        """Whether ENABLE 1 must be sent again."""
+        return self.state is MotorState.ENABLING and t - self._last_enable >= ENABLE_RETRY
 
     def update(self, base: BaseState, *, commands_pending: bool) -> None:
-        """Follow a report; while commands are pending it cannot be the answer to ENABLE."""
+        """Take a report; while commands are pending it does not confirm ENABLE."""
         before = self.state
         self._button_held = base.stop_button
         if base.stop_button:
@@ -65,10 +65,10 @@ class MotorWatch:
             self.state = MotorState.OFF
 
     def trouble(self, t: float) -> str | None:
-        """Say, for people, why the motors are off though they should not be."""
+        """Return a line for people why enabled motors are off; None if there is no trouble."""
         if self.state is MotorState.STOP_BUTTON:
             release = "release it and " if self._button_held else ""
             return f"stopped by the robot's stop button: {release}press MOTORS on the robot"
-        if self.state is MotorState.ENABLING and t - self._asked_at > ENABLE_PATIENCE:
+        if self.state is MotorState.ENABLING and t - self._enabling_since > ENABLE_PATIENCE:
             return "motors do not come on: is a stop button pressed, the battery low?"
         return None

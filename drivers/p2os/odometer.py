@@ -7,7 +7,7 @@ import math
 from drivers.p2os.sip import COUNTS_PER_TURN
 
 RADIANS_PER_COUNT = math.tau / COUNTS_PER_TURN
-ZERO_CREEP = 3  # counts
+ZERO_DRIFT = 3  # counts
 _HALF = COUNTS_PER_TURN // 2
 
 
@@ -21,9 +21,8 @@ def counter_step(new: int, old: int) -> int:
 
 
 def is_near_zero(counter: int) -> bool:
-    """Tell whether a counter stands where zeroing leaves it, but for the creep of a robot at
-    rest."""
-    return abs((counter + 0x4000) % 0x8000 - 0x4000) <= ZERO_CREEP
+    """Whether a counter is at zero, within the drift of a robot at rest."""
+    return abs((counter + 0x4000) % 0x8000 - 0x4000) <= ZERO_DRIFT
 
 
 class Odometer:
@@ -43,15 +42,15 @@ class Odometer:
 
     @property
     def counters(self) -> tuple[int, int, int] | None:
-        """The latest counters as they came; None before the first of a session."""
+        """The latest counters on the wire; None before the first of a session."""
         return self._counters
 
     def forget_reference(self) -> None:
-        """Let the next counters only set a new reference: the robot's may start elsewhere."""
+        """Use the next counters as a new reference only: they may start at any value."""
         self._counters = None
 
     def update(self, x: int, y: int, heading: int, metres_per_count: float) -> None:
-        """Follow the counters of one SIP."""
+        """Update the pose from the counters of one SIP."""
         if self._counters is None:
             self._set_reference(heading)
         else:

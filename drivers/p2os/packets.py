@@ -1,6 +1,6 @@
 """The packets an open robot sends, by their first data byte.
 
-The SYNC2 reply is not among them: its type is a number of its own only during the handshake.
+The SYNC2 reply is not among them: its type is unique only during the handshake.
 """
 
 from __future__ import annotations
@@ -46,11 +46,11 @@ _DECODERS: dict[int, Callable[[bytes], Packet | None]] = {
 
 
 def is_known(data: bytes) -> bool:
-    """Tell whether a packet's data is of a type listed here."""
+    """Whether a packet's data is of a type listed here."""
     return data[0] in _DECODERS
 
 
 def decode_packet(data: bytes) -> Packet | None:
-    """Read a packet's data; None where its type is unknown or it is cut short."""
+    """Decode a packet's data; None where its type is unknown or it is too short."""
     decoder = _DECODERS.get(data[0])
     return None if decoder is None else decoder(data)

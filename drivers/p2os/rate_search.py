@@ -1,19 +1,19 @@
-"""The order in which a robot's rate is searched for."""
+"""The order in which rates are tried to find a robot."""
 
 from __future__ import annotations
 
 COMMON_RATES = (9600, 38400, 19200, 115200, 57600)
-"""Likeliest first, as clients of these robots try them."""
+"""Likeliest first, as in existing clients."""
 TRIES = 2
 TRIES_AT_KNOWN_RATE = 20
 
 
 class RateSearch:
-    """Names the rate to try now.
+    """Selects the rate to try.
 
-    The first sweep tries each rate in turn; later ones come back to the configured rate after
-    every other, so that a robot switched on late is found soon. The rate at which a robot has
-    once answered is tried long before any other.
+    The first sweep tries each rate in turn; later ones return to the configured rate after every
+    other, so that a robot switched on late is found soon. The rate at which a robot has answered
+    before is tried first, with more attempts.
     """
 
     def __init__(self, configured: int) -> None:
@@ -26,7 +26,7 @@ class RateSearch:
         self._pending: list[int] = []
 
     def restart(self) -> None:
-        """Begin a search."""
+        """Begin a search from the first rate."""
         self.tries = TRIES if self._known is None else TRIES_AT_KNOWN_RATE
         self._pending = self.all.copy()
         if self._known is not None:
@@ -38,13 +38,13 @@ class RateSearch:
         self._known = self.baud
 
     def return_to_configured(self) -> bool:
-        """Go to the configured rate; return whether that is another."""
+        """Go to the configured rate; return whether that is a change."""
         changed = self.baud != self.all[0]
         self.baud = self.all[0]
         return changed
 
     def advance(self) -> bool:
-        """Go to the next rate; return whether a sweep has just ended without a robot."""
+        """Go to the next rate; return whether that ended a sweep."""
         self.tries = TRIES
         ended = not self._pending
         if ended:

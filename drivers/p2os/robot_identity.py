@@ -1,4 +1,4 @@
-"""Who the robot says it is, in its reply to SYNC2."""
+"""The robot's name, class and subclass from its reply to SYNC2."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class RobotIdentity:
 
 
 def decode_sync_reply(data: bytes) -> RobotIdentity | None:
-    """Read a packet's data as the reply to SYNC2; None when it is not one."""
+    """Decode a packet's data as the reply to SYNC2; None if it is not one."""
     strings = data[1:].split(b"\0")
     if data[0] != SYNC_REPLY or len(strings) < 3:
         return None

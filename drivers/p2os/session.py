@@ -1,6 +1,6 @@
 """A client's session with a P2OS robot base: connect, set up, drive, notice silence, recover.
 
-Sans-I/O: told bytes and times, it leaves what must be written in ``take_requests``.
+Sans-I/O: takes bytes and times; ``pop_requests`` returns what the link must do.
 """
 
 from __future__ import annotations
@@ -31,18 +31,18 @@ from drivers.requests import Request
 
 SILENCE_TIMEOUT = 1.0  # s without a SIP
 KEEP_ALIVE_PERIOD = 0.4  # s
-WATCHDOG_SHARE = 0.25  # of the controller's watchdog, where that is the shorter keep-alive
+WATCHDOG_SHARE = 0.25  # keep-alive period as a share of a short watchdog
 PACKET_GAP = 0.1  # s without a byte that ends an unfinished packet
 
 
 class SessionState(StrEnum):
-    """Where a session stands."""
+    """State of a session."""
 
     DOWN = "down"  # no link, or shut down
-    SYNCING = "syncing"  # looking for the robot
+    SYNCING = "syncing"  # searching for the robot
     OPENING = "opening"  # servers open, setting limits
-    READY = "ready"  # may be driven
-    SILENT = "silent"  # was open, went silent; looking for the robot again
+    READY = "ready"  # takes velocities
+    SILENT = "silent"  # was open, no reports; searching for the robot again
 
 
 SEARCHING = (SessionState.SYNCING, SessionState.SILENT)
@@ -50,12 +50,12 @@ SEARCHING = (SessionState.SYNCING, SessionState.SILENT)
 
 @dataclass(slots=True)
 class SessionCounters:
-    """What a session met, besides the framer's counters."""
+    """Counts of a session, besides the framer's counters."""
 
     sips: int = 0
-    other_packets: int = 0  # of a type unknown here
-    cut_packets: int = 0  # good checksum, but too short for what they say they are
-    unknown_sonars: int = 0  # readings of transducers the model does not have
+    other_packets: int = 0  # of an unknown type
+    cut_packets: int = 0  # good checksum, but too short for their type
+    unknown_sonars: int = 0  # readings of transducers that the model lacks
     silences: int = 0
     resumptions: int = 0  # sessions found still open
     controller_resets: int = 0
@@ -64,10 +64,10 @@ class SessionCounters:
 
 
 class P2osSession:
-    """One robot base behind one link. Call ``take_requests`` after every other call.
+    """The session with one robot base on one link. Call ``pop_requests`` after every other call.
 
-    A session that was set up here and whose robot is found still in it, after a silence or a new
-    link, is resumed: STOP and the limits are sent, the servers are not opened again.
+    If after a silence or a new link the robot is still in the session that this object set up, it
+    is resumed: STOP and the limits are sent, the servers are not opened again.
     """
 
     def __init__(self, settings: BaseSettings) -> None:
@@ -95,38 +95,40 @@ class P2osSession:
 
     @property
     def baud(self) -> int:
-        """Rate at which the robot is spoken to."""
+        """Present rate of the line."""
         return self.handshake.baud
 
     @property
     def config(self) -> ConfigPacket | None:
-        """The controller's latest CONFIG of this session; None where it sends none."""
+        """The controller's latest CONFIG of this session; None if it has sent none."""
         return self._set_up.config
 
     @property
     def odometer_counters(self) -> tuple[int, int, int] | None:
-        """The base's own x, y and heading counters in the latest SIP; None before the first."""
+        """The base's x, y and heading counters in the latest SIP; None before the first."""
         return self._odometer.counters
 
     @property
     def odometer_found(self) -> tuple[int, int, int] | None:
-        """The counters this robot had when it was found: of the session that another client left
-        open, if it was in one, else of the first SIP here. A new session may begin at zero."""
+        """The base's counters when it was found, None before; a new session may reset them.
+
+        From the session that another client left open, if there was one, else from the latest SIP.
+        """
         return self._odometer_left_open or self._odometer.counters
 
     @property
     def watchdog(self) -> float:
-        """Silence, s, after which the controller halts the robot."""
+        """Time without a packet, s, after which the controller halts the robot."""
         return self._set_up.watchdog
 
     @property
     def motors(self) -> MotorState:
-        """Whether the motors have power, and who decided so."""
+        """State of the motors' power."""
         return self._motors.state
 
     @property
     def trouble(self) -> str | None:
-        """Say, in a line for people, what is wrong and what to do; None when all is as set."""
+        """A line for people with the trouble and the remedy; None if there is none."""
         if self.state is SessionState.DOWN:
             return None
         if self.state in SEARCHING:
@@ -134,26 +136,26 @@ class P2osSession:
         return self._motors.trouble(self._t) or self._set_up.trouble or self._model_trouble
 
     def link_up(self, t: float) -> None:
-        """The port is open: look for the robot."""
+        """Start the search for the robot: the port is open."""
         self._requests.clear()
         self.framer.reset()
         self._search(SessionState.SYNCING, None, t)
 
     def link_down(self, t: float) -> None:
-        """The port is gone: nothing can be sent or asked any more."""
+        """Drop requests and the pending motion: the port is closed."""
         self._requests.clear()
         self._enter(SessionState.DOWN, t)
         self._forget_motion()
 
     def pop_requests(self) -> list[Request]:
-        """Return what the link must do, in order, and forget it."""
+        """Return and clear the requests to the link, in order."""
         requests = self._requests.copy()
         self._requests.clear()
         return requests
 
     def feed(self, data: bytes, t: float) -> list[BaseState]:
-        """Take bytes whose last one arrived at ``t``; return a state for each SIP of an open
-        session, at the time it was measured."""
+        """Take bytes whose last one arrived at ``t``; return the states of an open session's SIPs,
+        each with the time of its measurement."""
         if self.state is SessionState.DOWN or not data:
             return []
         self._t = t
@@ -173,7 +175,7 @@ class P2osSession:
         return states
 
     def tick(self, t: float) -> None:
-        """Notice what is overdue: replies, reports, wishes, keep-alives. Call 20 times a second."""
+        """Handle overdue replies, reports, requests and keep-alives; call 20 times a second."""
         self._t = t
         if self.state in SEARCHING:
             self.handshake.tick(t)
@@ -187,39 +189,39 @@ class P2osSession:
     def enable_motors(self, t: float) -> None:
         """Switch the motors on, from standstill; ignored unless READY or when they are on.
 
-        VEL 0, RVEL 0 and ENABLE 1 are sent again until a SIP shows the motors on. Motors that a
-        person has switched off are left to that person.
+        VEL 0, RVEL 0 and ENABLE 1 are repeated until a SIP shows the motors on. Motors that a
+        person has switched off stay off.
         """
-        if self.state is SessionState.READY and self._motors.may_be_asked:
+        if self.state is SessionState.READY and self._motors.may_enable:
             self._queue_enable(t)
 
     def drive(self, t: float, v: float, w: float) -> None:
-        """Ask for ``v`` m/s and ``w`` rad/s, clamped to the settings; call at least every 0.3 s.
+        """Request ``v`` m/s and ``w`` rad/s, clamped to the settings; call at least every 0.3 s.
 
-        Ignored unless READY. While the motors are off the wish is held at zero, so that nothing
-        moves at the moment they come on. Standstill leaves at once, the rest as soon as the
-        controller takes it.
+        Ignored unless READY. While the motors are off the request is held at zero, so that the
+        robot stands when they come on. Zeros are sent at once, other values as soon as the
+        controller can take them.
         """
         if self.state is not SessionState.READY:
             return
         if self.motors is not MotorState.ON:
             v = w = 0.0
-        self._requested.ask(t, v, w)
+        self._requested.set(t, v, w)
         self._send_requested(self._requested.due(t), t)
 
     def stop(self, t: float) -> None:
-        """Stop the robot: STOP, VEL 0, RVEL 0 at once; calls at rest only refresh them."""
+        """Send STOP, VEL 0, RVEL 0 at once; at standstill only refresh the zeros."""
         if self.state is not SessionState.READY:
             return
         if self._requested.moving:
             self._outbox.send(STOP, t)
-        self._requested.ask(t, 0.0, 0.0)
+        self._requested.set(t, 0.0, 0.0)
         for zero in self._requested.due(t):
             self._outbox.send(zero, t)
 
     def request(self, what: Command) -> None:
         """Queue a command that neither moves the robot nor touches its session: ENCODER, IOREQUEST,
-        SAY and their like. A new session forgets what streams were asked for.
+        SAY and the like. A new session does not restore streams.
 
         Raises ValueError for any other; ignored unless READY.
         """
@@ -229,7 +231,7 @@ class P2osSession:
             self._outbox.add(what)
 
     def shut_down(self, t: float) -> None:
-        """Leave the robot standing, motors off, session closed; the state is DOWN after it."""
+        """Stop the robot, switch its motors off, close the session; the state becomes DOWN."""
         if self.state is SessionState.DOWN:
             return
         for last in (STOP, command(CommandNumber.ENABLE, 0), CLOSE):
@@ -246,7 +248,7 @@ class P2osSession:
             if not self._ours or sip is None:
                 if sip is not None:
                     self._odometer_left_open = (sip.x_counts, sip.y_counts, sip.heading_counts)
-                self._shake_hands(data, t)
+                self._on_handshake(data, t)
                 return None
             self._resume(t)
         packet = decode_packet(data)
@@ -290,13 +292,13 @@ class P2osSession:
         in_session = self._ours and state is SessionState.SILENT
         self.handshake.start(t, in_session=in_session)
 
-    def _shake_hands(self, data: bytes, t: float) -> None:
+    def _on_handshake(self, data: bytes, t: float) -> None:
         identity = self.handshake.feed(data, t)
         if identity is not None:
             self._open(identity, t)
 
     def _open(self, identity: RobotIdentity, t: float) -> None:
-        """Start the servers and take the model of the robot that answered."""
+        """Start the servers and load the model of the robot that answered."""
         self.identity = identity
         self._choose_model(identity)
         self.latest = LatestPackets()
@@ -307,7 +309,7 @@ class P2osSession:
         self._outbox.flush(t)
 
     def _resume(self, t: float) -> None:
-        """Go on with a session of ours in which the robot has been found."""
+        """Resume the session in which the robot was found."""
         self.counters.resumptions += 1
         self._begin_opening(STOP, t)
         self._set_up.begin(t, resumed=True)
@@ -332,13 +334,15 @@ class P2osSession:
 
     def _go_silent(self, t: float) -> None:
         self.counters.silences += 1
-        heard = "fell silent" if self._base is not None else "answered, but sends no reports"
+        symptom = "fell silent" if self._base is not None else "answered, but sends no reports"
         name = self.identity.name if self.identity is not None else ""
         remedy = "robot switched off? cable?"
-        self._search(SessionState.SILENT, f"robot {name} {heard} at {self.baud} baud: {remedy}", t)
+        self._search(
+            SessionState.SILENT, f"robot {name} {symptom} at {self.baud} baud: {remedy}", t
+        )
 
     def _restart(self, t: float) -> None:
-        """The controller says that it has no session any more."""
+        """Search again: the controller reports that its session is lost."""
         self.counters.controller_resets += 1
         self._ours = False
         self._search(SessionState.SYNCING, "the robot's controller has reset itself", t)
@@ -346,7 +350,7 @@ class P2osSession:
     # Setting it up
 
     def _advance_opening(self, t: float) -> None:
-        """CONFIG if it comes, the limits, zero motion, the limits read back; then READY."""
+        """Go on with CONFIG, limits, zero motion, limits read back; then READY."""
         prepared = self._set_up.advance(t)
         self._outbox.flush(t)
         if prepared and self._base is not None:
@@ -358,7 +362,7 @@ class P2osSession:
     def _keep_ready(self, t: float) -> None:
         if self._requested.is_stale(t):
             self.counters.stale_requests += 1
-            self._requested.drop()
+            self._requested.zero()
             self._stand_still(t)
         if self._motors.is_overdue(t):
             self._queue_enable(t)
@@ -369,7 +373,7 @@ class P2osSession:
             self._keep_alive(t)
 
     def _keep_alive(self, t: float) -> None:
-        """Hold off the watchdog; a robot that moves against its orders is told to stand still."""
+        """Send PULSE before the watchdog fires; zeros instead if the robot is not at rest."""
         if self._base is not None and self._base.standing and not self._requested.moving:
             self._outbox.send(PULSE, t)
         else:
@@ -385,12 +389,12 @@ class P2osSession:
             self._outbox.send(zero, t)
 
     def _queue_enable(self, t: float) -> None:
-        self._motors.ask(t)
+        self._motors.on_enable(t)
         self._outbox.add(*STAND_STILL, command(CommandNumber.ENABLE, 1))
 
     def _forget_motion(self) -> None:
         self._outbox.drop_queued()
-        self._requested.forget()
+        self._requested.reset()
         self._base = None
         self._motors = MotorWatch()
 

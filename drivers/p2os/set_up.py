@@ -1,4 +1,4 @@
-"""What prepares a robot whose servers have just been opened: limits, set and read back."""
+"""Preparation of a robot after its servers were opened: limits, set and read back."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ BUMP_STALL_CODES = {"off": 0, "front": 1, "rear": 2, "both": 3}
 
 
 class Stage(Enum):
-    """Where the preparation stands."""
+    """Stage of the preparation."""
 
     ASKING = "asking what the controller is like"
     SENDING = "sending limits"
@@ -36,10 +36,10 @@ class Stage(Enum):
 
 
 class SetUp:
-    """Asks for CONFIG, sends what ``set_up_commands`` says and compares what CONFIG then says.
+    """Requests CONFIG, sends ``set_up_commands`` and compares the limits in the next CONFIG.
 
-    Limits that did not take are sent once more. A robot that never answers CONFIG, as some never
-    do, is prepared without.
+    Limits that were not taken are sent once more. A robot that never answers CONFIG, as some do
+    not, is prepared without.
     """
 
     def __init__(self, settings: BaseSettings, outbox: CommandOutbox) -> None:
@@ -50,29 +50,29 @@ class SetUp:
         self._outbox = outbox
         self._stage = Stage.DONE
         self._answered = False
-        self._asked_at = self._began_at = -math.inf
+        self._queried_at = self._began_at = -math.inf
         self._tries = self._limits_sent = 0
 
     @property
     def watchdog(self) -> float:
-        """Silence, s, after which the controller halts: as CONFIG says, else its default."""
+        """Time without a packet, s, after which the controller halts; by CONFIG or default."""
         stated = self.config.watchdog_ms if self.config and self.config.is_whole else 0
         return 0.001 * stated if stated else DEFAULT_WATCHDOG
 
     def begin(self, t: float, *, resumed: bool) -> None:
-        """Start; a resumed session need not be asked what it is like."""
+        """Start; a resumed session skips the first CONFIG."""
         self.trouble = None
         self._limits_sent = 0
         if not resumed:
             self.config = None
         if self.config is None:
-            self._ask(Stage.ASKING, t)
+            self._query(Stage.ASKING, t)
         else:
             self.on_config(self.config)
             self._send_commands()
 
     def on_config(self, config: ConfigPacket) -> None:
-        """Learn the controller's watchdog and pace from a CONFIG packet."""
+        """Take the controller's watchdog and command period from a CONFIG packet."""
         self.config = config
         self._answered = True
         self._outbox.watchdog = self.watchdog
@@ -80,10 +80,10 @@ class SetUp:
             self._outbox.period = LATER_PERIOD
 
     def advance(self, t: float) -> bool:
-        """Go on with whatever is due; return whether the robot is prepared."""
+        """Do what is due at ``t``; return whether the robot is prepared."""
         if self._stage is Stage.SENDING and self._outbox.empty:
             if self.config is not None:
-                self._ask(Stage.CHECKING, t)
+                self._query(Stage.CHECKING, t)
             else:
                 self._stage = Stage.DONE
         elif self._stage in (Stage.ASKING, Stage.CHECKING):
@@ -92,17 +92,17 @@ class SetUp:
 
     def _await_config(self, t: float) -> None:
         if self._answered or t - self._began_at >= CONFIG_TIMEOUT:
-            self._end_asking()
-        elif self._tries < CONFIG_TRIES and t - self._asked_at >= CONFIG_RETRY:
-            self._ask_again(t)
+            self._end_query()
+        elif self._tries < CONFIG_TRIES and t - self._queried_at >= CONFIG_RETRY:
+            self._send_query(t)
 
-    def _end_asking(self) -> None:
+    def _end_query(self) -> None:
         if self._stage is Stage.ASKING:
             self._send_commands()
         else:
-            self._judge_limits()
+            self._check_limits()
 
-    def _judge_limits(self) -> None:
+    def _check_limits(self) -> None:
         self._stage = Stage.DONE
         if not self._answered or self.config is None:
             self.trouble = "limits not confirmed: the robot no longer answers CONFIG; link failing?"
@@ -118,16 +118,16 @@ class SetUp:
         self._stage = Stage.SENDING
         self._outbox.add(*set_up_commands(self._settings))
 
-    def _ask(self, stage: Stage, t: float) -> None:
+    def _query(self, stage: Stage, t: float) -> None:
         self._stage = stage
         self._answered = False
         self._began_at = t
         self._tries = 0
-        self._ask_again(t)
+        self._send_query(t)
 
-    def _ask_again(self, t: float) -> None:
+    def _send_query(self, t: float) -> None:
         self._tries += 1
-        self._asked_at = t
+        self._queried_at = t
         self._outbox.add(REQUEST_CONFIG)
 
 
@@ -155,7 +155,7 @@ def set_up_commands(settings: BaseSettings) -> list[Command]:
 
 
 def kept_otherwise(settings: BaseSettings, config: ConfigPacket) -> list[str]:
-    """Return, for people, each limit that CONFIG shows different from the settings' own."""
+    """Return, for people, each limit in which CONFIG differs from the settings."""
     if not config.is_whole:
         return []
     shown = (

@@ -1,7 +1,7 @@
 """The standard information packet (SIP), the controller's report of every cycle, in wire units.
 
-Source: Pioneer 2 Operations Manual, server information packet; the tail of later firmware as the
-AROS and ARCOS manuals and their clients have it.
+Source: Pioneer 2 Operations Manual, server information packet; the tail of later firmware after
+the AROS and ARCOS manuals and their clients.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ POSITION_MASK = 0x7FFF
 SIP_STOPPED = 0x32
 SIP_MOVING = 0x33
 SIP_TYPES = range(0x30, 0x40)
-"""0x32 and 0x33 are documented; clients accept their relatives in the same row."""
+"""0x32 and 0x33 are documented; clients accept the others of the same row too."""
 MOTORS_FLAG = 0x0001
 SONAR_FLAGS = 0x001E
 """Bit 1 on P2OS; later firmware has a bit for each of four arrays."""
@@ -34,7 +34,7 @@ _TAIL_FOR_LENGTH = [
 
 
 class SipTail(NamedTuple):
-    """Fields behind the sonar readings; None where the packet ended before them.
+    """Fields behind the sonar readings; None if the packet ended before them.
 
     P2OS sends the first five; every field needs the ones before it.
     """
@@ -57,7 +57,7 @@ class SipTail(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Sip:
-    """One SIP as on the wire: counts and bit fields, converted by the robot's model elsewhere."""
+    """One SIP as on the wire, counts and bit fields; ``base_state`` converts it to SI."""
 
     packet_type: int
     x_counts: int
@@ -82,12 +82,12 @@ class Sip:
 
     @property
     def stop_button(self) -> bool:
-        """Whether later firmware says that its stop button is pressed."""
+        """Whether later firmware reports its stop button pressed."""
         return bool(self.flags & STOP_BUTTON_FLAG)
 
     @property
     def is_of_later_firmware(self) -> bool:
-        """Whether the packet goes on where those of P2OS end."""
+        """Whether the packet has more fields than those of P2OS."""
         return self.tail.battery_decivolts is not None
 
     @property
@@ -118,12 +118,12 @@ class Sip:
 
 
 def is_sip(data: bytes) -> bool:
-    """Tell a SIP by its type."""
+    """Whether a packet's data is a SIP, by its type."""
     return data[0] in SIP_TYPES
 
 
 def decode_sip(data: bytes) -> Sip | None:
-    """Read a packet's data as a SIP; None when it is another packet or cut short."""
+    """Decode a packet's data as a SIP; None if it is another packet or too short."""
     if len(data) < _HEAD.size or not is_sip(data):
         return None
     head = _HEAD.unpack_from(data)

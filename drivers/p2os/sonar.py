@@ -1,4 +1,4 @@
-"""The sonar rings: last reading of every transducer and where it heard something."""
+"""The sonar rings: latest range of every transducer, as points in base_link."""
 
 from __future__ import annotations
 
@@ -22,31 +22,30 @@ class SonarRing:
         self._directions = np.column_stack((np.cos(headings), np.sin(headings)))
         self._far = model.sonar_far - FAR_MARGIN
         self.ranges: NDArray[np.float64] = np.full(len(mounts), np.inf)
-        """Latest ranges, (transducers,) m; inf where nothing was heard yet."""
+        """Latest ranges, (transducers,) m; inf before the first reading."""
         self._times = np.full(len(mounts), -np.inf)
 
     def update(self, t: float, readings: Iterable[tuple[int, float]]) -> None:
-        """Take (transducer number, range in m) readings of time ``t``; unknown numbers are
-        ignored."""
+        """Take readings (transducer number, range in m) of time ``t``; ignore unknown numbers."""
         for number, distance in readings:
             if 0 <= number < len(self.ranges):
                 self.ranges[number] = distance
                 self._times[number] = t
 
     def ages(self, t: float) -> NDArray[np.float64]:
-        """Return the age of each reading at ``t``, (transducers,) s; inf where there is none."""
+        """Return the age of each reading at ``t``, (transducers,) s; inf before the first."""
         return t - self._times
 
     def points(self, t: float, max_age: float) -> NDArray[np.float64]:
-        """Return where transducers heard something lately, (n, 2) m in base_link.
+        """Return the recent echoes as points (n, 2), m, in base_link.
 
-        Readings older than ``max_age`` s or at the far value are left out.
+        Readings older than ``max_age`` (s) or at the far value, which means no echo, are left out.
         """
         echoes = self.echoes()
         return echoes[(self.ages(t) <= max_age) & np.isfinite(echoes[:, 0])]
 
     def echoes(self) -> NDArray[np.float64]:
-        """Return where each transducer last heard something, (transducers, 2) m in base_link; nan
-        where it heard nothing."""
+        """Return each transducer's last echo as points (transducers, 2), m, in base_link; nan for
+        those without one."""
         ranges = np.where(self.ranges < self._far, self.ranges, np.nan)
         return np.asarray(self._origins + ranges[:, None] * self._directions)

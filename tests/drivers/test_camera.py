@@ -114,7 +114,7 @@ def test_stream_gives_the_newest_picture_only() -> None:
         first = wait_for_picture(camera, LIMIT)
         assert first is not None
         assert first.pixels.shape == (SIZE[1], SIZE[0], 3)
-        # Nobody looks for a while: what is found then is what the server sends then.
+        # After a pause without a look the newest picture is the one just sent.
         wait_until(lambda: camera.status.pictures > first.number + 20)
         newest = camera.newest
         assert newest is not None
@@ -128,7 +128,7 @@ def test_stream_gives_the_newest_picture_only() -> None:
         assert status.times_lost == 0
 
 
-def test_stream_that_ends_is_named_and_opened_again() -> None:
+def test_ended_stream_is_reported_and_opened_again() -> None:
     with served() as server, running(CameraSettings(url=server.url)) as camera:
         assert wait_for_picture(camera, LIMIT)
         port = server.port
@@ -145,7 +145,7 @@ def test_stream_that_ends_is_named_and_opened_again() -> None:
             assert camera.status.reason == ""
 
 
-def test_stream_that_falls_silent_is_given_up() -> None:
+def test_silent_stream_times_out() -> None:
     with served() as server, running(CameraSettings(url=server.url)) as camera:
         assert wait_for_picture(camera, LIMIT)
         server.silent.set()
@@ -156,7 +156,7 @@ def test_stream_that_falls_silent_is_given_up() -> None:
         assert server.streams >= 2
 
 
-def test_waiting_camera_tells_its_trouble() -> None:
+def test_camera_without_source_reports_its_trouble() -> None:
     with running(CameraSettings(url="/dev/no-such-camera")) as camera:
         wait_until(lambda: camera.status.state is CameraState.DOWN)
         status = camera.status
@@ -173,20 +173,20 @@ def test_waiting_camera_tells_its_trouble() -> None:
         ("/dev/null", CameraTrouble.NO_PICTURES),
     ],
 )
-def test_what_is_no_camera(url: str, trouble: CameraTrouble) -> None:
+def test_invalid_sources_are_refused(url: str, trouble: CameraTrouble) -> None:
     with pytest.raises(CameraError) as caught:
         open_capture(CameraSettings(url=url))
     assert caught.value.trouble is trouble
     assert url in str(caught.value)
 
 
-def test_wrong_path_on_a_camera_is_no_pictures() -> None:
+def test_wrong_path_gives_no_pictures() -> None:
     with served() as server, pytest.raises(CameraError) as caught:
         open_capture(CameraSettings(url=server.url.replace("stream", "elsewhere")))
     assert caught.value.trouble is CameraTrouble.NO_PICTURES
 
 
-def test_unreadable_device(tmp_path: Path) -> None:
+def test_unreadable_device_gives_no_permission(tmp_path: Path) -> None:
     if os.geteuid() == 0:
         pytest.skip("root may read everything")
     device = tmp_path / "video0"
@@ -225,7 +225,7 @@ def test_video_file_keeps_its_rate(video: Path) -> None:
         assert time.monotonic() - started >= 0.18, "ten pictures, 0.02 s apart"
 
 
-def test_picture_file(tmp_path: Path) -> None:
+def test_picture_file_gives_one_picture(tmp_path: Path) -> None:
     path = tmp_path / "still.png"
     cv2.imwrite(str(path), grey(90))
     with running(CameraSettings(url=str(path))) as camera:
@@ -234,14 +234,14 @@ def test_picture_file(tmp_path: Path) -> None:
         assert (picture.pixels == 90).all()
 
 
-def test_file_that_is_no_video(tmp_path: Path) -> None:
+def test_file_without_video_gives_no_pictures(tmp_path: Path) -> None:
     path = tmp_path / "notes.txt"
     path.write_text("no picture here\n")
     with running(CameraSettings(url=str(path))) as camera:
         wait_until(lambda: camera.status.trouble is CameraTrouble.NO_PICTURES)
 
 
-def test_file_has_nothing_to_fix(video: Path) -> None:
+def test_file_has_no_adjustments(video: Path) -> None:
     settings = CameraSettings(url=str(video), exposure=100.0, white_balance=4500)
     capture = open_capture(settings)
     assert fix_adjustments(capture, settings) == (), "what did not take is not claimed"
@@ -272,7 +272,7 @@ class CameraRegisters:
         ({cv2.CAP_PROP_WB_TEMPERATURE}, ("exposure",)),
     ],
 )
-def test_fixed_is_what_reads_back(refused: set[int], fixed: tuple[str, ...]) -> None:
+def test_fixed_adjustments_are_those_read_back(refused: set[int], fixed: tuple[str, ...]) -> None:
     camera = CameraRegisters(refused)
     settings = CameraSettings(url="/dev/video0", exposure=150.0, white_balance=4500)
     assert fix_adjustments(camera, settings) == fixed
@@ -285,7 +285,7 @@ def test_fixed_is_what_reads_back(refused: set[int], fixed: tuple[str, ...]) -> 
         }
 
 
-def test_configuration_section() -> None:
+def test_configuration_section_is_parsed() -> None:
     text = b'[camera]\nurl = "/dev/video0"\nexposure = 150.0\nwhite_balance = 4500\n'
     config = parse_config(text, "robot.toml")
     assert config.camera.exposure == 150.0

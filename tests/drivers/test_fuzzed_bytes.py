@@ -44,7 +44,7 @@ CAPTURES = (
 )
 
 
-# --- what a codec is -------------------------------------------------------------------------
+# --- codecs ----------------------------------------------------------------------------------
 
 
 class PacketReader:
@@ -113,17 +113,17 @@ def decode_telegram(telegram: Telegram) -> None:
 
 @dataclass(frozen=True)
 class Codec:
-    """One direction of one line: its good frames, who reads them, who is at the end of it."""
+    """One direction of one line: its valid frames, their reader and the receiver at its end."""
 
     frames: Callable[[], list[bytes]]
     reader: Callable[[], PacketReader | TelegramReader]
     listener: Callable[[], Callable[[bytes, float], object]]
     captured: tuple[tuple[str, str], ...]  # (file, direction)
-    magic: bytes  # how a frame begins, to begin many that never end
+    magic: bytes  # start of a frame, for many that never end
     overhead: int
 
     def traffic(self) -> list[bytes]:
-        """Frames of ours and, where the recordings are, of independent programs."""
+        """Return encoded frames and, if available, recorded ones of independent programs."""
         return self.frames() + self._recorded()
 
     def payload(self, frame: bytes) -> bytes:
@@ -145,7 +145,7 @@ class Codec:
 
 
 def robot_frames() -> list[bytes]:
-    """What an emulated robot says in a session in which it drives and everything is asked for."""
+    """Return an emulated robot's packets in a session with motion and all streams."""
     emulator = P2osEmulator(load_model("p2dx"), baud=115200, later_firmware=True)
     for command in (Command(0), Command(1), Command(2), Command(1, 1), Command(18, 1)):
         emulator.feed(command.encode(), 0.0)
@@ -287,7 +287,7 @@ CODECS = {
 
 @dataclass(frozen=True)
 class Fuzzed:
-    """A stream, the payloads of the frames in it that were left whole, how many were not."""
+    """A stream, the payloads of its undamaged frames, and the number of damaged ones."""
 
     stream: bytes
     whole: list[bytes]
@@ -295,7 +295,7 @@ class Fuzzed:
 
 
 def fuzzed(codec: Codec, traffic: list[bytes], size: int, rng: np.random.Generator) -> Fuzzed:
-    """Frames in random order, some damaged, with random bytes in front."""
+    """Return frames in random order, some damaged, with random bytes in front."""
     parts = [rng.bytes(int(RANDOM_SHARE * size))]
     length, damaged, whole = len(parts[0]), 1, []
     while length < size:
@@ -312,7 +312,7 @@ def fuzzed(codec: Codec, traffic: list[bytes], size: int, rng: np.random.Generat
 
 
 def mutated(codec: Codec, frame: bytes, rng: np.random.Generator) -> bytes:
-    """A frame with bytes changed, lost, added, repeated, or with the beginnings of others in it."""
+    """Return a frame with bytes changed, lost, added or repeated, or with frame starts in it."""
     data = bytearray(frame)
     at = int(rng.integers(len(data)))
     match int(rng.integers(7)):
@@ -346,9 +346,7 @@ def pieces(stream: bytes, rng: np.random.Generator) -> Iterator[bytes]:
 
 @pytest.mark.parametrize("size", [PART, pytest.param(LONG_RUN, marks=pytest.mark.long)])
 @pytest.mark.parametrize("codec", CODECS.values(), ids=CODECS)
-def test_bytes_of_any_kind_raise_nothing_and_cost_no_more_than_was_damaged(
-    codec: Codec, size: int
-) -> None:
+def test_fuzzed_bytes_do_not_raise_and_lose_only_damaged_frames(codec: Codec, size: int) -> None:
     traffic = codec.traffic()
     for seed in range(size // PART):
         rng = np.random.default_rng(seed)
@@ -370,7 +368,7 @@ def test_bytes_of_any_kind_raise_nothing_and_cost_no_more_than_was_damaged(
 
 @pytest.mark.parametrize("codec", CODECS.values(), ids=CODECS)
 def test_work_is_linear_in_bytes(codec: Codec) -> None:
-    """Also for the worst stream: frames that begin everywhere, claim much, are never good."""
+    """Also for the worst stream: frame starts at every byte, with long lengths, never valid."""
     longest = bytes((200,)) if codec.overhead == 5 else (700).to_bytes(2, "little")
     worst = codec.magic + longest
     bound = (MAX_COUNT + 3 if codec.overhead == 5 else 706) / len(worst) + 3

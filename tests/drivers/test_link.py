@@ -33,7 +33,7 @@ STREAM = encode_telegram(b"\x20\x24")
 
 
 class Heard:
-    """A listener that queues what it is told, as the agent's inbox does."""
+    """A listener that queues all calls, as the agent's inbox does."""
 
     def __init__(self) -> None:
         self.events: queue.Queue[tuple[str, float, object]] = queue.Queue()
@@ -48,7 +48,7 @@ class Heard:
         self.events.put(("down", t, reason))
 
     def wait_for(self, kind: str) -> object:
-        """Return what came with the next event of a kind; earlier others are dropped."""
+        """Return the arguments of the next event of a kind; drop others before it."""
         while True:
             heard, _t, what = self.events.get(timeout=LIMIT)
             if heard == kind:
@@ -123,7 +123,7 @@ def test_bytes_flow_both_ways(make_port: Port) -> None:
 
 @both_ports
 @pytest.mark.parametrize("start_baud", [9600, 38400])
-def test_session_reaches_scans(make_port: Port, start_baud: int) -> None:
+def test_session_on_a_link_gets_scans(make_port: Port, start_baud: int) -> None:
     settings = LaserSettings(baud=38400 if start_baud == 38400 else 9600)
     session = Lms200Session(settings)
     scans: list[Scan] = []
@@ -164,7 +164,7 @@ def test_rate_change_is_followed_by_both_ends() -> None:
         assert heard.wait_for_telegram().code == 0xBA
 
 
-def test_rate_mismatch_garbles() -> None:
+def test_rate_mismatch_garbles_bytes() -> None:
     with pumped(PtyPort(laser(38400))) as url, linked(url, 38400) as (link, heard):
         heard.wait_for("up")
         link.write(STREAM)
@@ -184,7 +184,7 @@ def test_rate_mismatch_garbles() -> None:
         assert heard.wait_for_telegram().code == 0xB0
 
 
-def test_pty_unplugged_and_plugged_in_again(tmp_path: Path) -> None:
+def test_link_recovers_after_a_pty_is_replugged(tmp_path: Path) -> None:
     device = tmp_path / "laser"
     with linked(str(device)) as (link, heard):
         reason = heard.wait_for("down")
@@ -203,7 +203,7 @@ def test_pty_unplugged_and_plugged_in_again(tmp_path: Path) -> None:
         assert link.counters.times_up == link.counters.times_lost == 2
 
 
-def test_tcp_server_gone_and_back() -> None:
+def test_link_recovers_after_a_tcp_server_returns() -> None:
     port = TcpPort(laser())
     number = int(port.url.rsplit(":", 1)[1])
     with linked(port.url) as (link, heard):
@@ -221,7 +221,7 @@ def test_tcp_server_gone_and_back() -> None:
             assert heard.wait_for_telegram().code == 0xBA
 
 
-def test_status_names_trouble_and_remedy(tmp_path: Path) -> None:
+def test_status_contains_trouble_and_remedy(tmp_path: Path) -> None:
     device = tmp_path / "laser"
     with linked(str(device)) as (link, heard):
         heard.wait_for("down")
@@ -238,11 +238,11 @@ def test_status_names_trouble_and_remedy(tmp_path: Path) -> None:
     assert link.status.state is LinkState.CLOSED
 
 
-def test_pauses_between_tries_leave_a_returned_cable_unseen_for_half_a_second_at_most() -> None:
+def test_returned_cable_is_noticed_within_half_a_second() -> None:
     assert LONGEST_PAUSE <= 0.5
 
 
-def test_adapter_that_comes_back_under_another_name_is_found(tmp_path: Path) -> None:
+def test_adapter_under_another_device_name_is_found(tmp_path: Path) -> None:
     lasting = tmp_path / "usb-adapter"
     heard = Heard()
     with pumped(PtyPort(laser())) as new_url:
@@ -262,7 +262,7 @@ def test_adapter_that_comes_back_under_another_name_is_found(tmp_path: Path) -> 
         link.close()
 
 
-def test_same_trouble_is_told_once(tmp_path: Path) -> None:
+def test_same_trouble_is_reported_once(tmp_path: Path) -> None:
     device = tmp_path / "laser"
     with linked(str(device)) as (link, heard):
         heard.wait_for("down")
@@ -276,7 +276,7 @@ def test_same_trouble_is_told_once(tmp_path: Path) -> None:
             assert kind == "up"
 
 
-def test_port_in_use_is_told_and_taken_when_free() -> None:
+def test_port_in_use_is_reported_and_opened_when_free() -> None:
     with pumped(PtyPort(laser())) as url, linked(url) as (first, first_heard):
         first_heard.wait_for("up")
         with linked(url) as (second, heard):
@@ -291,7 +291,7 @@ def test_port_in_use_is_told_and_taken_when_free() -> None:
 
 
 @pytest.mark.parametrize("kind", ["pty", "tcp"])
-def test_output_that_nobody_takes_is_link_down(kind: str) -> None:
+def test_stalled_output_takes_the_link_down(kind: str) -> None:
     if kind == "pty":
         master, slave = os.openpty()
         tty.setraw(slave)
@@ -314,7 +314,7 @@ def test_output_that_nobody_takes_is_link_down(kind: str) -> None:
             end()
 
 
-def test_last_writes_leave_before_closing() -> None:
+def test_last_writes_are_sent_before_closing() -> None:
     master, slave = os.openpty()
     tty.setraw(slave)
     try:
@@ -345,7 +345,7 @@ def test_order_of_writes_and_rate_changes_is_kept_at_any_rate() -> None:
 
 
 @both_ports
-def test_close_leaves_nothing_behind(make_port: Port) -> None:
+def test_close_ends_thread_and_descriptors(make_port: Port) -> None:
     with pumped(make_port(laser())) as url:
         before = set(Path("/proc/self/fd").iterdir())
         threads = threading.active_count()
@@ -362,7 +362,7 @@ def test_close_leaves_nothing_behind(make_port: Port) -> None:
             assert set(Path("/proc/self/fd").iterdir()) == before
 
 
-def test_close_before_start_and_second_start() -> None:
+def test_close_before_start_is_allowed_and_second_start_is_not() -> None:
     link = Link("/nonexistent", 9600, Heard(), time.monotonic)
     link.close()
     with linked("/nonexistent") as (started, _heard), pytest.raises(RuntimeError, match="once"):

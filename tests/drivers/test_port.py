@@ -1,4 +1,4 @@
-"""Opening a port: every failure says which port, why, and what to do, in one line."""
+"""Opening a port: every error names port, reason and remedy in one line."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from drivers.port_error import PortError, explain
         (errno.ENOSPC, "cannot open /dev/ttyS2"),
     ],
 )
-def test_reasons(number: int, says: str) -> None:
+def test_failures_have_reason_and_remedy(number: int, says: str) -> None:
     text = str(explain("/dev/ttyS2", OSError(number, os.strerror(number))))
     assert says in text
     assert "/dev/ttyS2" in text
@@ -49,7 +49,7 @@ def test_reasons(number: int, says: str) -> None:
         ("socket://:4000", "host or port number missing"),
     ],
 )
-def test_ports_that_cannot_be_opened(url: str, says: str) -> None:
+def test_invalid_ports_are_refused(url: str, says: str) -> None:
     with pytest.raises(PortError, match=says):
         open_port(url, 9600)
 
@@ -61,14 +61,14 @@ def test_plain_file_is_no_port(tmp_path: Path) -> None:
         open_port(str(file), 9600)
 
 
-def test_nobody_listening() -> None:
+def test_port_without_a_listener_is_refused() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         number = server.getsockname()[1]
     with pytest.raises(PortError, match="nothing listens"):
         open_port(f"socket://127.0.0.1:{number}", 9600)
 
 
-def test_rate_the_port_cannot_run_at() -> None:
+def test_unsupported_rate_is_refused() -> None:
     master, slave = os.openpty()
     port = open_port(os.ttyname(slave), 9600)
     try:

@@ -1,4 +1,4 @@
-"""pyserial's URLs as ports: opened, read, written, set to a rate, lost and closed."""
+"""pyserial's URLs as ports: open, read, write, change of rate, loss and close."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ PATIENCE_S = 10.0
 
 
 class PtyLine(serial.Serial):
-    """A pty as a serial port with modem lines, which a pty has none of."""
+    """A pty as a serial port with simulated modem lines."""
 
     cts = dsr = ri = cd = False
 
@@ -61,7 +61,7 @@ class Client:
 
 
 def serve(listener: socket.socket, device: str, ended: threading.Event) -> None:
-    """Be a device server of one serial port, made of what pyserial has for that."""
+    """Run a device server of one serial port with pyserial's PortManager."""
     while not ended.is_set():
         try:
             connection, _ = listener.accept()
@@ -82,7 +82,7 @@ def serve(listener: socket.socket, device: str, ended: threading.Event) -> None:
 
 @contextmanager
 def device_server(device: str) -> Iterator[str]:
-    """Serve a device; give its URL."""
+    """Serve a device; yield its URL."""
     ended = threading.Event()
     with socket.create_server(("127.0.0.1", 0)) as listener:
         listener.settimeout(0.1)
@@ -125,7 +125,7 @@ def opened(url: str, baud: int = 9600) -> Iterator[Port]:
 
 
 def heard(port: Port, count: int) -> bytes:
-    """Return so many bytes, waiting for them as a link does."""
+    """Return ``count`` bytes, waiting for them as a link does."""
     data = b""
     give_up = time.monotonic() + PATIENCE_S
     while len(data) < count:
@@ -137,7 +137,7 @@ def heard(port: Port, count: int) -> bytes:
 
 @pytest.fixture
 def terminal() -> Iterator[tuple[int, str]]:
-    """Our end of a pty, and its device."""
+    """The master of a pty, and its device."""
     master, slave = os.openpty()
     tty.setraw(slave)
     yield master, os.ttyname(slave)
@@ -146,7 +146,7 @@ def terminal() -> Iterator[tuple[int, str]]:
 
 
 def test_base_behind_a_device_server_gets_ready() -> None:
-    """The rate set at the server counts: at another than its own the emulated base is garbled."""
+    """The server's rate is effective: at another rate the emulated base's bytes are garbled."""
     session = P2osSession(BaseSettings())
     robot = P2osEmulator(load_model("p2dx"), baud=19200)
     got_ready: list[float] = []
@@ -175,7 +175,7 @@ def test_laser_behind_a_device_server_streams_at_its_working_rate() -> None:
     assert laser.baud == 38400
 
 
-def test_device_server_that_hangs_up(terminal: tuple[int, str]) -> None:
+def test_device_server_hang_up_is_reported(terminal: tuple[int, str]) -> None:
     with device_server(terminal[1]) as url:
         with opened(url) as port:
             port.write(b"\xff\x00out")
@@ -193,7 +193,7 @@ def test_device_server_that_hangs_up(terminal: tuple[int, str]) -> None:
     port.close()
 
 
-def test_no_device_server() -> None:
+def test_missing_device_server_is_reported() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         number = server.getsockname()[1]
     with pytest.raises(PortError, match=r"nothing listens at rfc2217://127\.0\.0\.1") as refused:
@@ -201,7 +201,7 @@ def test_no_device_server() -> None:
     assert refused.value.trouble is PortTrouble.REFUSED
 
 
-def test_a_server_of_another_kind() -> None:
+def test_server_without_rfc2217_is_refused() -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
         url = f"rfc2217://127.0.0.1:{server.getsockname()[1]}?timeout=0.3"
         with pytest.raises(PortError, match="does not seem to support RFC2217") as refused:
@@ -209,7 +209,7 @@ def test_a_server_of_another_kind() -> None:
     assert "\n" not in str(refused.value)
 
 
-def test_loop() -> None:
+def test_loop_url_returns_written_bytes() -> None:
     threads = threading.active_count()
     with opened("loop://") as port:
         assert port.read() == b""
@@ -225,7 +225,7 @@ def test_loop() -> None:
     assert threading.active_count() == threads
 
 
-def test_a_caller_that_does_not_read_loses_nothing(terminal: tuple[int, str]) -> None:
+def test_unread_bytes_are_not_lost(terminal: tuple[int, str]) -> None:
     master, device = terminal
     sent = bytes(range(256)) * 4096
     with opened(f"spy://{device}") as port:
@@ -236,7 +236,7 @@ def test_a_caller_that_does_not_read_loses_nothing(terminal: tuple[int, str]) ->
         writer.join()
 
 
-def test_spy_writes_down_what_passes(
+def test_spy_url_logs_the_traffic(
     terminal: tuple[int, str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     master, device = terminal
@@ -253,7 +253,7 @@ def test_spy_writes_down_what_passes(
     assert "RX" in text
 
 
-def test_spied_device_that_takes_no_more_and_goes(terminal: tuple[int, str]) -> None:
+def test_stalled_and_lost_spied_device_is_reported(terminal: tuple[int, str]) -> None:
     with opened(f"spy://{terminal[1]}") as port:
         while port.write(bytes(65536)):
             pass
@@ -261,7 +261,7 @@ def test_spied_device_that_takes_no_more_and_goes(terminal: tuple[int, str]) -> 
             port.drain()
 
 
-def test_a_port_found_by_what_it_is(
+def test_hwgrep_url_finds_the_port(
     terminal: tuple[int, str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found = [(terminal[1], "FT232R", "USB VID:PID=0403:6001")]
@@ -287,7 +287,7 @@ def test_a_port_found_by_what_it_is(
         ("://", "unknown kind of port"),
     ],
 )
-def test_urls_that_cannot_be_opened(url: str, says: str) -> None:
+def test_invalid_urls_are_refused(url: str, says: str) -> None:
     with pytest.raises(PortError, match=says) as refused:
         open_port(url, 9600)
     assert "\n" not in str(refused.value)

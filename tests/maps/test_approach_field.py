@@ -1,4 +1,4 @@
-"""Ways round walls: lengths, directions, sight, and where there is no way."""
+"""Paths round walls: lengths, directions, line of sight, and where there is no path."""
 
 import math
 import time
@@ -35,14 +35,14 @@ def ask(field: ApproachField, x: float, y: float):
     return field.around_walls(x, y, (foot.x, foot.y))
 
 
-def test_straight_where_the_border_is_in_sight():
+def test_border_in_sight_has_no_path():
     field = ApproachField(hall((0.0, 2.0, 4.0, 2.2)), LINE)
     assert ask(field, 6.0, 4.0) is None
     assert ask(field, 6.0, 1.0) is None
     assert ask(field, 2.0, 1.2) is None  # on the border's side of the wall
 
 
-def test_round_the_end_of_a_wall():
+def test_path_leads_round_the_end_of_a_wall():
     field = ApproachField(hall((0.0, 2.0, 5.0, 2.2)), LINE)
     x, y = 3.0, 2.8
     found = ask(field, x, y)
@@ -56,8 +56,8 @@ def test_round_the_end_of_a_wall():
     assert math.hypot(*found.direction) == pytest.approx(1.0)
 
 
-def test_following_it_arrives_and_keeps_off_the_walls():
-    """A point that drives where it is told comes into sight with the way ever shorter."""
+def test_following_the_path_arrives_clear_of_walls():
+    """A point that follows the direction gets a line of sight; the path only gets shorter."""
     occupancy = hall((0.0, 2.0, 5.0, 2.2), (6.0, 3.6, 10.0, 3.8), (5.0, 2.0, 5.2, 4.8))
     field = ApproachField(occupancy, LINE)
     room = occupancy.distance_field()
@@ -75,7 +75,7 @@ def test_following_it_arrives_and_keeps_off_the_walls():
     assert LINE.project(x, y).distance > 1.0  # sight came before the border
 
 
-def test_no_way_out_of_a_closed_room_or_through_a_gap_too_narrow():
+def test_closed_room_and_too_narrow_gap_have_no_path():
     for gap in (0.0, 0.5):
         field = ApproachField(hall((0.0, 2.0, 10.0 - gap, 2.2)), LINE)
         found = ask(field, 3.0, 3.0)
@@ -84,7 +84,7 @@ def test_no_way_out_of_a_closed_room_or_through_a_gap_too_narrow():
         assert found.direction == (0.0, 0.0)
 
 
-def test_narrow_way_only_for_want_of_another():
+def test_wider_path_is_preferred_to_a_narrow_one():
     narrow = (3.0, 3.65)  # 0.65 m, room for the body but not for a turn
     one = ApproachField(hall((0.0, 2.0, 3.0, 2.2), (3.65, 2.0, 10.0, 2.2)), LINE)
     found = ask(one, 2.0, 3.0)
@@ -98,7 +98,7 @@ def test_narrow_way_only_for_want_of_another():
     assert wide.direction[0] > 0.5
 
 
-def test_robot_against_a_wall_and_off_the_map():
+def test_path_exists_against_a_wall_and_not_off_the_map():
     field = ApproachField(hall((0.0, 2.0, 5.0, 2.2)), LINE)
     touching = ask(field, 2.0, 2.35)
     assert touching is not None
@@ -108,7 +108,7 @@ def test_robot_against_a_wall_and_off_the_map():
     assert outside.distance == math.inf
 
 
-def test_unknown_is_no_way():
+def test_unknown_cells_are_not_passed():
     occupancy = hall()
     occupancy.cells[40:44, :] = UNKNOWN
     found = ask(ApproachField(occupancy, LINE), 3.0, 3.0)
@@ -116,19 +116,19 @@ def test_unknown_is_no_way():
     assert found.distance == math.inf
 
 
-def test_same_map_same_field():
+def test_same_map_gives_the_same_field():
     one, other = (ApproachField(hall((0.0, 2.0, 5.0, 2.2)), LINE) for _ in range(2))
     for x in np.linspace(0.5, 5.0, 30):
         assert ask(one, float(x), 3.0) == ask(other, float(x), 3.0)
 
 
-def test_paper_lab_has_a_way_from_every_room_and_is_quick():
+def test_paper_lab_has_a_path_from_every_room_and_is_fast():
     folder = load_map_folder(PAPER_LAB)
     started = time.process_time()
     field = folder.approach_field
     spent = time.process_time() - started
     assert field is not None
-    assert folder.approach_field is field  # found once for all robots
+    assert folder.approach_field is field  # computed once for all robots
     assert spent < 5.0  # 0.5 s on our slow machine; this is to catch a blow-up
     assert folder.border is not None
     rooms = [(1.0, 1.3), (1.0, 5.6), (1.6, 9.0), (1.4, 16.0), (3.5, 16.2), (7.0, 16.0)]

@@ -99,13 +99,13 @@ def test_difference_wraps_on_a_closed_border_only(a: float, b: float) -> None:
     assert OPEN.difference(a, b) == a - b
 
 
-def test_difference_across_the_seam() -> None:
+def test_difference_across_the_seam_is_short() -> None:
     assert CLOSED.difference(0.3, CLOSED.length - 0.2) == pytest.approx(0.5)
     assert CLOSED.difference(CLOSED.length - 0.2, 0.3) == pytest.approx(-0.5)
 
 
 @given(start=st.integers(0, 5), backwards=st.booleans())
-def test_orientation_does_not_depend_on_the_files_order(start: int, backwards: bool) -> None:
+def test_orientation_is_independent_of_the_files_order(start: int, backwards: bool) -> None:
     vertices = L_SHAPE[start:] + L_SHAPE[:start]
     other = round_polygon(vertices[::-1] if backwards else vertices, [1.0] * 6, closed=True)
     reference = round_polygon(L_SHAPE, [1.0] * 6, closed=True)
@@ -149,7 +149,7 @@ def test_an_open_border_keeps_the_files_order_and_is_clamped_at_its_ends() -> No
 
 
 @pytest.mark.parametrize("border", BORDERS)
-def test_length_is_the_way_along_the_polyline(border: Border) -> None:
+def test_length_equals_the_polylines(border: Border) -> None:
     points = border.polyline(0.01)
     steps = np.hypot(*np.diff(points, axis=0).T)
     assert steps.max() <= 0.01 + 1e-9
@@ -166,7 +166,7 @@ def test_the_previous_branch_is_kept_until_another_is_clearly_nearer() -> None:
     assert loop.project(10.0, 1.995, near=high).abscissa == pytest.approx(high)
     assert loop.project(10.0, 1.995, near=low).abscissa == pytest.approx(low)
     assert loop.project(10.0, 1.98, near=high).abscissa == pytest.approx(low)
-    # Far from both: the previous abscissa says nothing.
+    # Far from both: the previous abscissa has no effect.
     assert loop.project(10.0, 1.995, near=0.0).abscissa == pytest.approx(low)
 
 
@@ -177,7 +177,7 @@ def test_the_branch_is_followed_over_the_seam() -> None:
     assert loop.difference(0.1, after.abscissa) == pytest.approx(0.2)
 
 
-def test_tightest_radius() -> None:
+def test_tightest_radius_is_that_of_the_tightest_arc() -> None:
     assert CLOSED.tightest_radius == 0.8
     assert math.isinf(Border([Segment((0, 0), (1, 0))], closed=False).tightest_radius)
 
@@ -202,7 +202,7 @@ def test_tightest_radius() -> None:
         ),
     ],
 )
-def test_what_is_no_border_is_refused_by_name(
+def test_invalid_borders_are_refused_with_the_primitive(
     primitives: list[Segment | Arc], closed: bool, words: list[str]
 ) -> None:
     with pytest.raises(BorderError) as caught:
@@ -211,7 +211,7 @@ def test_what_is_no_border_is_refused_by_name(
         assert word in str(caught.value)
 
 
-def test_too_tight_an_arc_is_refused_with_its_place() -> None:
+def test_too_tight_arc_is_refused_with_its_place() -> None:
     CLOSED.require_radius(0.8)
     tight = Border(
         [

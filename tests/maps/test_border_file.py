@@ -58,7 +58,7 @@ to = [5.0, 3.0]
 """
 
 
-def test_vertices_with_a_common_and_an_own_radius() -> None:
+def test_vertices_may_have_a_common_or_an_own_radius() -> None:
     border = read_border(VERTICES.encode(), "border.toml")
     assert border.closed
     assert border.length == pytest.approx(32.0 - (2.0 - math.pi / 2) * (3 * 1.0 + 2.0))
@@ -72,7 +72,7 @@ def test_pieces_are_chained_and_turned_clockwise() -> None:
     assert border.project(2.0, -0.5).tangent == pytest.approx((-1.0, 0.0))
 
 
-def test_an_open_chain_starts_where_nothing_ends() -> None:
+def test_open_chain_starts_at_the_piece_without_predecessor() -> None:
     border = read_border(S_CURVE.encode(), "s.toml")
     assert not border.closed
     assert border.length == pytest.approx(4.0 + 2.0 + 3.0 + math.pi)
@@ -104,7 +104,7 @@ def test_an_open_chain_starts_where_nothing_ends() -> None:
         ("closed = [", ["border.toml"]),
     ],
 )
-def test_what_is_no_border_is_one_line_naming_file_and_place(text: str, words: list[str]) -> None:
+def test_invalid_file_gives_one_line_with_file_and_place(text: str, words: list[str]) -> None:
     with pytest.raises(BorderError) as caught:
         read_border(text.encode(), "border.toml")
     message = str(caught.value)
@@ -114,6 +114,6 @@ def test_what_is_no_border_is_one_line_naming_file_and_place(text: str, words: l
         assert word in message
 
 
-def test_bytes_that_are_no_text_are_a_border_error() -> None:
+def test_binary_file_is_a_border_error() -> None:
     with pytest.raises(BorderError, match=r"border\.toml"):
         read_border(b"\xff\xfe\x00", "border.toml")

@@ -25,14 +25,14 @@ def straight(x0: float, y0: float, x1: float, y1: float) -> Border:
     return Border([Segment((x0, y0), (x1, y1))], closed=False)
 
 
-def test_distance_counts_to_the_walls_edge() -> None:
+def test_distance_is_to_the_walls_edge() -> None:
     # The wall's cells end at y = 10.05.
     room = border_clearance(OccupancyMap(hall(), 0.05, ORIGIN), straight(-1, 11, 1, 11))
     np.testing.assert_allclose(room.distances, 0.95, atol=1e-5)
     assert room.abscissae[-1] == pytest.approx(2.0)
 
 
-def test_the_narrowest_place_is_named() -> None:
+def test_narrowest_place_is_found() -> None:
     cells = hall()
     cells[40, 30] = OCCUPIED  # centre at x = -0.475, y = 12.025
     room = border_clearance(OccupancyMap(cells, 0.05, ORIGIN), straight(-1.5, 11.6, 1.5, 11.6))
@@ -45,20 +45,20 @@ def test_the_narrowest_place_is_named() -> None:
     assert room.first_unknown is None
 
 
-def test_through_a_wall_is_zero_and_named() -> None:
+def test_border_through_a_wall_has_zero_clearance_and_its_place() -> None:
     room = border_clearance(OccupancyMap(hall(30), 0.05, ORIGIN), straight(0.02, 10.5, 0.02, 12.5))
     assert room.minimum == 0.0
     assert room.first_occupied is not None
     assert room.first_occupied.y == pytest.approx(11.5, abs=0.011)
 
 
-def test_leaving_the_map_is_named() -> None:
+def test_place_of_leaving_the_map_is_found() -> None:
     room = border_clearance(OccupancyMap(hall(), 0.05, ORIGIN), straight(1, 11, 3, 11))
     assert room.first_outside is not None
     assert room.first_outside.x == pytest.approx(2.0, abs=0.011)
 
 
-def test_unknown_space_is_named() -> None:
+def test_place_of_entering_unknown_space_is_found() -> None:
     cells = hall()
     cells[:, 60:] = UNKNOWN
     room = border_clearance(OccupancyMap(cells, 0.05, ORIGIN), straight(-1, 11, 1.9, 11))
@@ -67,6 +67,6 @@ def test_unknown_space_is_named() -> None:
     assert room.first_unknown.abscissa == pytest.approx(2.0, abs=0.011)
 
 
-def test_a_map_without_walls_has_room_everywhere() -> None:
+def test_map_without_walls_has_clearance_everywhere() -> None:
     occupancy = OccupancyMap(np.zeros((60, 80), np.uint8), 0.05, ORIGIN)
     assert border_clearance(occupancy, straight(-1, 11, 1, 11)).minimum > 6.9

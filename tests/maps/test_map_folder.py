@@ -1,4 +1,4 @@
-"""Map folders, and the two that come with the product."""
+"""Map folders, and the shipped ones."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def folder(tmp_path: Path) -> Path:
         ("intel_lab", "border", 70.0, True, 1.0),
     ],
 )
-def test_shipped_borders(
+def test_shipped_maps_have_their_borders(
     name: str, border: str, length: float, closed: bool, tolerance: float
 ) -> None:
     content = load_map_folder(MAPS / name, border)
@@ -43,7 +43,7 @@ def test_shipped_borders(
     assert (MAPS / name / "README.md").is_file()
 
 
-def test_a_recording_can_carry_it(folder: Path) -> None:
+def test_files_restore_the_same_folder(folder: Path) -> None:
     content = load_map_folder(folder, "open")
     shutil.rmtree(folder)
     back = map_folder_from_files(content.name, content.files, "open")
@@ -62,32 +62,32 @@ def test_the_default_border_may_be_absent(folder: Path) -> None:
     assert map_folder_from_files("m", content.files).border is None
 
 
-def test_a_border_asked_for_by_name_may_not(folder: Path) -> None:
+def test_missing_named_border_is_refused(folder: Path) -> None:
     with pytest.raises(BorderError, match=r"somewhere/north\.toml: there is no such border"):
         load_map_folder(folder, "north")
 
 
-def test_no_folder_at_all(tmp_path: Path) -> None:
+def test_missing_folder_is_refused(tmp_path: Path) -> None:
     with pytest.raises(
         MapError, match=r"nowhere/map\.yaml: cannot be read .* is this a map folder"
     ):
         load_map_folder(tmp_path / "nowhere")
 
 
-def test_a_missing_image_is_named(folder: Path) -> None:
+def test_missing_image_is_named(folder: Path) -> None:
     (folder / "map.pgm").unlink()
     with pytest.raises(MapError, match=r"somewhere/map\.pgm: cannot be read"):
         load_map_folder(folder)
 
 
-def test_an_image_elsewhere_is_refused(folder: Path) -> None:
+def test_image_outside_the_folder_is_refused(folder: Path) -> None:
     yaml = (folder / "map.yaml").read_text().replace("map.pgm", "../map.pgm")
     (folder / "map.yaml").write_text(yaml)
     with pytest.raises(MapError, match="must lie in the map folder"):
         load_map_folder(folder)
 
 
-def test_a_broken_border_names_its_file(folder: Path) -> None:
+def test_invalid_border_names_its_file(folder: Path) -> None:
     (folder / "border.toml").write_text("closed = 3\n")
     with pytest.raises(BorderError, match=r"somewhere/border\.toml: .*closed"):
         load_map_folder(folder)

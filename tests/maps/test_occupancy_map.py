@@ -135,7 +135,7 @@ def test_round_trip_is_lossless(
         (YAML, b"P5\n1 1\n100\n\x64", ["map.pgm", "save it with 255"]),
     ],
 )
-def test_what_cannot_be_used_is_one_line_naming_file_and_remedy(
+def test_invalid_map_gives_one_line_with_file_and_remedy(
     tmp_path: Path, yaml: str, image: bytes | None, words: list[str]
 ) -> None:
     path = write_map(tmp_path, yaml, image)

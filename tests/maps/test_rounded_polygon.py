@@ -16,7 +16,7 @@ SQUARE = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0), (0.0, 10.0)]
 
 
 @given(radius=st.floats(0.01, 5.0))
-def test_each_right_corner_saves_its_known_length(radius: float) -> None:
+def test_each_right_corner_shortens_the_border_by_its_known_length(radius: float) -> None:
     border = round_polygon(SQUARE, [radius] * 4, closed=True)
     assert border.length == pytest.approx(40.0 - (8.0 - 2.0 * math.pi) * radius)
     assert border.tightest_radius == radius
@@ -53,7 +53,7 @@ def test_each_vertex_may_have_its_own_radius() -> None:
         ([(0, 0), (4, 0), (4, 4), (2, 4), (2, -4)], 0.5, False, ["meets"]),
     ],
 )
-def test_what_cannot_be_rounded_is_refused_by_name(
+def test_invalid_vertices_are_refused_by_number(
     vertices: list[tuple[float, float]], radius: float, closed: bool, words: list[str]
 ) -> None:
     with pytest.raises(BorderError) as caught:

@@ -1,4 +1,4 @@
-"""Faults of a bench run: what goes wrong, with which robot, from when until when."""
+"""Faults of a bench run: kind, robot, start and end."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from tools.simulation.start_poses import free_start_poses
 
 CARRIED_M = 0.5
 CARRY_ROOM_M = 0.5
-"""Left free beside the place where a robot is put down, if it is carried at all."""
+"""Clearance needed at a place to which a robot is carried aside, m."""
 NOISE = 0.2
-"""Share of corrupt packets on a noisy line."""
+"""Share of corrupt packets and telegrams on a noisy line."""
 AWAY_M = 3.0
-_ALONE_M = 1.5  # from all others, where a robot is put down
-_PLACES = 6  # looked at for it
+_ALONE_M = 1.5  # from all others, at a random place
+_PLACES = 6  # drawn at a time
 
 _TIME = r"\d+\.?\d*"
 _SPEC = re.compile(
@@ -42,19 +42,19 @@ _REMEDY = (
 
 
 class BenchFaultError(ValueError):
-    """A fault that cannot be set up; the message shows how one is written."""
+    """An invalid fault; the message shows the syntax."""
 
 
 class FaultKind(StrEnum):
-    """What goes wrong."""
+    """Kind of a fault."""
 
-    DEAD = "dead"  # the agent does nothing, as when killed or frozen
-    BLIND = "blind"  # nothing of what the laser sends arrives
-    DEAF = "deaf"  # nothing of what the base sends arrives
+    DEAD = "dead"  # the agent neither receives nor sends, as if killed or frozen
+    BLIND = "blind"  # no byte from the laser arrives
+    DEAF = "deaf"  # no byte from the base arrives
     STUCK = "stuck"  # the wheels do not turn
     NOISY = "noisy"  # a share of the packets and telegrams of both devices is corrupt
-    CARRIED = "carried"  # once, half a metre to its left, if there is room
-    AWAY = "away"  # once, somebody puts the robot elsewhere, turned anyhow: it is lost
+    CARRIED = "carried"  # moved once half a metre to its left, if there is room
+    AWAY = "away"  # moved once to a random pose
 
 
 _ONCE = (FaultKind.CARRIED, FaultKind.AWAY)
@@ -62,7 +62,7 @@ _ONCE = (FaultKind.CARRIED, FaultKind.AWAY)
 
 @dataclass(frozen=True, slots=True)
 class BenchFault:
-    """One fault of one robot, from start to end (s, virtual; inf: for good)."""
+    """One fault of one robot, from start to end (s, virtual; inf: permanent)."""
 
     robot: str
     kind: FaultKind
@@ -70,26 +70,26 @@ class BenchFault:
     end: float = math.inf
 
     def holds(self, t: float) -> bool:
-        """Tell whether the fault is on at t."""
+        """Whether the fault is active at t."""
         return self.start <= t < self.end
 
     @property
-    def makes_wreck(self) -> bool:
-        """Whether the robot stands still for good."""
+    def is_permanent(self) -> bool:
+        """Whether the robot stands permanently: it becomes a wreck."""
         return math.isinf(self.end) and self.kind not in _ONCE
 
 
 def wrecks_of(faults: Sequence[BenchFault], poses: Mapping[str, Pose], t: float) -> list[Wreck]:
-    """Return the robots, by name at their poses, that faults have stopped for good by t."""
+    """Return the robots that faults have stopped permanently by t, at their poses by name."""
     since: dict[str, float] = {}
     for fault in faults:
-        if fault.makes_wreck and fault.holds(t):
+        if fault.is_permanent and fault.holds(t):
             since[fault.robot] = min(fault.start, since.get(fault.robot, math.inf))
     return [Wreck(poses[name].x, poses[name].y, name, start) for name, start in since.items()]
 
 
 def parse_fault(text: str) -> BenchFault:
-    """Read a fault that leaves nothing to chance: ``robot2:dead@120``, ``robot1:blind@60-90`` (s).
+    """Parse a fault without random parts: ``robot2:dead@120``, ``robot1:blind@60-90`` (s).
 
     Raises BenchFaultError.
     """
@@ -98,8 +98,8 @@ def parse_fault(text: str) -> BenchFault:
 
 
 def draw_faults(texts: Sequence[str], team: Sequence[str], seed: int) -> list[BenchFault]:
-    """Read faults as ``parse_fault`` does, also ``any2:dead@60..300``: robots and times that a
-    seed draws, no robot twice.
+    """Parse faults as ``parse_fault`` does, also ``any2:dead@60..300`` with robots and times drawn
+    from a seed, no robot twice.
 
     Raises BenchFaultError.
     """
@@ -119,7 +119,7 @@ def draw_faults(texts: Sequence[str], team: Sequence[str], seed: int) -> list[Be
     return faults
 
 
-_FAULT_STREAM = 17  # keeps the draws of faults apart from those of starts
+_FAULT_STREAM = 17  # separates the random draws of faults from those of starts
 
 
 def _drawn(text: str, match: re.Match[str], robot: str, rng: np.random.Generator) -> BenchFault:
@@ -139,7 +139,7 @@ def _drawn(text: str, match: re.Match[str], robot: str, rng: np.random.Generator
 
 
 def check_robots(faults: Sequence[BenchFault], names: Sequence[str]) -> None:
-    """Raise BenchFaultError for a fault of a robot that is not among the names of the team."""
+    """Raise BenchFaultError if a fault names a robot that is not in the team."""
     for fault in faults:
         if fault.robot not in names:
             raise BenchFaultError(
@@ -148,7 +148,7 @@ def check_robots(faults: Sequence[BenchFault], names: Sequence[str]) -> None:
 
 
 def fault_figures(faults: Sequence[BenchFault]) -> list[dict[str, Any]]:
-    """Return the faults as ``bench --json`` tells them; end None: for good."""
+    """Return the faults for ``bench --json``; end None means permanent."""
     return [
         {
             "robot": fault.robot,
@@ -161,41 +161,41 @@ def fault_figures(faults: Sequence[BenchFault]) -> list[dict[str, Any]]:
 
 
 class FaultInjector:
-    """Does to one robot what its faults say, as time passes."""
+    """Applies the faults of one robot as time passes."""
 
     def __init__(
         self, faults: Sequence[BenchFault], rig: RobotRig, folder: MapFolder, seed: int
     ) -> None:
-        """Put lines that can fail between a robot's devices and its agent."""
+        """Put fault-injecting lines between a robot's devices and its agent."""
         self._rng = np.random.default_rng(seed)
         self.base = LineFaults(rig.base, FaultPlan(), self._rng)
         self.laser = LineFaults(rig.laser, FaultPlan(), self._rng)
         self._rig = rig
         self._folder = folder
-        self._to_come = deque(sorted(faults, key=lambda fault: fault.start))
-        self._present: list[BenchFault] = []
+        self._pending = deque(sorted(faults, key=lambda fault: fault.start))
+        self._active: list[BenchFault] = []
         self.agent_dead = False
-        """Whether nobody is there to hear the devices."""
+        """Whether the agent neither receives nor sends."""
 
     def advance(self, t: float) -> None:
-        """Begin and end faults at t, s."""
-        while self._to_come and self._to_come[0].start <= t:
-            fault = self._to_come.popleft()
-            self._present.append(fault)
+        """Begin and end the faults that are due at t."""
+        while self._pending and self._pending[0].start <= t:
+            fault = self._pending.popleft()
+            self._active.append(fault)
             if fault.kind is FaultKind.CARRIED:
-                self._carry_aside()
+                self._move_aside()
             elif fault.kind is FaultKind.AWAY:
-                self._rig.put(self._elsewhere())
-        self._present = [fault for fault in self._present if fault.holds(t)]
-        on = {fault.kind for fault in self._present}
+                self._rig.place(self._random_place())
+        self._active = [fault for fault in self._active if fault.holds(t)]
+        on = {fault.kind for fault in self._active}
         self.agent_dead = FaultKind.DEAD in on
         self.base.mute = self.agent_dead or FaultKind.DEAF in on
         self.laser.mute = self.agent_dead or FaultKind.BLIND in on
         self.base.spoilt = self.laser.spoilt = NOISE if FaultKind.NOISY in on else 0.0
         self._rig.stuck = FaultKind.STUCK in on
 
-    def _carry_aside(self) -> None:
-        """Put the robot to its left if there is room."""
+    def _move_aside(self) -> None:
+        """Move the robot CARRIED_M to its left if there is room."""
         pose = self._rig.body.pose
         left = pose.compose(Pose(0.0, CARRIED_M, 0.0))
         directions = np.linspace(0.0, math.tau, 16, endpoint=False)
@@ -204,10 +204,10 @@ class FaultInjector:
         others = [body for body in self._rig.world.bodies if body is not self._rig.body]
         apart = min((math.dist(left[:2], body.pose[:2]) for body in others), default=math.inf)
         if min(walls, way - CARRIED_M) > CARRY_ROOM_M and apart > 2.0 * CARRY_ROOM_M:
-            self._rig.put(left)
+            self._rig.place(left)
 
-    def _elsewhere(self) -> Pose:
-        """Return a place to put the robot down at: off the border, away from here and others."""
+    def _random_place(self) -> Pose:
+        """Return a random pose off the border, away from the present one and from other robots."""
         folder, here = self._folder, self._rig.body.pose
         assert folder.border is not None, "robots patrol a border"
         others = [body.pose for body in self._rig.world.bodies if body is not self._rig.body]
@@ -217,7 +217,7 @@ class FaultInjector:
                 if alone and math.dist(pose[:2], here[:2]) > AWAY_M:
                     return pose
 
-    def lose_output(self, t: float) -> None:
-        """Let go what the devices have sent by t to nobody."""
+    def discard_output(self, t: float) -> None:
+        """Discard what the devices have sent by t."""
         self.base.pop_output(t)
         self.laser.pop_output(t)

@@ -1,4 +1,4 @@
-"""What ``bench --json`` gives of a run, whichever fleet it was."""
+"""The figures of ``bench --json`` for a run of either fleet."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ class BenchedFleet(Protocol):
     world: World
 
     def wrecks(self) -> list[Wreck]:
-        """Return the robots that stand for good."""
+        """Return the robots that are stopped permanently."""
 
 
 def bench_result(
     fleet: BenchedFleet, runs: Sequence[RobotRun], duration: float, wall: float
 ) -> dict[str, Any]:
-    """Return the figures of a run of duration, s, that took wall, s."""
+    """Return the figures of a run of ``duration`` s that took ``wall`` s of real time."""
     assert fleet.folder.border is not None
     return {
         "robots": len(runs),

@@ -1,4 +1,4 @@
-"""Many robots in lockstep: emulated devices, the real agents, every byte encoded and decoded."""
+"""A fleet in lockstep: emulated devices, the real agents, every byte encoded and decoded."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ from tools.simulation.world import World
 STEP_S = 0.02
 SAMPLE_S = 0.1
 STRANGERS_S = 0.05
-"""Strangers take a step this often."""
+"""Period of the strangers' steps, s."""
 
 
 @dataclass(frozen=True)
 class FleetRobot:
-    """One robot of the fleet: its hardware and its mind."""
+    """One robot of the fleet: its rig and its agent."""
 
     rig: RobotRig
     lockstep: LockstepAgent
@@ -45,7 +45,7 @@ class FleetRobot:
 
     @property
     def decides(self) -> bool:
-        """Whether the agent is there and has decided something."""
+        """Whether the agent is not dead and has made a decision."""
         dead = self.injector is not None and self.injector.agent_dead
         return not dead and self.agent.decision is not None
 
@@ -56,7 +56,7 @@ class FleetRobot:
 
 
 class Fleet:
-    """A world of robots under a virtual clock."""
+    """A simulated world of robots under a virtual clock."""
 
     def __init__(
         self,
@@ -73,9 +73,9 @@ class Fleet:
     ) -> None:
         """Place the robots (at seeded random starts unless given) and power them.
 
-        ``observer`` makes the recorder of the robot of that name. strangers: how many people and
-        carts walk about. cameras: the robots have them. Raises BenchFaultError for a fault of a
-        robot that is not there, StrangerError where there is no room for strangers.
+        observer: makes a robot's recorder by its name. strangers: number of moving people and
+        carts. cameras: whether the robots have cameras. Raises BenchFaultError for a fault of an
+        unknown robot, StrangerError where there is no room for strangers.
         """
         rng = np.random.default_rng(seed)
         self.folder = folder
@@ -111,7 +111,7 @@ class Fleet:
             robot.lockstep.start(self.t)
 
     def step(self) -> None:
-        """Let STEP_S pass."""
+        """Advance by STEP_S."""
         self.t = round(self.t + STEP_S, 6)
         if self.strangers and self.t >= self._next_strangers:
             self._next_strangers += STRANGERS_S
@@ -127,7 +127,7 @@ class Fleet:
                 robot.camera.advance(self.t)
         for robot in self.robots:
             if robot.injector and robot.injector.agent_dead:
-                robot.injector.lose_output(self.t)
+                robot.injector.discard_output(self.t)
             else:
                 robot.lockstep.deliver(self.t)
 
@@ -137,18 +137,18 @@ class Fleet:
         return LockstepCamera(emulated.picture_at, settings.camera, color)
 
     def shut_down(self) -> None:
-        """End every agent in good order."""
+        """Shut every agent down."""
         for robot in self.robots:
             robot.lockstep.shut_down(self.t)
 
     def wrecks(self) -> list[Wreck]:
-        """Return the robots that a fault has stopped for good by now."""
+        """Return the robots that a fault has stopped permanently by now."""
         poses = {robot.rig.name: robot.rig.body.pose for robot in self.robots}
         return wrecks_of(self.faults, poses, self.t)
 
 
 def _configure(config: AgentConfig, folder: MapFolder, rig: RobotRig, seed: int) -> AgentConfig:
-    """Give a robot its name, its seed, its map and about where it is."""
+    """Return a robot's configuration: name, seed, map and approximate start pose."""
     start = rig.body.pose
     return msgspec.structs.replace(
         config,
@@ -159,10 +159,10 @@ def _configure(config: AgentConfig, folder: MapFolder, rig: RobotRig, seed: int)
 
 
 class FleetLog:
-    """Samples the truth and the decisions of a fleet."""
+    """Samples the true poses and the decisions of a fleet."""
 
     def __init__(self, fleet: Fleet) -> None:
-        """Nothing is sampled before the first ``sample``."""
+        """Start an empty log of a fleet."""
         self._fleet = fleet
         self._times: list[float] = []
         self._perception = PerceptionLog(fleet.world, fleet.folder.border)
@@ -171,7 +171,7 @@ class FleetLog:
         }
 
     def sample(self) -> None:
-        """Take down where every robot truly is and what it has decided."""
+        """Append every robot's true pose and decision in force."""
         self._times.append(self._fleet.t)
         for robot in self._fleet.robots:
             decision = robot.agent.decision if robot.decides else None
@@ -182,11 +182,11 @@ class FleetLog:
             self._rows[robot.rig.name].append((pose.x, pose.y, action, direction))
 
     def perception(self) -> dict[str, Any]:
-        """Return how well the robots saw each other."""
+        """Return the figures of the robots' perception of each other and of strangers."""
         return self._perception.figures()
 
     def runs(self) -> list[RobotRun]:
-        """Return what was sampled, one run per robot."""
+        """Return the samples, one run per robot."""
         t = np.array(self._times)
         return [
             RobotRun(
@@ -208,7 +208,7 @@ def run_bench(
 ) -> dict[str, Any]:
     """Run a fleet for a duration (s, virtual) and return the figures of ``bench --json``.
 
-    log: what samples the run, for one who wants to see more of it than the figures.
+    log: the log that samples the run, for access beyond the figures; by default a new one.
     """
     started = time.perf_counter()
     log = log or FleetLog(fleet)

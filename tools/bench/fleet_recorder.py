@@ -13,7 +13,7 @@ from tools.replay.carmen_recording import RecordingObserver
 
 
 class FleetRecorder:
-    """Makes the observer of each robot; the files are whole when this is closed."""
+    """Makes the observer of each robot; ``close`` completes the files."""
 
     def __init__(self, folder: MapFolder, target: Path) -> None:
         """Record to ``target``/<robot>.mcap."""
@@ -24,7 +24,7 @@ class FleetRecorder:
         target.mkdir(parents=True, exist_ok=True)
 
     def close(self) -> None:
-        """Finish the files."""
+        """Complete the files."""
         self._files.close()
 
     def observe(self, name: str, config: AgentConfig) -> RecordingObserver:

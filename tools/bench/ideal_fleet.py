@@ -1,7 +1,7 @@
-"""Many robots with ideal sensing: the decision layer alone, for large studies.
+"""A fleet with ideal sensing: the decision layer alone, for large studies.
 
-Patrol, heading loop and gate are the agent's own; bodies and contacts are the world's. Poses are
-true, teammates are seen where they are (``IdealSight``), and no byte is encoded.
+Patrol, heading loop and gate are the agent's; bodies and contacts are the world's. Poses are true,
+teammates are seen at their true positions (``IdealSight``), and no byte is encoded.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ from tools.simulation.noise import NO_NOISE
 from tools.simulation.start_poses import free_start_poses
 from tools.simulation.world import World
 
-_STEP_WAY = 0.06  # m that nothing drives farther in one step
+_STEP_WAY = 0.06  # m; upper bound of the motion of one step
 _POSSIBLE = (FaultKind.DEAD, FaultKind.STUCK)
 
 
 class IdealFleet:
-    """A world of robots that sense ideally, under a virtual clock."""
+    """A simulated world of robots with ideal sensing, under a virtual clock."""
 
     def __init__(
         self,
@@ -49,7 +49,7 @@ class IdealFleet:
     ) -> None:
         """Place the robots, at the seeded random starts of ``Fleet`` unless given.
 
-        Raises BenchFaultError for a fault of a robot that is not there, or of devices.
+        Raises BenchFaultError for a fault of an unknown robot, or of devices.
         """
         assert folder.border is not None, "robots patrol a border"
         config = config or AgentConfig()
@@ -66,15 +66,15 @@ class IdealFleet:
         _check_faults(self.faults, [robot.name for robot in self.robots])
         self._ahead = np.array([robot.body.outline.middle for robot in self.robots])
         self._sight = IdealSight(config.perception.detection_range, folder.map, len(self.robots))
-        self._closest = [math.inf] * len(self.robots)  # m to the nearest other, as last seen
+        self._closest = [math.inf] * len(self.robots)  # m to the nearest other robot
         self._obstacles = IdealObstacles(gate_limits(config.gate), folder.map, folder.border)
 
     def step(self) -> None:
-        """Let STEP_S pass: wheels turn, robots look, robots decide."""
+        """Advance by STEP_S: motion, sensing, decisions."""
         self.t = round(self.t + STEP_S, 6)
         self._inject()
         self._move()
-        teammates = self._look()
+        teammates = self._sense()
         self._closest = self._sight.apart.min(axis=1).tolist()
         for index, robot in enumerate(self.robots):
             if not robot.dead:
@@ -83,7 +83,7 @@ class IdealFleet:
                 robot.decide(self.t, teammates[index], obstacles)
 
     def wrecks(self) -> list[Wreck]:
-        """Return the robots that a fault has stopped for good by now."""
+        """Return the robots that a fault has stopped permanently by now."""
         poses = {robot.name: robot.body.pose for robot in self.robots}
         return wrecks_of(self.faults, poses, self.t)
 
@@ -94,16 +94,16 @@ class IdealFleet:
             robot.dead, robot.stuck = FaultKind.DEAD in on, FaultKind.STUCK in on
 
     def _move(self) -> None:
-        """Turn all wheels; what may touch something is moved by the world, which looks."""
+        """Move all robots; those near a wall or a body by the world, which checks contacts."""
         for index, robot in enumerate(self.robots):
             body, motion = robot.body, robot.roll(STEP_S)
             room = 2.0 * body.reach + 4.0 * _STEP_WAY
-            if self._closest[index] > room and self._obstacles.touches_no_wall(robot, _STEP_WAY):
+            if self._closest[index] > room and self._obstacles.is_clear_of_walls(robot, _STEP_WAY):
                 body.pose = along_arc(body.pose, *motion)
             else:
                 self.world.move(body, *motion)
 
-    def _look(self) -> list[tuple[float, float] | None]:
+    def _sense(self) -> list[tuple[float, float] | None]:
         poses = np.array([robot.body.pose for robot in self.robots]).T
         heading = np.array((np.cos(poses[2]), np.sin(poses[2])))
         speed = np.array([robot.v for robot in self.robots])
@@ -129,10 +129,10 @@ def _check_faults(faults: Sequence[BenchFault], names: list[str]) -> None:
 
 
 class IdealLog:
-    """Samples the truth and the decisions of an ideal fleet."""
+    """Samples the true poses and the decisions of an ideal fleet."""
 
     def __init__(self, fleet: IdealFleet) -> None:
-        """Nothing is sampled before the first ``sample``."""
+        """Start an empty log of a fleet."""
         self._fleet = fleet
         self._times: list[float] = []
         self._places: list[list[tuple[float, float]]] = []
@@ -140,7 +140,7 @@ class IdealLog:
         self._directions: list[list[int]] = [[] for _ in fleet.robots]
 
     def sample(self) -> None:
-        """Take down where every robot truly is and what it has decided."""
+        """Append every robot's true pose and decision in force."""
         robots = self._fleet.robots
         self._times.append(self._fleet.t)
         self._places.append([robot.body.pose[:2] for robot in robots])
@@ -150,7 +150,7 @@ class IdealLog:
             directions.append(decision.direction if decision else 0)
 
     def runs(self) -> list[RobotRun]:
-        """Return what was sampled, one run per robot."""
+        """Return the samples, one run per robot."""
         t, places = np.array(self._times), _places(self._places, len(self._fleet.robots))
         return [
             RobotRun(
@@ -165,7 +165,7 @@ class IdealLog:
 
 
 def _places(rows: list[list[tuple[float, float]]], robots: int) -> NDArray[np.float64]:
-    """Return (robots, n, 2) contiguous places."""
+    """Return positions (robots, n, 2), m, as contiguous arrays."""
     return np.ascontiguousarray(np.array(rows).reshape(-1, robots, 2).swapaxes(0, 1))
 
 
@@ -177,7 +177,7 @@ def run_ideal_bench(
 ) -> dict[str, Any]:
     """Run a fleet for a duration (s, virtual); return the figures of ``bench --json``.
 
-    log: what samples the run, for one who wants to see more of it than the figures.
+    log: the log that samples the run, for access beyond the figures; by default a new one.
     """
     started = time.perf_counter()
     log = log or IdealLog(fleet)
@@ -191,6 +191,6 @@ def run_ideal_bench(
         "sensing": "ideal",
         **bench_result(fleet, log.runs(), duration, wall),
         "strangers": 0,
-        "perception": PerceptionLog(fleet.world, fleet.folder.border).figures(),  # of nothing
+        "perception": PerceptionLog(fleet.world, fleet.folder.border).figures(),  # empty
         "gate_stops": sum(robot.gate_stops for robot in fleet.robots),
     }

@@ -1,4 +1,4 @@
-"""What stands near a robot with ideal sensing: bodies of others, and walls off the border."""
+"""Obstacle points near a robot with ideal sensing: other bodies, and walls off the border."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from tools.simulation.robot_body import Outline
 
 _NOTHING = np.empty((0, 2))
 _OUTLINE_STEP = 0.08  # m between the points of a body
-_SLACK = 0.02  # m beyond the circle that a turning robot's corners reach
+_SLACK = 0.02  # m added to the circle that a turning robot's corners reach
 
 
 class IdealObstacles:
-    """Gives the safety gate the points it could look at, and no others."""
+    """Provides the safety gate with the obstacle points within its range, and no others."""
 
     def __init__(self, gate: GateLimits, occupancy: OccupancyMap, border: Border) -> None:
         self._gate = gate
@@ -34,7 +34,7 @@ class IdealObstacles:
         self._occupancy = occupancy
         self._wall_corners = _corners(occupancy.cells == OCCUPIED)
         self._room = occupancy.distance_field()
-        self._room_of_border = border_clearance(occupancy, border).minimum
+        self._border_clearance = border_clearance(occupancy, border).minimum
 
     def around(
         self,
@@ -45,15 +45,15 @@ class IdealObstacles:
     ) -> NDArray[np.float64]:
         """Return points (n, 2), m, in the robot's base_link.
 
-        apart (n,): m to the robots, of which closest is the least.
+        apart (n,): distances, m, to the robots; closest is their minimum.
         """
-        pose, sight = robot.body.pose, self._sight(robot)
+        pose, sight = robot.body.pose, self._gate_range(robot)
         parts: list[NDArray[np.float64]] = []
         near: list[int] = []
         if closest <= sight + self._outline_reach:
             near = np.flatnonzero(apart <= sight + self._outline_reach).tolist()
             parts = [_in_map(self._outline, robots[other].body.pose) for other in near]
-        if self._may_meet_wall(robot) and not self.free(pose, sight):
+        if self._is_near_wall(robot) and not self.free(pose, sight):
             parts.append(self._wall_points(pose, sight))
         if not parts:
             return _NOTHING
@@ -66,24 +66,24 @@ class IdealObstacles:
         middles = np.array([robots[other].body.rectangle()[:2] for other in near])
         return np.concatenate((points, teammate_keep_out((middles - here) @ into_base)))
 
-    def _sight(self, robot: IdealRobot) -> float:
-        """Return how far from base_link the gate looks at most in its next step, m."""
+    def _gate_range(self, robot: IdealRobot) -> float:
+        """Return the farthest distance from base_link that the gate's next step considers, m."""
         gate = self._gate
         v = robot.fastest + gate.max_acceleration * STEP_S
         stopping = v * v / (2.0 * gate.braking) + v * gate.reaction_delay
         return stopping + gate.front + gate.rear + gate.half_width
 
-    def touches_no_wall(self, robot: IdealRobot, step: float) -> bool:
-        """Tell whether no wall can be met while driving no more than a step, m."""
+    def is_clear_of_walls(self, robot: IdealRobot, step: float) -> bool:
+        """Whether no wall is within reach of a motion of at most ``step`` m."""
         reach = robot.body.reach + step
         decision = robot.decision
-        # The border's own room is known exactly, and so is the robot's distance from it.
-        if decision and decision.distance_from_border + step + reach < self._room_of_border:
+        # The border's clearance and the robot's distance from it give a lower bound first.
+        if decision and decision.distance_from_border + step + reach < self._border_clearance:
             return True
         return self.free(robot.body.pose, reach)
 
     def free(self, pose: Pose, distance: float) -> bool:
-        """Tell whether there is no wall within a distance, m, of a pose."""
+        """Whether there is no wall within ``distance`` m of a pose."""
         resolution, origin = self._occupancy.resolution, self._occupancy.origin
         row = math.floor((pose.y - origin.y) / resolution)
         col = math.floor((pose.x - origin.x) / resolution)
@@ -91,21 +91,21 @@ class IdealObstacles:
         if not (0 <= row < rows and 0 <= col < cols):
             return False
         edge = min(row, col, rows - 1 - row, cols - 1 - col) * resolution
-        # Half a cell's diagonal for the wall's cell, and for our own.
+        # Half a cell's diagonal for the wall's cell, and for the pose's.
         room = min(float(self._room[row, col]), edge) - 1.5 * resolution
         return bool(room > distance)
 
-    def _may_meet_wall(self, robot: IdealRobot) -> bool:
-        """Tell whether walls can matter: not to one that patrols the border in its clear room."""
+    def _is_near_wall(self, robot: IdealRobot) -> bool:
+        """Whether walls can be in the gate's range: not while patrolling close to the border."""
         decision = robot.decision
         return (
             decision is None
             or decision.action not in PATROLLING
-            or decision.distance_from_border + self._outline_reach + _SLACK > self._room_of_border
+            or decision.distance_from_border + self._outline_reach + _SLACK > self._border_clearance
         )
 
     def _wall_points(self, pose: Pose, sight: float) -> NDArray[np.float64]:
-        """Return the corners (n, 2), map frame, of occupied cells about a pose."""
+        """Return the corners (n, 2), m, map frame, of occupied cells within ``sight`` of a pose."""
         resolution, origin = self._occupancy.resolution, self._occupancy.origin
         row = math.floor((pose.y - origin.y) / resolution)
         col = math.floor((pose.x - origin.x) / resolution)

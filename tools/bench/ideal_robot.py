@@ -1,4 +1,4 @@
-"""One robot of the ideal bench: the agent's decision layer on a body that does as it is told."""
+"""One robot of the ideal bench: the agent's decision layer on a simulated body."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from tools.simulation.robot_body import RobotBody
 
 STEP_S = 0.1
-"""One control step: the base reports 10 times a second."""
-_BATTERY = 13.0  # V; a full one, which lasts
+"""Period of a control step, s: the base reports 10 times a second."""
+_BATTERY = 13.0  # V; full, constant
 
 
 @dataclass(slots=True, eq=False)
 class IdealRobot:
     """Patrol, heading loop and gate of the agent; v and w (m/s, rad/s) follow the base's ramps.
 
-    stuck: the wheels are held. dead: nobody decides, and the base stands.
+    stuck: the wheels do not turn. dead: no decisions are made, and the base stands.
     """
 
     name: str
@@ -48,11 +48,11 @@ class IdealRobot:
 
     @property
     def fastest(self) -> float:
-        """Speed at which it rolls or was last told to, m/s."""
+        """The greater of the present and the commanded speed, m/s."""
         return max(self.v, self._order[0])
 
     def roll(self, dt: float) -> tuple[float, float]:
-        """Let the wheels turn for dt, s; return the distance, m, and rotation, rad."""
+        """Advance the ramps by dt, s; return the wheels' distance, m, and rotation, rad."""
         v, w = (0.0, 0.0) if self.dead else self._order
         self.v, distance = ramp(self.v, v, ACCELERATION, DECELERATION, dt)
         self.w, rotation = ramp(self.w, w, TURN_ACCELERATION, TURN_DECELERATION, dt)
@@ -63,9 +63,10 @@ class IdealRobot:
     def decide(
         self, t: float, teammate: tuple[float, float] | None, obstacles: NDArray[np.float64]
     ) -> None:
-        """Take one control step at t, s, as the agent does.
+        """Run one control step at t, as the agent does.
 
-        teammate: (x, y) of the closest one, map frame. obstacles: (n, 2) m in base_link.
+        teammate: (x, y) of the closest teammate, m, map frame, or None. obstacles: (n, 2), m, in
+        base_link.
         """
         pose = self.body.pose
         decision = self.patrol.step(t, pose, teammate, held=held_by_obstacle(self.gate_decision))
@@ -96,7 +97,7 @@ class IdealRobot:
 
 
 def make_ideal_robot(body: RobotBody, config: AgentConfig, folder: MapFolder) -> IdealRobot:
-    """Return the robot of a body with a robot's configuration on a map with a border."""
+    """Return the robot of a body with a configuration, on a map with a border."""
     assert folder.border is not None
     rng = np.random.default_rng(config.robot.seed)
     return IdealRobot(
@@ -109,7 +110,7 @@ def make_ideal_robot(body: RobotBody, config: AgentConfig, folder: MapFolder) ->
 
 
 def along_arc(pose: Pose, distance: float, rotation: float) -> Pose:
-    """Return where an arc of distance, m, and rotation, rad, leads from a pose."""
+    """Return the pose after an arc of distance, m, and rotation, rad."""
     half = rotation / 2.0
     chord = distance * (math.sin(half) / half if half else 1.0)
     heading = pose.theta + half

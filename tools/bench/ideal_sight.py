@@ -1,7 +1,7 @@
-"""What robots would see with perfect sensors: true places of teammates in view, then remembered.
+"""Ideal perception of teammates: true positions while in view, predicted tracks afterwards.
 
-The field of view is the laser's, 180 degrees ahead; walls and other bodies hide what is behind
-them. A teammate out of view is remembered as the tracker does: carried on with a decaying speed.
+The field of view is the laser's, 180 degrees ahead; walls and other bodies occlude. A teammate out
+of view is predicted as by the tracker, with a decaying velocity.
 """
 
 from __future__ import annotations
@@ -15,22 +15,22 @@ from robot_agent.perception.track_filter import VELOCITY_DECAY
 from robot_agent.perception.visibility import VISIBILITY, VISIBILITY_MARGIN
 
 _SAMPLES = 32  # along a line of sight; at most 0.13 m apart over the detection range
-_HIDING_RADIUS = 0.20  # m; half a Pioneer's width: a line nearer to a body's middle is cut
+_OCCLUSION_RADIUS = 0.20  # m; half a Pioneer's width: a line nearer to a body's centre is occluded
 
 Array = NDArray[np.float64]
 
 
 class IdealSight:
-    """Who sees whom, and where each robot holds its teammates to be."""
+    """The teammates in view of each robot, and their positions known to it."""
 
     def __init__(self, detection_range: float, occupancy: OccupancyMap, count: int) -> None:
-        """Prepare a map for ``count`` robots that see each other up to detection_range, m."""
+        """Prepare a map for ``count`` robots with a detection range, m."""
         self._detection_range = detection_range
         self._origin = np.array((occupancy.origin.x, occupancy.origin.y))[:, None]
         self._resolution = occupancy.resolution
         walls = np.pad(occupancy.cells == OCCUPIED, 1, constant_values=True)
         spacing = detection_range / (_SAMPLES - 1)
-        # Lines are sampled; what is nearer to a wall than half the spacing has one between samples.
+        # Lines are sampled: a wall nearer than half the spacing may lie between two samples.
         room = np.pad(occupancy.distance_field(), 1) - occupancy.resolution / 2.0
         opaque = walls | (room < spacing / 2.0)
         self._opaque, self._columns = opaque.ravel(), opaque.shape[1]
@@ -47,12 +47,12 @@ class IdealSight:
     def look(
         self, t: float, base: Array, heading: Array, middle: Array, speed: Array
     ) -> list[tuple[float, float] | None]:
-        """Look at t, s; return the place of each robot's closest teammate, or None.
+        """Update at t; return each robot's closest teammate's position, m, map frame, or None.
 
         base, heading, middle: (2, n) base_link in the map, unit vector ahead, centre of the body,
         m. speed: (n,) m/s ahead.
         """
-        # 1. Who is in view.
+        # 1. Find the pairs in view.
         between = base[:, None, :] - base[:, :, None]
         self.apart = apart = np.sqrt(between[0] ** 2 + between[1] ** 2) + self._to_itself
         one, other = (apart <= self._detection_range).nonzero()
@@ -60,8 +60,8 @@ class IdealSight:
             along = (middle[:, other] - base[:, one]) * heading[:, one]
             ahead = along[0] + along[1] > 0.0
             one, other = one[ahead], other[ahead]
-            clear = self._clear(middle, one, other)
-            # 2. What is remembered of them from now on.
+            clear = self._is_visible(middle, one, other)
+            # 2. Store their positions and velocities.
             one, other = one[clear], other[clear]
             self._last_seen[one, other] = t
             self._place[:, one, other] = middle[:, other]
@@ -69,7 +69,7 @@ class IdealSight:
         return self._closest(t, base)
 
     def _closest(self, t: float, base: Array) -> list[tuple[float, float] | None]:
-        """Return each robot's closest teammate, in view or remembered, within visibility."""
+        """Return each robot's closest teammate, in view or predicted, within the visibility."""
         closest: list[tuple[float, float] | None] = [None] * base.shape[1]
         one, other = (self._last_seen >= t - TRACK_MEMORY).nonzero()
         unseen = self._last_seen[one, other] - t
@@ -92,17 +92,17 @@ class IdealSight:
                 nearest[i], closest[i] = d, (x, y)
         return closest
 
-    def _clear(
+    def _is_visible(
         self, middle: Array, one: NDArray[np.intp], other: NDArray[np.intp]
     ) -> NDArray[np.bool_]:
         """Return (m,) whether no wall and no third body lies between the bodies of each pair."""
         start, way = middle[:, one], middle[:, other] - middle[:, one]
-        free = ~self._walled(start, way)
+        free = ~self._is_behind_wall(start, way)
         if middle.shape[1] > 2:
-            free &= ~_hidden(middle, one, other, start, way)
+            free &= ~_is_occluded(middle, one, other, start, way)
         return np.asarray(free)
 
-    def _walled(self, start: Array, way: Array) -> NDArray[np.bool_]:
+    def _is_behind_wall(self, start: Array, way: Array) -> NDArray[np.bool_]:
         """Return (m,) whether a wall lies on the lines from start (2, m) along way (2, m)."""
         first, last = ((place - self._origin) / self._resolution for place in (start, start + way))
         cells = first[:, :, None] + (last - first)[:, :, None] * self._shares + 1.0
@@ -110,7 +110,7 @@ class IdealSight:
         return np.asarray(self._opaque.take(row * self._columns + col).any(axis=1))
 
 
-def _hidden(
+def _is_occluded(
     middle: Array, one: NDArray[np.intp], other: NDArray[np.intp], start: Array, way: Array
 ) -> NDArray[np.bool_]:
     """Return (m,) whether a third body lies on the lines between the bodies one and other."""
@@ -122,4 +122,4 @@ def _hidden(
     off = np.hypot(x - share * way[0][:, None], y - share * way[1][:, None])
     bodies = np.arange(count)
     third = (bodies != one[:, None]) & (bodies != other[:, None])
-    return np.asarray((third & (off < _HIDING_RADIUS)).any(axis=1))
+    return np.asarray((third & (off < _OCCLUSION_RADIUS)).any(axis=1))

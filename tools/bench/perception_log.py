@@ -1,4 +1,4 @@
-"""How well the robots see each other and strangers: their tracks against the true positions."""
+"""Figures of the robots' perception: their tracks against the true positions."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from tools.simulation.robot_body import BodyKind, RobotBody
 from tools.simulation.world import World
 
 VISIBILITY = 2.5  # m
-SETTLED_S = 0.5  # in view before a robot must have been detected
-CLASSED_S = 1.0  # in view before it must be known who it is
-SAME_M = 0.5  # a track this near a robot is of that robot
-FRESH_S = 0.25  # a track seen within this time is compared with what is there now
+SETTLED_S = 0.5  # in view before a detection is due
+CLASSED_S = 1.0  # in view before its classification is due
+SAME_M = 0.5  # a track this near to a robot belongs to it
+FRESH_S = 0.25  # only tracks seen within this time are compared
 HALF_CAMERA = math.radians(
     30.0
-)  # off the axis, to each side: a robot there is whole in the picture
+)  # off the axis, to each side: a robot within is wholly in the picture
 
 
 @dataclass(slots=True)
 class _Visit:
-    """A stranger's stay near the border in one robot's sight."""
+    """A stranger's stay near the border in view of one robot."""
 
     since: float
     until: float
     events: set[int] = field(default_factory=set)
-    """Numbers of the intruders that the robot took it for."""
+    """Numbers of the intruders that the robot reported for it."""
 
 
 class PerceptionLog:
-    """Counts, robot by robot, what was in view and what the tracker made of it."""
+    """Counts the bodies in view of each robot and their detections and classifications."""
 
     def __init__(self, world: World, border: Border | None = None) -> None:
-        """Compare with this world's bodies; strangers near the border must be reported."""
+        """Compare with the bodies of ``world``; strangers near the border must be reported."""
         self._world = world
         self._border = border
         self._in_view_since: dict[tuple[int, int], float] = {}
@@ -49,15 +49,15 @@ class PerceptionLog:
         self._classed = self._class_right = 0
         self._classed_ahead = self._right_ahead = 0
         self._teammates = self._false_teammates = 0
-        self._stranger_tracks = self._taken_for_teammate = 0
+        self._stranger_tracks = self._misclassified = 0
         self._errors: list[float] = []
         self._visits: dict[tuple[int, int], list[_Visit]] = {}
         self._reports: dict[tuple[int, int], bool] = {}
-        """Of each robot's intruder numbers: whether a stranger was there."""
+        """By (robot index, intruder number): whether a stranger was there."""
 
     def sample(self, t: float, body: RobotBody, agent: Agent) -> None:
-        """Compare one robot's tracks at t with who is truly there."""
-        tracks = agent.perception.tracker.tracks_at(t)  # as the patrol is told of them
+        """Compare one robot's tracks at t with the true positions."""
+        tracks = agent.perception.tracker.tracks_at(t)  # as passed to the patrol
         others = [other for other in self._world.bodies if other is not body]
         team = [other for other in others if other.kind is BodyKind.ROBOT]
         strangers = [other for other in others if other.kind is not BodyKind.ROBOT]
@@ -74,7 +74,7 @@ class PerceptionLog:
                 _distance(track, other) < SAME_M for other in team
             ):
                 self._stranger_tracks += 1
-                self._taken_for_teammate += track.teammate
+                self._misclassified += track.teammate
         known = agent.perception.intruders.known if agent.perception.intruders else []
         self._sample_reports(t, body, strangers, known)
         for stranger in strangers:
@@ -109,7 +109,7 @@ class PerceptionLog:
     def _sample_reports(
         self, t: float, body: RobotBody, strangers: Sequence[RobotBody], known: Sequence[Intruder]
     ) -> None:
-        """Note, as each intruder is reported, whether any stranger is there."""
+        """Store for each newly reported intruder whether any stranger is there."""
         for intruder in known:
             key = (body.index, intruder.number)
             if key not in self._reports and t - intruder.last_seen < 1.0:
@@ -121,7 +121,7 @@ class PerceptionLog:
     def _sample_visit(
         self, t: float, body: RobotBody, stranger: RobotBody, known: Sequence[Intruder]
     ) -> None:
-        """Follow a stranger near the border for as long as this robot has it in view."""
+        """Update the stays of a stranger near the border in view of a robot."""
         assert self._border is not None
         visits = self._visits.setdefault((body.index, stranger.index), [])
         foot = self._border.project(stranger.pose.x, stranger.pose.y)
@@ -137,14 +137,14 @@ class PerceptionLog:
             }
 
     def _is_at(self, intruder: Intruder, stranger: RobotBody) -> bool:
-        """Tell whether an intruder is where a stranger is, nearer than to any other stranger."""
+        """Whether an intruder is at a stranger's position, nearer than to any other stranger."""
         place = (intruder.x, intruder.y)
         others = [body for body in self._world.bodies if body.kind is not BodyKind.ROBOT]
         nearest = min(others, key=lambda other: math.dist(place, other.pose[:2]))
         return nearest is stranger and math.dist(place, stranger.pose[:2]) < SAME_M
 
     def _in_view(self, body: RobotBody, other: RobotBody) -> bool:
-        """Tell whether the laser sees the middle of a body: near, ahead, nothing between."""
+        """Whether the centre of a body is in the laser's view: near, ahead, not occluded."""
         seen = body.pose.between(_middle(other))
         distance = math.hypot(seen.x, seen.y)
         if distance > VISIBILITY or seen.x <= 0.0:
@@ -153,7 +153,7 @@ class PerceptionLog:
         if self._world.free_way(body.pose.x, body.pose.y, bearing) <= distance:
             return False
         return not any(
-            _stands_between(body, other, third)
+            _is_occluded(body, other, third)
             for third in self._world.bodies
             if third is not body and third is not other
         )
@@ -177,7 +177,7 @@ class PerceptionLog:
             "scans_in_view": self._due,
             "strangers": {
                 "tracked": self._stranger_tracks,
-                "taken_for_teammate": _share(self._taken_for_teammate, self._stranger_tracks),
+                "taken_for_teammate": _share(self._misclassified, self._stranger_tracks),
                 "stays": len(stays),
                 "stays_reported_once": sum(len(visit.events) == 1 for visit in stays),
                 "stays_unreported": sum(not visit.events for visit in stays),
@@ -188,17 +188,17 @@ class PerceptionLog:
 
 
 ZONE = 2.0  # m from the border
-STAY_S = 3.0  # in view near the border for at least this, and a report is due
+STAY_S = 3.0  # in view near the border for at least this: a report is due
 GAP_S = 3.0  # out of view for longer ends a stay
-LATE_S = 1.0  # after a stay's end a report still counts for it
+LATE_S = 1.0  # a report this long after a stay's end still counts
 
 
 def _share(part: int, whole: int) -> float | None:
     return part / whole if whole else None
 
 
-def _stands_between(body: RobotBody, other: RobotBody, third: RobotBody) -> bool:
-    """Tell whether a third body hides the middle of another from the first's laser."""
+def _is_occluded(body: RobotBody, other: RobotBody, third: RobotBody) -> bool:
+    """Whether a third body occludes the centre of another from the first's laser."""
     target, between = body.pose.between(_middle(other)), body.pose.between(_middle(third))
     distance = math.hypot(target.x, target.y)
     along = (between.x * target.x + between.y * target.y) / distance
@@ -207,7 +207,7 @@ def _stands_between(body: RobotBody, other: RobotBody, third: RobotBody) -> bool
 
 
 def _middle(body: RobotBody) -> Pose:
-    """Return the middle of a body's outline, which is what a tracker estimates."""
+    """Return the centre of a body's outline, which the tracker estimates."""
     return body.pose.compose(Pose(body.outline.middle, 0.0, 0.0))
 
 

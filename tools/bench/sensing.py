@@ -1,4 +1,4 @@
-"""Which bench runs: through every byte, or by the decision layer alone."""
+"""Selects the bench: with every byte, or the decision layer alone."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from tools.simulation.lockstep import Observer
 
 
 class Sensing(StrEnum):
-    """How robots sense."""
+    """Kind of sensing."""
 
     BYTES = "bytes"  # the real agents; every byte encoded and decoded; noise
-    IDEAL = "ideal"  # true poses, teammates seen where they are
+    IDEAL = "ideal"  # true poses and positions of teammates
 
 
 def bench(
@@ -37,8 +37,8 @@ def bench(
 ) -> dict[str, Any]:
     """Run robots from seeded starts for a duration, s; return the figures of ``bench --json``.
 
-    observer: makes what is told every event and effect of a robot; ideal sensing has neither.
-    strangers, cameras: as ``Fleet`` has them; ideal sensing has none.
+    observer: makes the receiver of a robot's events and effects; ideal sensing has neither.
+    strangers, cameras: as for ``Fleet``; ideal sensing has none.
     Raises BenchFaultError and StartPoseError.
     """
     if sensing is Sensing.IDEAL:

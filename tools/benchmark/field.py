@@ -49,7 +49,7 @@ def _run(where: str, limit: CpuLimit | None) -> Iterator[Figure]:
         signalled = time.monotonic()
         stage.end_agent()
         ended = stage.ends[-1]
-        stands = stage.tap.told_to_stand and not stage.rig.base.motion_permitted
+        stands = stage.tap.is_standing and not stage.rig.base.motion_permitted
         recording = read_recording(stage.recordings[0])
         first = _first_decision(recording) - started
         reports = _process_reports(recording)

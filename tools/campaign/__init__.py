@@ -1,1 +1,1 @@
-"""The fault campaign: one patrolling robot, every fault, and how it reacts."""
+"""The fault campaign: every fault injected into a patrolling robot, its reaction measured."""

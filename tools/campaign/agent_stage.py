@@ -1,4 +1,4 @@
-"""One patrolling robot to do harm to: a small world, faulty lines, the shipped agent process."""
+"""Test stage of the campaign: a small world, fault-injecting lines, the shipped agent process."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ from tools.simulation.rig import RobotRig
 from tools.simulation.world import World
 
 START = Pose(4.5, 1.6, math.pi)
-"""Beside the border of the room, heading along it."""
+"""Start pose beside the border of the room, heading along it."""
 STOP_S = 5.0
-"""How long the agent may take to end in good order before it is killed."""
+"""Time for the agent to shut down before it is killed, s."""
 
 _ROOM = (8.0, 6.0)  # m
 _RESOLUTION = 0.05  # m
@@ -65,21 +65,21 @@ def make_room(folder: Path) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """What is true of the robot at one time."""
+    """The true state of the robot at one time."""
 
     t: float
-    """s, on this host's monotonic clock."""
+    """Monotonic clock of this host, s."""
     v: float
-    """m/s, of the wheels."""
+    """Speed of the wheels, m/s."""
     w: float
-    """rad/s"""
+    """Turn rate of the wheels, rad/s."""
     order: str
-    """Who has ordered the robot to stand: agent, watchdog, controller; empty: nobody."""
+    """Source of an order to stand: agent, watchdog, controller; empty: none."""
     contacts: int
 
     @property
     def moving(self) -> bool:
-        """Whether the robot moves in earnest."""
+        """Whether the robot moves faster than a threshold."""
         return abs(self.v) > 0.05 or abs(self.w) > 0.1
 
     @property
@@ -89,9 +89,9 @@ class Moment:
 
 
 class AgentStage:
-    """The world steps in ``step``; the agent is a process, started by ``start_agent``.
+    """Simulates one robot in real time; the agent is a process started by ``start_agent``.
 
-    Everything is there until ``close``.
+    ``step`` advances the world; ``close`` ends everything.
     """
 
     def __init__(
@@ -101,23 +101,25 @@ class AgentStage:
         operator: str | None = None,
         watchdog: float = FACTORY_WATCHDOG,
     ) -> None:
-        """Build world and lines in a folder of their own, to which configuration and recordings
-        go too. The agent dials an operator who is absent until ``seat_operator``, or the endpoint
-        of another; empty: nobody. watchdog: s, what is set in the base's FLASH."""
+        """Build world and lines in ``folder``, which also holds configurations and recordings.
+
+        operator: endpoint to which the agent connects; empty for none; None for a free one, at
+        which ``start_operator`` starts an operator. watchdog: value in the base's FLASH, s.
+        """
         self.folder = folder
         self.recordings: list[Path] = []
         self._endpoint = free_endpoint() if operator is None else operator
         self._operator: Operator | None = None
         self._seed = seed
         self._agent: subprocess.Popen[bytes] | None = None
-        self._to_do: deque[tuple[float, Callable[[], None]]] = deque()
+        self._scheduled: deque[tuple[float, Callable[[], None]]] = deque()
         self._flooders = ExitStack()
-        self.traitor = ""
+        self.sabotage = ""
         """What the agent's process is sabotaged in at SIGUSR1, if it is; see sabotaged_agent."""
         self.trace: list[Moment] = []
-        """All that has been true so far, at every step."""
+        """The state after every step so far."""
         self.ends: list[float] = []
-        """When each agent's process had ended, s."""
+        """End of each agent's process, s."""
         make_room(folder / "room")
         self._content = load_map_folder(folder / "room")
         rng = np.random.default_rng(seed)
@@ -138,9 +140,9 @@ class AgentStage:
         self._real_time = RealTimeRig(self.rig, (self.base_cable, self.laser_cable))
 
     def close(self) -> None:
-        """End the agent in good order, then all around it."""
+        """Shut the agent down, then everything else."""
         self.end_agent()
-        self.dismiss_operator()
+        self.stop_operator()
         self._flooders.close()
         self.base_cable.pull()
         self.laser_cable.pull()
@@ -148,18 +150,18 @@ class AgentStage:
             self._camera.close()
 
     def mount_camera(self) -> None:
-        """Give the robot a camera, which the next agent is told of."""
+        """Add a camera; the next agent started is configured for it."""
         self._camera = CameraServer(EmulatedCamera(self.world, self.rig.body).picture_at)
 
     def step(self) -> Moment:
-        """Let one step of real time pass; return what is true after it."""
+        """Simulate one step in real time; return the state after it."""
         t = self._real_time.step()
         if self._camera is not None:
             self._camera.pump(t)
-        while self._to_do and self._to_do[0][0] <= t:
-            self._to_do.popleft()[1]()
+        while self._scheduled and self._scheduled[0][0] <= t:
+            self._scheduled.popleft()[1]()
         if self._agent is not None and self._agent.poll() is not None:
-            self._note_end(t)
+            self._log_end(t)
         v, w = self.rig.base.velocity
         moment = Moment(t, v, w, self._order(), self.world.contacts)
         self.trace.append(moment)
@@ -169,41 +171,41 @@ class AgentStage:
         base = self.rig.base
         if base.watchdog_expired:
             return "watchdog"
-        if self.tap.told_to_stand:
+        if self.tap.is_standing:
             return "agent"
         return "" if base.motion_permitted else "controller"
 
     def later(self, *actions: tuple[float, Callable[[], None]]) -> None:
-        """Do things after so many s each, in this order, as the steps go on."""
+        """Schedule (delay in s, action) pairs; ``step`` calls the actions when due, in order."""
         now = time.monotonic()
-        self._to_do.extend((now + delay, action) for delay, action in actions)
+        self._scheduled.extend((now + delay, action) for delay, action in actions)
 
-    def look_after(self) -> None:
-        """Let a person look at the robot: motors off and on again at the robot, a second apart."""
+    def press_motors_twice(self) -> None:
+        """Press the MOTORS button twice, a second apart, as a person does who clears a hold."""
         self.rig.base.press_motors_button()
         self.later((1.0, self.rig.base.press_motors_button))
 
     @property
     def off_border(self) -> float:
-        """How far the robot truly is from the border, m."""
+        """True distance of the robot from the border, m."""
         pose = self.rig.body.pose
         assert self._content.border is not None
         return self._content.border.project(pose.x, pose.y).distance
 
-    def limit_agent(self, what: int, most: int) -> None:
-        """Limit a resource of the agent's process, as the system does; -1 for no limit."""
+    def limit_agent(self, what: int, limit: int) -> None:
+        """Set a resource limit (``resource.RLIMIT_*``) of the agent's process; -1 for no limit."""
         if self._agent is not None:
-            resource.prlimit(self._agent.pid, what, (most, resource.RLIM_INFINITY))
+            resource.prlimit(self._agent.pid, what, (limit, resource.RLIM_INFINITY))
 
-    def _note_end(self, t: float) -> None:
-        """Take down when the present agent's process has ended."""
+    def _log_end(self, t: float) -> None:
+        """Store the end of the present agent's process, once."""
         if len(self.ends) < len(self.recordings):
             self.ends.append(t)
 
     def start_agent(self, limit: CpuLimit | None = None, *, elsewhere: bool = False) -> None:
-        """Start an agent process, told where the robot truly stands; an earlier one is ended.
+        """Start an agent process with the robot's true pose as its start; end an earlier one.
 
-        ``limit``: holds it to a share of a core. ``elsewhere``: with the map of another place.
+        limit: holds it to a share of a core. elsewhere: configures the map of another place.
         """
         self.end_agent()
         number = len(self.recordings) + 1
@@ -224,49 +226,49 @@ class AgentStage:
             limit.hold(self._agent.pid)
 
     def _program(self) -> tuple[str, ...]:
-        if self.traitor:
-            return ("tools.campaign.sabotaged_agent", self.traitor)
+        if self.sabotage:
+            return ("tools.campaign.sabotaged_agent", self.sabotage)
         return ("tools.cli",)
 
     def flood(self) -> None:
-        """Let the operator's place be taken by one who sends garbage as fast as the line takes."""
+        """Listen at the operator's endpoint and send garbage as fast as the line takes it."""
         self._flooders.enter_context(closing(Flood(self._endpoint)))
 
     def end_flood(self) -> None:
-        """Send the flooder away."""
-        self._meanwhile(self._flooders.close)
+        """End the flood."""
+        self._step_during(self._flooders.close)
 
-    def seat_operator(self) -> None:
-        """Let the operator's machine listen where the agent dials."""
-        self._meanwhile(self._make_operator)
+    def start_operator(self) -> None:
+        """Start an operator at the agent's endpoint."""
+        self._step_during(self._open_operator)
 
-    def dismiss_operator(self) -> None:
-        """Take the operator's machine off the network."""
+    def stop_operator(self) -> None:
+        """Stop the operator."""
         if self._operator is not None:
-            self._meanwhile(self._operator.close)
+            self._step_during(self._operator.close)
             self._operator = None
 
-    def _make_operator(self) -> None:
+    def _open_operator(self) -> None:
         self._operator = Operator(self._endpoint)
 
-    def _meanwhile(self, work: Callable[[], None]) -> None:
-        """Do something that takes its time while the world goes on."""
+    def _step_during(self, work: Callable[[], None]) -> None:
+        """Run ``work`` on a thread and step the world until it has ended."""
         worker = threading.Thread(target=work)
         worker.start()
         while worker.is_alive():
             self.step()
 
     def agent_log(self) -> str:
-        """Return what the agents have said so far."""
+        """Return the standard error of all agents so far."""
         return " | ".join(path.read_text().strip() for path in sorted(self.folder.glob("*.log")))
 
     def signal_agent(self, number: signal.Signals) -> None:
-        """Send the agent process a signal."""
+        """Send a signal to the agent process."""
         assert self._agent is not None
         self._agent.send_signal(number)
 
     def end_agent(self) -> None:
-        """End the agent in good order, the world going on meanwhile; kill it when it does not."""
+        """Shut the agent down while the world goes on; kill it if it does not end in time."""
         if self._agent is None:
             return
         agent, self._agent = self._agent, None
@@ -277,10 +279,10 @@ class AgentStage:
             self.step()
         agent.kill()
         agent.wait()
-        self._note_end(time.monotonic())
+        self._log_end(time.monotonic())
 
     def _configure(self, *, elsewhere: bool) -> AgentConfig:
-        """Return the shipped defaults with the robot's ports, and where it is."""
+        """Return the shipped defaults with the robot's ports and start pose."""
         defaults = AgentConfig()
         pose = self.rig.body.pose
         room = "paper_lab" if elsewhere else str((self.folder / "room").resolve())

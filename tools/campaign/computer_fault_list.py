@@ -28,8 +28,8 @@ def _take_memory(stage: AgentStage) -> None:
     stage.limit_agent(resource.RLIMIT_AS, 1)
 
 
-def _hog(stage: AgentStage) -> None:
-    """Let the agent run a fifth of the time, in pieces: 0.4 s not, 0.1 s on."""
+def _throttle(stage: AgentStage) -> None:
+    """Let the agent run a fifth of the time: stopped for 0.4 s, running for 0.1 s."""
     freeze, go_on = sending(signal.SIGSTOP), sending(signal.SIGCONT)
     stage.later(
         *(
@@ -41,13 +41,13 @@ def _hog(stage: AgentStage) -> None:
 
 
 def _flood(stage: AgentStage) -> None:
-    stage.dismiss_operator()
+    stage.stop_operator()
     stage.flood()
 
 
 def _end_flood(stage: AgentStage) -> None:
     stage.end_flood()
-    stage.seat_operator()
+    stage.start_operator()
 
 
 def _thread_dies(thread: str, what: str, expected: Expected) -> Fault:
@@ -56,7 +56,7 @@ def _thread_dies(thread: str, what: str, expected: Expected) -> Fault:
     return Fault(
         *(name, what, begin, lambda stage: stage.start_agent(), expected),
         recover_within=NEW_AGENT_LIMIT_S,
-        traitor=thread,
+        sabotage=thread,
     )
 
 
@@ -88,8 +88,8 @@ COMPUTER_FAULTS: tuple[Fault, ...] = (
     Fault(
         "operator-absent",
         "operator's machine leaves the network, comes back",
-        lambda stage: stage.dismiss_operator(),
-        lambda stage: stage.seat_operator(),
+        lambda stage: stage.stop_operator(),
+        lambda stage: stage.start_operator(),
         Expected.MAY_PATROL,
     ),
     Fault(
@@ -110,7 +110,7 @@ COMPUTER_FAULTS: tuple[Fault, ...] = (
     Fault(
         "cpu-hogged",
         "agent runs 0.1 s of every 0.5 s",
-        _hog,
+        _throttle,
         do_nothing,
         Expected.AGENT_STOPS,
         lasts=4.5,
@@ -122,7 +122,7 @@ COMPUTER_FAULTS: tuple[Fault, ...] = (
         sending(signal.SIGUSR1),
         do_nothing,
         Expected.MAY_PATROL,
-        traitor="clock",
+        sabotage="clock",
     ),
     Fault(
         "operator-floods",

@@ -1,4 +1,4 @@
-"""Holds a process to a share of one core, as a slower computer would, by the kernel's cgroups."""
+"""Limits a process to a share of one core by cgroups, to emulate a slower computer."""
 
 from __future__ import annotations
 
@@ -8,27 +8,27 @@ from contextlib import suppress
 from pathlib import Path
 
 PERIOD_S = 0.01
-"""The share is given anew each period. The kernel's usual 0.1 s would make a frozen computer of a
-slow one: held to a fifth, a process would stand still for 0.08 s at a time."""
+"""Period of the quota. With the kernel's default of 0.1 s a process limited to a fifth would be
+frozen for 0.08 s at a time instead of running slowly."""
 CGROUPS = Path("/sys/fs/cgroup")
 _US = 1_000_000
 _GIVE_UP_S = 2.0
 
 
 class CpuLimitError(RuntimeError):
-    """No share can be set here; the message says what can be done."""
+    """No share can be set on this system; the message contains the remedy."""
 
 
 class CpuLimit:
-    """A control group of its own; ``hold`` puts processes into it, ``close`` ends it.
+    """A control group: ``hold`` adds processes to it, ``close`` removes it.
 
     Works with the second version of cgroups (cpu.max) and the first (cpu.cfs_quota_us).
     """
 
     def __init__(self, share: float, cgroups: Path = CGROUPS) -> None:
-        """Take the share, 0 to 1, of one core, and where the system's groups are.
+        """Make the group. share: of one core, 0 to 1. cgroups: mount point of the cgroups.
 
-        Raises CpuLimitError where no group can be made.
+        Raises CpuLimitError if no group can be made.
         """
         name = f"patrol-{os.getpid()}"
         second = (cgroups / "cgroup.controllers").exists()
@@ -49,14 +49,14 @@ class CpuLimit:
             ) from None
 
     def hold(self, pid: int) -> None:
-        """Hold a process, with all threads it has and will have."""
+        """Limit a process with all its present and future threads."""
         (self._folder / "cgroup.procs").write_text(str(pid))
 
     def close(self) -> None:
-        """Take the group away; its processes must have ended."""
+        """Remove the group; its processes must have ended."""
         give_up = time.monotonic() + _GIVE_UP_S
         while self._folder.exists() and time.monotonic() < give_up:
-            with suppress(OSError):  # the kernel lets go of the last process a little later
+            with suppress(OSError):  # the kernel releases the last process a little later
                 self._folder.rmdir()
                 return
             time.sleep(0.01)

@@ -1,4 +1,4 @@
-"""What is done to a patrolling robot, and what it must do about it."""
+"""A fault of a patrolling robot and the reaction required."""
 
 from __future__ import annotations
 
@@ -10,39 +10,39 @@ from enum import StrEnum
 from tools.campaign.agent_stage import AgentStage
 
 IN_SESSION_LIMIT_S = 1.0
-"""Within this a robot found still in its session must be commanded again."""
+"""Limit for commanding a robot that is still in its session again, s."""
 RETURN_LIMIT_S = 2.0
-"""Within this of the cable's return any other device must be back."""
+"""Limit for any other device to be back after the cable's return, s."""
 START_UP_S = 1.0
-"""How long a base that is switched on hears nothing; comes on top."""
+"""Time after its power-on in which a base receives nothing, s; added to the limit."""
 NEW_AGENT_LIMIT_S = 15.0
-"""Within this a robot must patrol whose agent is started again; of it 5 s are the start."""
+"""Limit for a robot to patrol after a new start of its agent, s; 5 s of it are the start."""
 
 
 class FaultError(ValueError):
-    """A fault could not be run; the message says why."""
+    """A fault could not be run; the message contains the reason."""
 
 
 class Expected(StrEnum):
-    """What a robot must do about a fault."""
+    """The reaction required."""
 
     AGENT_STOPS = "agent stops"
-    """The agent can see the fault and still command."""
+    """The agent must stop the robot: it detects the fault and can still command."""
     BASE_STOPS = "base stops"
-    """Only the base itself can: its controller or its watchdog."""
+    """The base's controller or watchdog must stop the robot."""
     MAY_PATROL = "may patrol"
-    """The fault can be lived with; stopping for it is no failure."""
+    """The robot may go on patrolling; a stop is no failure."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """Something done to a robot for a while.
+    """A fault with its begin, end and limits.
 
-    lasts: s. back_within: limit, s, from the fault's end until the device is back in service;
-    None where the device itself takes its time. order_within: limit, s, of the agent's order to
-    stand, where it is not the usual one; recover_within: likewise, until the robot patrols again.
-    traitor: what the agent is sabotaged in. to_border: only
-    back on its border does the robot patrol again.
+    lasts: duration, s. back_within: limit, s, from the fault's end until the device is back in
+    service; None where the device itself determines it. order_within: limit, s, of the agent's
+    order to stand, None for the usual one; recover_within: likewise, until the robot patrols again.
+    sabotage: fault of the agent process at SIGUSR1 (``sabotaged_agent``), empty for none.
+    to_border: the robot counts as patrolling only when it is back on its border.
     """
 
     name: str
@@ -54,29 +54,29 @@ class Fault:
     back_within: float | None = None
     order_within: float | None = None
     recover_within: float | None = None
-    traitor: str = ""
+    sabotage: str = ""
     to_border: bool = False
 
     @property
     def with_camera(self) -> bool:
-        """Whether the robot needs a camera for it."""
-        return self.traitor == "camera"
+        """Whether the fault needs a robot with a camera."""
+        return self.sabotage == "camera"
 
     @property
     def of_laser(self) -> bool:
-        """Whether the laser is what must come back."""
+        """Whether ``back_within`` refers to the laser."""
         return self.name.startswith("laser-") and self.back_within is not None
 
 
 def do_nothing(_stage: AgentStage) -> None:
-    """The fault is over as soon as it has happened."""
+    """End action of a fault that needs none."""
 
 
 def sending(number: signal.Signals) -> Callable[[AgentStage], None]:
-    """Send the agent's process a signal."""
+    """Return the action that sends a signal to the agent's process."""
     return lambda stage: stage.signal_agent(number)
 
 
 def setting(part: str, name: str, value: object) -> Callable[[AgentStage], None]:
-    """Set an attribute of a part of the stage: rig, base_line, laser_line."""
+    """Return the action that sets an attribute of ``stage.rig``, ``.base_line`` or the like."""
     return lambda stage: setattr(getattr(stage, part), name, value)

@@ -18,7 +18,7 @@ FAULTS: tuple[Fault, ...] = (
 
 
 def chosen_faults(names: Sequence[str]) -> list[Fault]:
-    """Return the faults of these names, all of them if there is none; raises FaultError."""
+    """Return the faults with these names, all if ``names`` is empty; raises FaultError."""
     known = {fault.name: fault for fault in FAULTS}
     unknown = [name for name in names if name not in known]
     if unknown:

@@ -1,8 +1,8 @@
 """The table of faults and reactions: detected, stopped, back, patrolling again.
 
-Each fault gets an emulated robot of its own in a small room, driven by the shipped agent process
-over pseudo-terminals. All that decides is measured on the robot's side of the line: which order it
-was under, how its wheels turned. Only detection and the laser's return come from the recording.
+Each fault is run on a new emulated robot in a small room, driven by the shipped agent process over
+pseudo-terminals. Orders and wheel motion are measured on the robot's side of the line. Only
+detection and the laser's return come from the recording.
 """
 
 from __future__ import annotations
@@ -25,32 +25,32 @@ from tools.campaign.reaction import (
     complaints,
     data_lost,
     first_scan,
+    measure_detection,
     measure_stop,
     new_reaction,
-    note_detection,
     patrols,
     steady_since,
 )
 from tools.preflight.watchdog_trial import ADVISED_WATCHDOG_S
 
 START_LIMIT_S = 25.0
-"""How long an agent may take from its start until the robot patrols."""
+"""Limit from an agent's start until the robot patrols, s."""
 WATCHED_S = 15.0
-"""How long a robot is given to recover."""
+"""Time a robot is observed after a fault, s."""
 
 
 def run_fault(fault: Fault, folder: Path, watchdog: float = ADVISED_WATCHDOG_S) -> Reaction:
-    """Run one fault on a robot of its own in an empty folder; takes about 15 s.
+    """Run one fault on a new robot in an empty folder; takes about 15 s.
 
-    watchdog: s, what is set in its base's FLASH.
+    watchdog: value in the base's FLASH, s.
 
-    Raises FaultError if the robot does not come to patrol in the first place.
+    Raises FaultError if the robot does not begin to patrol before the fault.
     """
     reaction = new_reaction(fault)
     with closing(AgentStage(folder, watchdog=watchdog)) as stage:
-        stage.traitor = fault.traitor
+        stage.sabotage = fault.sabotage
         if fault.name.startswith("operator"):
-            stage.seat_operator()
+            stage.start_operator()
         if fault.with_camera:
             stage.mount_camera()
         stage.start_agent()
@@ -58,7 +58,7 @@ def run_fault(fault: Fault, folder: Path, watchdog: float = ADVISED_WATCHDOG_S) 
         begun = time.monotonic()
         fault.begin(stage)
         _watch(stage, fault.lasts)
-        stands, sessions = stage.tap.told_to_stand, stage.tap.sessions
+        stands, sessions = stage.tap.is_standing, stage.tap.sessions
         stage.tap.forget()
         ended = time.monotonic()
         fault.end(stage)
@@ -66,11 +66,11 @@ def run_fault(fault: Fault, folder: Path, watchdog: float = ADVISED_WATCHDOG_S) 
             *(stage, max(WATCHED_S, reaction.recover_within)),
             until=lambda seen: patrols(seen) and not (fault.to_border and stage.off_border > 0.15),
         )
-        stage.traitor = ""
+        stage.sabotage = ""
         stage.end_agent()
     watched = [moment for moment in stage.trace if begun <= moment.t <= after[-1].t]
     measure_stop(reaction, begun, watched)
-    note_detection(reaction, begun, after[-1].t, stage.recordings[0])
+    measure_detection(reaction, begun, after[-1].t, stage.recordings[0])
     if patrols(after) and not (fault.to_border and stage.off_border > 0.15):
         since = after[-1].t if fault.to_border else steady_since(after)
         reaction.recovered = max(0.0, since - ended)
@@ -79,7 +79,7 @@ def run_fault(fault: Fault, folder: Path, watchdog: float = ADVISED_WATCHDOG_S) 
         reaction.back = first_scan(ended, stage.recordings[0])
     elif stage.tap.first_order:
         reaction.back = stage.tap.first_at - ended
-    # Who stands under orders in a session that goes on needs no order to stand.
+    # A robot already ordered to stand, in the same session, needs no first order to stand.
     held_on = stands and stage.tap.sessions == sessions
     reaction.first_order = "" if held_on else stage.tap.first_order
     reaction.contacts = stage.world.contacts
@@ -99,7 +99,7 @@ def _watch(
     duration: float,
     until: Callable[[Sequence[Moment]], bool] = lambda _: False,
 ) -> list[Moment]:
-    """Step for a duration, s, or until something is so; return every moment, one at least."""
+    """Step for ``duration`` s or until ``until`` is true; return all moments, at least one."""
     moments = [stage.step()]
     while moments[-1].t - moments[0].t < duration and not until(moments):
         moments.append(stage.step())
@@ -108,13 +108,13 @@ def _watch(
 
 def run_faults(
     faults: Sequence[Fault],
-    tell: Callable[[Reaction], None] = lambda _: None,
+    report: Callable[[Reaction], None] = lambda _: None,
     keep: Path | None = None,
     watchdog: float = ADVISED_WATCHDOG_S,
 ) -> list[Reaction]:
-    """Run faults one after the other; ``tell`` hears of each as it is done.
+    """Run faults one after the other; ``report`` is called with each reaction.
 
-    With ``keep`` each fault's recordings stay in a folder of its name there.
+    keep: folder in which each fault's recordings are kept, in a folder of its name; None: nowhere.
     """
     reactions = []
     for fault in faults:
@@ -122,7 +122,7 @@ def run_faults(
             reactions.append(run_fault(fault, Path(folder), watchdog))
             if keep is not None:
                 _keep_recordings(Path(folder), keep / fault.name)
-        tell(reactions[-1])
+        report(reactions[-1])
     return reactions
 
 
@@ -149,7 +149,7 @@ HEADINGS = (
 
 
 def row(reaction: Reaction) -> tuple[str, ...]:
-    """Return a reaction as the cells below ``HEADINGS``."""
+    """Return a reaction's cells in the order of ``HEADINGS``."""
     return (
         reaction.what,
         _seconds(reaction.detected),

@@ -1,4 +1,4 @@
-"""Somebody in the operator's place who sends garbage to every robot that dials."""
+"""A server at the operator's endpoint that sends garbage to every robot that connects."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ _PATIENCE_S = 0.2
 
 
 class Flood:
-    """Listens at a Zenoh endpoint ``tcp/HOST:PORT`` and floods whoever connects, until closed."""
+    """Listens at a Zenoh endpoint ``tcp/HOST:PORT`` and floods each client until ``close``."""
 
     def __init__(self, endpoint: str) -> None:
-        """Take the place of the operator at the endpoint, which must be free."""
+        """Listen at the endpoint, which must be free."""
         host, _, port = endpoint.removeprefix("tcp/").rpartition(":")
         self._listener = socket.create_server((host, int(port)), reuse_port=False)
         self._listener.settimeout(_PATIENCE_S)
@@ -23,7 +23,7 @@ class Flood:
         self._thread.start()
 
     def close(self) -> None:
-        """Give the place back."""
+        """End the flood and close the endpoint."""
         self._ending.set()
         self._thread.join()
         self._listener.close()
@@ -32,8 +32,8 @@ class Flood:
         garbage = random.Random(1).randbytes(65536)  # noqa: S311 - any bytes will do
         while not self._ending.is_set():
             with contextlib.suppress(OSError):
-                victim, _ = self._listener.accept()
-                with victim:
-                    victim.settimeout(_PATIENCE_S)
+                client, _ = self._listener.accept()
+                with client:
+                    client.settimeout(_PATIENCE_S)
                     while not self._ending.is_set():
-                        victim.send(garbage)
+                        client.send(garbage)

@@ -35,7 +35,7 @@ def _put_back(link: LinkName) -> Callable[[AgentStage], None]:
 
 
 def _left_out(link: LinkName) -> Callable[[AgentStage], None]:
-    """Start the agent without one of its devices."""
+    """Return the action that starts the agent without one of its devices."""
 
     def begin(stage: AgentStage) -> None:
         stage.end_agent()
@@ -50,7 +50,7 @@ def _switch(link: LinkName, name: str, value: object) -> Callable[[AgentStage], 
 
 
 def _faults_of(link: LinkName, unplugged: Expected, back: float) -> tuple[Fault, ...]:
-    """Return what can happen to either line; ``back``: limit, s, after the line is whole again."""
+    """Return the faults of one line; ``back``: limit, s, after the line is restored."""
     sent = _SENT[link]
     return (
         Fault(
@@ -110,7 +110,7 @@ def _mend_base(stage: AgentStage) -> None:
 
 
 def _reset_base(stage: AgentStage) -> None:
-    stage.rig.base.reset(stage.step().t, notify=False)  # P2OS does not tell
+    stage.rig.base.reset(stage.step().t, notify=False)  # P2OS sends no notification
 
 
 def _switch_base_off(stage: AgentStage) -> None:

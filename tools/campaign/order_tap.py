@@ -1,4 +1,4 @@
-"""A tap on a base's line that knows whether the base is told to stand or to move."""
+"""A tap on a base's line that decodes the motion orders."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ _STANDING_ORDERS = frozenset((CommandNumber.STOP, CommandNumber.E_STOP, CommandN
 
 
 class OrderTap:
-    """Listens to what a base is told, and knows whether it is to stand or to move.
+    """Decodes the client's commands on their way to a base; knows whether they order standstill.
 
-    ``first_order`` is the first motion order since ``forget``, by name, at ``first_at`` (s). A
-    client that opens a session starts that watch anew: what it sent without one moved nothing.
+    ``first_order`` is the first motion order since ``forget``, by name, at ``first_at``; OPEN
+    clears it, because orders without a session have no effect.
     ``response_times`` are the times, s, from the device's last byte to the first new order.
     """
 
@@ -29,9 +29,9 @@ class OrderTap:
         self.first_order = ""
         self.first_at = math.inf
         self.sessions = 0
-        """How many a client has opened."""
+        """Number of sessions opened."""
         self.last_at = 0.0
-        """When the client last said anything, s; 0 before it has."""
+        """Time of the client's last bytes; 0 before the first."""
         self.response_times: list[float] = []
         self._last_output: float | None = None
 
@@ -41,23 +41,23 @@ class OrderTap:
         return self._device.baud
 
     @property
-    def told_to_stand(self) -> bool:
-        """Whether the last orders amount to standstill."""
+    def is_standing(self) -> bool:
+        """Whether the last orders mean standstill."""
         return self._speed == 0 and self._turn_rate == 0
 
     def forget(self) -> None:
-        """Begin a new watch for the first order."""
+        """Clear the first order."""
         self.first_order, self.first_at = "", math.inf
 
     def feed(self, data: bytes, t: float) -> None:
-        """Pass on bytes from the client, and read them."""
+        """Decode bytes from the client and pass them on."""
         self.last_at = t
         for packet in self._framer.feed(data):
             self._read(packet, t)
         self._device.feed(data, t)
 
     def pop_output(self, t: float) -> list[TimedBytes]:
-        """Pass on what has left the device."""
+        """Return what has left the device by ``t``."""
         output = self._device.pop_output(t)
         if output:
             self._last_output = t
@@ -89,7 +89,7 @@ class OrderTap:
         self._note(f"ENABLE {value}", t)
 
     def _time_response(self, t: float, *, is_new: bool) -> None:
-        """Note how long a new order took; one sent again to keep the watchdog quiet is none."""
+        """Store the response time of a changed order; a repeated one does not count."""
         if is_new and self._last_output is not None:
             self.response_times.append(t - self._last_output)
             self._last_output = None

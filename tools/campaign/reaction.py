@@ -1,4 +1,4 @@
-"""How a robot took a fault: when it noticed, when it stood, when it was back; and how well."""
+"""A robot's reaction to a fault: times of detection, stop and recovery, against their limits."""
 
 from __future__ import annotations
 
@@ -16,29 +16,29 @@ from tools.campaign.fault import Expected, Fault
 from tools.logs.recording import read_recording
 
 STEADY_S = 0.7
-"""A robot that has moved this long without a break patrols."""
+"""A robot that has moved this long without a break is patrolling, s."""
 STANDING_S = 0.3
-"""Wheels at rest this long have stopped; in a turn they pass zero for less."""
+"""Wheels at rest this long have stopped, s; in a turn they pass zero for less."""
 AGENT_LIMIT_S = 0.3
-"""Within this the agent must have ordered a stop where it can see the fault and still command."""
+"""Limit for the agent's stop order where it detects the fault and can still command, s."""
 WATCHDOG_LIMIT_S = 2.0
-"""Within this the base must have begun to stop by itself where the agent cannot."""
+"""Limit for the base to begin to stop by itself where the agent cannot command, s."""
 STOP_LIMIT_S = 2.0
-"""Within this the wheels must be at rest, whoever stops them."""
+"""Limit for the wheels to be at rest in either case, s."""
 RECOVERY_LIMIT_S = 10.0
 BORDER_LIMIT_S = 60.0
-"""Within this a robot that was put elsewhere must be back on its border."""
+"""Limit for a robot that was moved to be back on its border, s."""
 SAMPLING_S = 0.05
-"""Of the emulator's steps and its watchdog, on a loaded machine."""
+"""Tolerance for the emulator's steps and watchdog on a loaded machine, s."""
 
 _DEVICES = ("base", "laser", "camera")
-_WELL = ("port open", "pictures come")
+_HEALTHY = ("port open", "pictures come")
 STANDING_FIRST = ("", "STOP", "VEL 0", "RVEL 0", "CLOSE", "ENABLE 0")
 
 
 @dataclass(slots=True)
 class Reaction:
-    """How the robot took a fault; times in s since the fault began, None: did not happen."""
+    """Reaction of the robot to a fault; times in s since the fault began, None: did not happen."""
 
     fault: str
     what: str
@@ -46,33 +46,33 @@ class Reaction:
     back_within: float | None
     """Limit of ``back``, s."""
     order_within: float | None = None
-    """Limit of ``ordered``, s, where it is not the usual one."""
+    """Limit of ``ordered``, s; None for the usual one."""
     recover_within: float = 10.0
     """Limit of ``recovered``, s."""
     detected: float | None = None
-    """First event, status or standing order."""
+    """Time of the first event, status or standing order."""
     detected_by: str = ""
     ordered: float | None = None
-    """Under orders to stand."""
+    """Time of the first order to stand."""
     ordered_by: str = ""
     speed: float = 0.0
-    """m/s, at that moment."""
+    """Speed at that time, m/s."""
     stopped: float | None = None
-    """Wheels at rest."""
+    """Time from which the wheels are at rest."""
     back: float | None = None
-    """Base commanded again, or scans understood again; since the fault's end."""
+    """First order to the base, or first scan decoded, since the fault's end."""
     recovered: float | None = None
     """Moving again, since the fault's end."""
     first_order: str = ""
-    """First motion order after the fault's end, of the new session where there is one."""
+    """First motion order after the fault's end, of the new session if there is one."""
     contacts: int = 0
     data_lost: float = 0.0
-    """s of the runs that their recordings lack, at their ends."""
+    """Time at the ends of the runs that is missing in their recordings, s."""
     complaints: list[str] = field(default_factory=list)
 
 
 def new_reaction(fault: Fault) -> Reaction:
-    """Return a reaction of which nothing is known yet."""
+    """Return a reaction with limits only, before any measurement."""
     return Reaction(
         *(fault.name, fault.what, fault.expected, fault.back_within, fault.order_within),
         fault.recover_within or (BORDER_LIMIT_S if fault.to_border else RECOVERY_LIMIT_S),
@@ -80,7 +80,7 @@ def new_reaction(fault: Fault) -> Reaction:
 
 
 def steady_since(moments: Sequence[Moment]) -> float:
-    """Return since when (s) the robot has been moving without a break, up to the last moment."""
+    """Return the time since which the robot has been moving up to the last moment; inf if not."""
     since = math.inf
     for moment in reversed(moments):
         if not moment.moving:
@@ -90,12 +90,12 @@ def steady_since(moments: Sequence[Moment]) -> float:
 
 
 def patrols(moments: Sequence[Moment]) -> bool:
-    """Tell whether the robot has been moving for a while now."""
+    """Whether the robot has been moving for STEADY_S up to the last moment."""
     return moments[-1].t - steady_since(moments) >= STEADY_S
 
 
 def measure_stop(reaction: Reaction, begun: float, moments: Sequence[Moment]) -> None:
-    """Find the first standing order and when the wheels came to rest."""
+    """Set the times of the first standing order and of the wheels' rest."""
     for number, moment in enumerate(moments):
         if reaction.ordered is None and moment.order:
             reaction.ordered, reaction.ordered_by = moment.t - begun, moment.order
@@ -116,11 +116,11 @@ def _stays_standing(moments: Sequence[Moment]) -> bool:
     return False
 
 
-def note_detection(reaction: Reaction, begun: float, until: float, recording: Path) -> None:
-    """Take the first thing the agent said of the fault, else the first standing order."""
+def measure_detection(reaction: Reaction, begun: float, until: float, recording: Path) -> None:
+    """Set the detection: the first event or status about it, or an earlier standing order."""
     for t, item in _published(recording, begun):
-        if t <= until and (said := _alarm(item)):
-            reaction.detected, reaction.detected_by = t - begun, said
+        if t <= until and (alarm := _alarm(item)):
+            reaction.detected, reaction.detected_by = t - begun, alarm
             break
     if reaction.ordered is not None and (
         reaction.detected is None or reaction.ordered < reaction.detected
@@ -129,44 +129,44 @@ def note_detection(reaction: Reaction, begun: float, until: float, recording: Pa
 
 
 def first_scan(ended: float, recording: Path) -> float | None:
-    """Return how long after the fault's end, s, the agent took in a scan."""
+    """Return the time from the fault's end to the agent's next scan, s; None if there is none."""
     times = (t for t, item in _published(recording, ended) if item.stream == "scan")
     first = next(times, None)
     return None if first is None else first - ended
 
 
 def data_lost(ends: Sequence[float], recordings: Sequence[Path]) -> float:
-    """Return how much of the ends of runs, s, is not in their recordings."""
+    """Return the total time at the ends of runs that is missing in their recordings, s."""
     return sum(_lost_at_end(end, path) for end, path in zip(ends, recordings, strict=True))
 
 
 def _lost_at_end(end: float, path: Path) -> float:
-    """Return how long before its process's end, s, monotonic, a recording ends."""
+    """Return how long before its process's end (monotonic, s) a recording ends, s."""
     recording = read_recording(path)
     last = 0.0
     for item in recording.items():
         if isinstance(item, Shutdown):
-            return 0.0  # the run had come to its end; what followed was no part of it
+            return 0.0  # a complete run; what follows is not part of it
         last = getattr(item, "t", last)
     return max(0.0, end - 1e-9 * recording.header.start_monotonic_ns - last)
 
 
 def _published(path: Path, since: float) -> list[tuple[float, Publish]]:
-    """Return what the agent has told from a time on (s, monotonic), with the times."""
+    """Return the agent's publications after a time (monotonic, s), with their times."""
     recording = read_recording(path)
     start = 1e-9 * recording.header.start_monotonic_ns
-    told = []
+    published = []
     t = 0.0
     for item in recording.items():
         if not isinstance(item, Publish):
             t = getattr(item, "t", t)
         elif start + t > since:
-            told.append((start + t, item))
-    return told
+            published.append((start + t, item))
+    return published
 
 
 def _alarm(item: Publish) -> str:
-    """Return what an event or a status says of a fault, if it does."""
+    """Return the alarm in an event or a status, empty if there is none."""
     if item.stream == "status":
         status = decode("status", item.payload)
         assert isinstance(status, StatusPayload)
@@ -175,14 +175,14 @@ def _alarm(item: Publish) -> str:
         return ""
     log = decode("event", item.payload)
     assert isinstance(log, Log)
-    if log.name in _DEVICES and log.message not in _WELL:
+    if log.name in _DEVICES and log.message not in _HEALTHY:
         return f"event: {log.name}"
     held = log.name == "gate" and log.message.startswith("holds the robot")
     return f"event: {log.message}" if held else ""
 
 
 def complaints(reaction: Reaction) -> list[str]:
-    """Return in what the reaction falls short."""
+    """Return the limits that the reaction misses."""
     found = []
     if reaction.contacts:
         found.append(f"{reaction.contacts} contacts")

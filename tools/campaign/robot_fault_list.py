@@ -1,4 +1,4 @@
-"""Faults of the robot itself and of the place it is in."""
+"""Faults of the robot itself and of its environment."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tools.simulation.noise import WorldNoise
 
 def _free_wheels(stage: AgentStage) -> None:
     stage.rig.stuck = False
-    stage.look_after()
+    stage.press_motors_twice()
 
 
 def _bump_twice(stage: AgentStage) -> None:
@@ -95,7 +95,7 @@ ROBOT_FAULTS: tuple[Fault, ...] = (
         "bumper-twice",
         "a bumper pressed twice; then a person presses MOTORS twice",
         _bump_twice,
-        lambda stage: stage.look_after(),
+        lambda stage: stage.press_motors_twice(),
         Expected.AGENT_STOPS,
     ),
     Fault(

@@ -1,7 +1,7 @@
-"""The shipped agent with a traitor inside: at SIGUSR1 one of its threads dies, or the clock jumps.
+"""The shipped agent with fault injection: at SIGUSR1 one of its threads dies, or the clock jumps.
 
-Started as ``python -m tools.campaign.sabotaged_agent WHAT agent ROBOT.toml ...``; WHAT is how a
-thread's name ends, or ``clock``. Nothing of the agent is changed.
+Started as ``python -m tools.campaign.sabotaged_agent WHAT agent ROBOT.toml ...``; WHAT is the end
+of a thread's name, or ``clock``. The agent's code is unchanged.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import time
 from types import FrameType
 
 JUMP_S = 300_000_000
-"""Back by nine years, as a clock without a battery does, or forth when it hears of the time."""
+"""Nine years, s: a clock without a battery jumps back by years."""
 
 
 def kill_thread(ending: str) -> None:
-    """Let the thread whose name ends so die of an exception that nobody expects."""
+    """Raise SystemExit in the thread whose name ends with ``ending``."""
     for thread in threading.enumerate():
         if thread.name.endswith(ending) and thread.ident is not None:
             ctypes.pythonapi.PyThreadState_SetAsyncExc(
@@ -27,19 +27,19 @@ def kill_thread(ending: str) -> None:
             )
 
 
-def turn_clock_back() -> None:
-    """Let every later reading of the wall clock be wrong."""
+def set_clock_back() -> None:
+    """Make every later reading of the wall clock JUMP_S too small."""
     true_time, true_time_ns = time.time, time.time_ns
     time.time = lambda: true_time() - JUMP_S
     time.time_ns = lambda: true_time_ns() - JUMP_S * 1_000_000_000
 
 
-def betray(what: str) -> None:
-    """Wait for SIGUSR1, then do it."""
+def install(what: str) -> None:
+    """Install a handler of SIGUSR1 that injects the fault."""
 
     def handler(_number: int, _frame: FrameType | None) -> None:
         if what == "clock":
-            turn_clock_back()
+            set_clock_back()
         else:
             kill_thread(what)
 
@@ -47,5 +47,5 @@ def betray(what: str) -> None:
 
 
 if __name__ == "__main__":
-    betray(sys.argv.pop(1))
+    install(sys.argv.pop(1))
     runpy.run_module("tools.cli", run_name="__main__", alter_sys=True)

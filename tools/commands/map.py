@@ -17,8 +17,8 @@ from tools.mapping.floor_plan import draw_floor_plan
 from tools.mapping.map_build import build_map
 from tools.mapping.map_check import check_map
 from tools.mapping.map_picture import draw_map
-from tools.mapping.slam.mapper import map_odometry
-from tools.mapping.slam.relations import line_up, read_relations, relation_error
+from tools.mapping.slam.mapper import map_from_odometry
+from tools.mapping.slam.relations import read_relations, relation_error, synchronize
 from tools.mapping.slam.trajectory import Trajectory
 from tools.progress import progress_line
 
@@ -95,7 +95,7 @@ def _build(options: argparse.Namespace) -> int:
         print(f"patrol map: {log.truncated}", file=sys.stderr)
     log, trajectory = _posed(log.from_scan(options.first_scan), options.source)
     if relations:
-        lined_up = line_up(relations, trajectory.times)
+        lined_up = synchronize(relations, trajectory.times)
         print(relation_error(lined_up, trajectory.at).table())
     with progress_line("map", len(log.scans), "scans") as progress:
         built = build_map(log, options.resolution, scans=options.scans, progress=progress)
@@ -108,7 +108,7 @@ def _build(options: argparse.Namespace) -> int:
 def _posed(log: ScanLog, source: str) -> tuple[ScanLog, Trajectory]:
     """Return the log with the poses to build from, and the poses at all times."""
     if source == "odometry":
-        found = map_odometry(log)
+        found = map_from_odometry(log)
         print(found.summary())
         return found.log, found.trajectory
     if not log.referenced:

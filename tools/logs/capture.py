@@ -1,9 +1,9 @@
-"""Serial traffic as JSON lines, one object per piece of traffic, to and from recordings.
+"""Serial traffic as JSON lines, one object per read or write, to and from recordings.
 
 ``{"t": s, "dir": "host->robot", "baud": 9600, "hex": "fafb..."}``; ``dir`` is host->robot,
 robot->host, host->laser, laser->host, or ``event`` with the host's new rate as ``baud`` or
-``host_baud``. Other fields are notes and are not kept. A line whose hex is abridged (``0280..372
-bytes``) has lost its bytes: it is left out, and counted.
+``host_baud``. Other fields are notes and are ignored. A line whose hex is abridged (``0280..372
+bytes``) is left out and counted.
 """
 
 from __future__ import annotations
@@ -45,18 +45,18 @@ class CaptureLine(msgspec.Struct, omit_defaults=True):
 
     @property
     def device(self) -> str:
-        """The device it concerns, empty for an event that does not say."""
+        """The device's name; empty for an event that does not name one."""
         ends = self.dir.split("->")
         return next((end for end in ends if end in _DEVICES), _WORDS_OF.get(self.link, ""))
 
     @property
     def abridged(self) -> bool:
-        """Whether most of its bytes were not kept."""
+        """Whether its hex is abridged."""
         return ".." in self.hex
 
     @property
     def from_device(self) -> bool:
-        """Whether the device sent it."""
+        """Whether the bytes are from the device."""
         return self.dir.endswith("->host")
 
 
@@ -65,20 +65,20 @@ _WORDS_OF: dict[str, str] = {str(link): word for link, word in _WORDS.items()}
 
 @dataclass(frozen=True, slots=True)
 class CaptureSummary:
-    """What was converted."""
+    """Counts of a conversion."""
 
     received: int
-    """Bytes of the devices."""
+    """Bytes from the devices."""
     sent: int
-    """Bytes of the host."""
+    """Bytes from the host."""
     duration: float
-    """s"""
+    """Duration, s."""
     abridged: int
-    """Lines left out because their bytes were not kept."""
+    """Lines left out because their hex is abridged."""
 
 
 def read_capture(path: Path) -> list[CaptureLine]:
-    """Read a capture in order of time; raises CaptureError."""
+    """Read a capture and sort it by time; raises CaptureError."""
     lines = []
     decode = msgspec.json.Decoder(CaptureLine).decode
     for number, row in enumerate(path.read_bytes().splitlines(), start=1):
@@ -102,7 +102,7 @@ def read_capture(path: Path) -> list[CaptureLine]:
 def capture_to_recording(source: Path, target: Path) -> CaptureSummary:
     """Write a capture as a recording: the devices' bytes as events, the host's as effects.
 
-    It carries no map, so no agent can replay it; it can be served, listed and converted.
+    It contains no map, so it cannot be replayed; it can be served, listed and converted.
     """
     lines = read_capture(source)
     default = next(line.device for line in lines if line.device)
@@ -138,7 +138,7 @@ def capture_to_recording(source: Path, target: Path) -> CaptureSummary:
 
 
 def _configuration(lines: list[CaptureLine], default: str, name: str) -> AgentConfig:
-    """Return a configuration with the rates the capture begins with."""
+    """Return a configuration with the rates at the capture's start."""
     config = AgentConfig(robot=RobotSettings(name="".join(c if c.isalnum() else "-" for c in name)))
     rates: dict[str, int] = {}
     for line in lines:

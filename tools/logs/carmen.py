@@ -1,4 +1,4 @@
-"""CARMEN logs: laser scans with corrected poses, and the raw odometry recovered from between them.
+"""CARMEN logs: laser scans with corrected poses, and the raw odometry recovered between them.
 
 In logs corrected by gmapping both poses of a scan line are the corrected pose, and the ODOM lines
 after a scan are raw odometry re-based onto it. The raw increment between two scans is therefore
@@ -21,9 +21,9 @@ from maps.pose import Pose
 
 # Beams of a SICK LMS over its half turn, first beam at the right (-90 degrees).
 _INCREMENT_DEGREES = {180: 1.0, 181: 1.0, 360: 0.5, 361: 0.5}
-_LASER_REACH = 80.0  # m; an LMS never measures more, larger readings are its error codes
-_CLIPPED_REACH = 50.0  # m; written for "no return" by loggers that clip there
-_MIN_STEP = 0.03  # s; between two scans: an LMS's two mirror turns, whatever a logger stamped
+_LASER_REACH = 80.0  # m; an LMS measures no farther, larger readings are error codes
+_CLIPPED_REACH = 50.0  # m; written for "no return" by some loggers
+_MIN_STEP = 0.03  # s; least time between two scans: two mirror turns of an LMS
 _SAME_POSE = 1e-6  # m and rad; an ODOM line this close to a scan's pose repeats it
 
 
@@ -38,15 +38,15 @@ class CarmenScan:
     t: float
     """Log time, s; increasing (a scan stamped too early is put two mirror turns after the last)."""
     ranges: NDArray[np.float64]
-    """(n,) m, counter-clockwise; inf where nothing came back."""
+    """(n,) m, counter-clockwise; inf for no return."""
     angle_min: float
     """Direction of the first beam in the laser's frame, rad."""
     angle_increment: float
     """Angle from one beam to the next, rad."""
     reference: Pose
-    """Corrected pose of the laser in the map (map_from_laser)."""
+    """map_from_laser, corrected."""
     odometry: Pose
-    """Raw odometry at the scan (odom_from_laser), drifting freely."""
+    """odom_from_laser, raw odometry with its drift."""
 
     def points(self) -> NDArray[np.float64]:
         """Return (m, 2) the points of the beams that returned, m, laser frame."""
@@ -54,7 +54,7 @@ class CarmenScan:
         return np.column_stack((ranges * np.cos(angles), ranges * np.sin(angles)))
 
     def beams(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return (m,) ranges, m, and (m,) directions in the laser's frame, rad, that returned."""
+        """Return (m,) ranges, m, and (m,) directions, rad, laser frame, of beams with a return."""
         angles = self.angle_min + self.angle_increment * np.arange(self.ranges.size)
         valid = np.isfinite(self.ranges)
         return self.ranges[valid], np.asarray(angles[valid], dtype=np.float64)
@@ -69,11 +69,11 @@ class CarmenLog:
     odometry: list[tuple[float, Pose]]
     """Raw odometry at strictly increasing times; the knot at a scan's time is the scan's own."""
     truncated: str | None
-    """What was lost when the file ends early; None for a whole file."""
+    """Notice of what is missing when the file ends early; None for a complete file."""
     lines: list[tuple[float, Pose]] = field(default_factory=list)
-    """All raw odometry in file order, which is the order of motion, with the stamps as logged."""
+    """All raw odometry in file order, which is the order of motion, with the logged stamps."""
     scan_lines: list[int] = field(default_factory=list)
-    """Each scan's own place in ``lines``."""
+    """Index of each scan in ``lines``."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +102,7 @@ class _ScanLine:
 
 
 def read_carmen(path: Path) -> CarmenLog:
-    """Read a CARMEN log, plain or gzip; a cut-off file yields what is whole of it.
+    """Read a CARMEN log, plain or gzip; of a truncated file the complete lines are used.
 
     Raises LogError naming file, line and remedy.
     """
@@ -141,7 +141,7 @@ def read_carmen(path: Path) -> CarmenLog:
 
 
 def _read_text(path: Path) -> tuple[str, str | None]:
-    """Return the file's text and, when a gzip stream ends early, a notice of it."""
+    """Return the file's text and, if a gzip stream ends early, a notice of it."""
     try:
         data = path.read_bytes()
     except OSError as error:
@@ -157,7 +157,7 @@ def _read_text(path: Path) -> tuple[str, str | None]:
 
 
 def _decompress(path: Path, data: bytes) -> tuple[bytes, str | None]:
-    """Unpack gzip members as far as they are whole."""
+    """Decompress gzip members as far as they are complete."""
     text = bytearray()
     while data:
         stream = zlib.decompressobj(wbits=zlib.MAX_WBITS | 16)
@@ -180,7 +180,7 @@ def _decompress(path: Path, data: bytes) -> tuple[bytes, str | None]:
 def _parse(
     path: Path, text: str, *, may_be_cut: bool
 ) -> tuple[list[_OdometryLine | _ScanLine], str | None]:
-    """Decode all lines that matter; a last line without its end may be cut off."""
+    """Decode all lines of known messages; a last line without its end may be truncated."""
     rows = text.split("\n")
     unfinished = rows.pop()
     parsed = []
@@ -203,7 +203,7 @@ def _parse(
 
 
 def _parse_line(row: str) -> _OdometryLine | _ScanLine | None:
-    """Decode one line; None for messages that carry neither scan nor odometry."""
+    """Decode one line; None for messages that contain neither scan nor odometry."""
     kind, _, rest = row.partition(" ")
     if kind == "ODOM":
         return _parse_odometry(rest.split())
@@ -315,7 +315,7 @@ def _raw_odometry(
         end_t = times[index] if index < len(scans) else math.inf
         inner = list(zip((line.t for line in interval), poses, strict=True))
         raw.knots.extend(_increasing(inner, start_t, end_t))
-        # The first line only repeats a corrected scan's pose, with a stamp that says nothing.
+        # The first line only repeats a corrected scan's pose, with a meaningless stamp.
         raw.lines.extend(inner[1:] if rebased and index > 0 else inner)
         if index < len(scans):
             start = (poses[-1] if poses else start) if rebased else scans[index].robot
@@ -330,7 +330,7 @@ def _raw_odometry(
 def _increasing(
     knots: Iterable[tuple[float, Pose]], after: float, before: float
 ) -> list[tuple[float, Pose]]:
-    """Keep the knots between two scans whose stamps are in order: the scans carry the rest."""
+    """Return the knots between two scans whose stamps are increasing; the others are dropped."""
     kept: list[tuple[float, Pose]] = []
     for t, pose in knots:
         if (kept[-1][0] if kept else after) < t < before:
@@ -339,7 +339,7 @@ def _increasing(
 
 
 def _scan_times(scans: Sequence[_ScanLine]) -> list[float]:
-    """Return the scans' log times, a scan stamped too early put as near as a laser can measure."""
+    """Return the scans' log times; a scan stamped too early is moved to the least interval."""
     times: list[float] = []
     for scan in scans:
         times.append(max(scan.t, times[-1] + _MIN_STEP) if times else scan.t)
@@ -347,7 +347,7 @@ def _scan_times(scans: Sequence[_ScanLine]) -> list[float]:
 
 
 def _is_rebased(scans: Sequence[_ScanLine], intervals: Sequence[Sequence[_OdometryLine]]) -> bool:
-    """Tell a corrected log: the first ODOM after (nearly) every scan repeats the scan's pose."""
+    """Whether the log is corrected: the first ODOM after (nearly) every scan repeats its pose."""
     followed = [
         (scan.robot, interval[0].pose)
         for scan, interval in zip(scans, intervals[1:], strict=True)
@@ -358,12 +358,12 @@ def _is_rebased(scans: Sequence[_ScanLine], intervals: Sequence[Sequence[_Odomet
 
 
 def _no_return_limit(scans: Sequence[_ScanLine]) -> float:
-    """Deduce from the log's largest reading from where on a reading means "no return", m."""
+    """Return the reading, m, from which on readings mean "no return", by the log's largest one."""
     largest = max(float(np.nanmax(scan.readings, initial=0.0)) for scan in scans)
     clipped = abs(largest - _CLIPPED_REACH) < 0.01 * _CLIPPED_REACH
     return 0.99 * _CLIPPED_REACH if clipped else _LASER_REACH
 
 
 def _usable(readings: NDArray[np.float64], limit: float) -> NDArray[np.float64]:
-    """Replace everything that is no measured distance by inf."""
+    """Return readings with everything that is no measured distance replaced by inf."""
     return np.where((readings > 0.0) & (readings < limit), readings, np.inf)

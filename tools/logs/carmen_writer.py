@@ -1,4 +1,4 @@
-"""Recordings as CARMEN logs, so that the tools of that world can read our runs."""
+"""Export of recordings as CARMEN logs, for tools that read these."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from tools.logs.recorded_scans import NEAREST_REFERENCE_S, ScanDecoder
 from tools.logs.recording import Recording
 
 NO_RETURN_M = 81.91
-"""What a log says where nothing came back: above an LMS's reach."""
+"""Reading for no return, m: above an LMS's range."""
 HOST = "patrol"
 
 _HEAD = """\
@@ -37,9 +37,9 @@ ipc_hostname logger_timestamp
 def recording_to_carmen(recording: Recording, target: Path) -> int:
     """Write odometry and scans as a CARMEN log; return the number of scans.
 
-    A scan's first pose is the laser's: the recording's reference where there is one, else the
-    agent's own, else odometry. Its second pose is raw odometry. Raises LogError for a recording
-    without a scan.
+    A scan's first pose is the laser's: by the recording's reference if there is one, else by the
+    agent's estimate, else by odometry. Its second pose is raw odometry. Raises LogError for a
+    recording without a scan.
     """
     config, _ = recorded_config(recording)
     mount = Pose(*(config.laser.mount or load_model(config.base.model).laser_mount))
@@ -56,7 +56,7 @@ def recording_to_carmen(recording: Recording, target: Path) -> int:
 
 
 def _lines(recording: Recording, config: AgentConfig, mount: Pose) -> Iterator[str]:
-    """Yield the log's lines in the order in which they became known."""
+    """Yield the log's lines in the recorded order."""
     decoder = ScanDecoder(config)
     wall = recording.header.start_wall_ns / 1e9
     reference: Reference | None = None
@@ -74,7 +74,7 @@ def _lines(recording: Recording, config: AgentConfig, mount: Pose) -> Iterator[s
             latest = decoder.latest
             if latest is not None and latest[1] != last_odometry:
                 last_odometry = latest[1]
-                yield f"ODOM {_words(latest[1])} 0 0 0 {_stamp(latest[0], wall)}"
+                yield f"ODOM {_fields(latest[1])} 0 0 0 {_stamp(latest[0], wall)}"
             for scan, odometry in found:
                 known = reference is not None and abs(reference.t - scan.t) < NEAREST_REFERENCE_S
                 at = reference.pose if known and reference is not None else own or odometry
@@ -84,11 +84,11 @@ def _lines(recording: Recording, config: AgentConfig, mount: Pose) -> Iterator[s
 def _scan_line(scan: Scan, laser: Pose, odometry: Pose, wall: float) -> str:
     ranges = np.where(np.isfinite(scan.ranges), scan.ranges, NO_RETURN_M)
     readings = " ".join(f"{reading:.3f}" for reading in ranges.tolist())
-    poses = f"{_words(laser)} {_words(odometry)}"
+    poses = f"{_fields(laser)} {_fields(odometry)}"
     return f"FLASER {ranges.size} {readings} {poses} {_stamp(scan.t, wall)}"
 
 
-def _words(pose: Pose) -> str:
+def _fields(pose: Pose) -> str:
     return f"{pose.x:.6f} {pose.y:.6f} {math.remainder(pose.theta, math.tau):.6f}"
 
 

@@ -1,4 +1,4 @@
-"""One scan of a log or recording, ready for localization or mapping."""
+"""One scan of a log or recording, prepared for localization or mapping."""
 
 from __future__ import annotations
 
@@ -20,4 +20,4 @@ class LogStep:
     points: NDArray[np.float64]
     """(n, 2) end points of the beams that returned, m, base_link."""
     reference: Pose | None
-    """True map_from_base, if known."""
+    """Reference map_from_base, None if unknown."""

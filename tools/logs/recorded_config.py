@@ -1,4 +1,4 @@
-"""The configuration a recording carries, read by a program that may know other settings."""
+"""Reading a recording's configuration, also one of an earlier version of the program."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from tools.logs.recording import Recording
 
 
 def recorded_config(recording: Recording) -> tuple[AgentConfig, list[str]]:
-    """Return a recording's configuration and the settings in it that exist no more (left out).
+    """Return a recording's configuration and the names of settings left out as obsolete.
 
-    Raises ConfigError for a configuration that cannot be used.
+    Raises ConfigError for an invalid configuration.
     """
     return parse_old_config(recording.header.configuration, f"{recording.path} (configuration)")
 
 
 def parse_old_config(content: bytes, source: str) -> tuple[AgentConfig, list[str]]:
-    """Decode a configuration of any age: follows renamed keys, leaves out those that are gone.
+    """Decode a configuration of any version: renames old keys, leaves out obsolete ones.
 
-    Those left out are named unless they had the value that is a constant now.
+    Returns the names of those left out, except if their value is the present constant.
     """
-    table, left_out = _modernized(content, source)
+    table, left_out = _upgraded(content, source)
     return parse_config(tomli_w.dumps(table).encode(), source), left_out
 
 
-def _modernized(content: bytes, source: str) -> tuple[dict[str, Any], list[str]]:
+def _upgraded(content: bytes, source: str) -> tuple[dict[str, Any], list[str]]:
     try:
         table = tomllib.loads(content.decode())
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
@@ -45,27 +45,27 @@ def _modernized(content: bytes, source: str) -> tuple[dict[str, Any], list[str]]
     strategy = _lookup(table, "patrol.strategy")  # "paper", or what is a modifier now
     if strategy is not None:
         added = [EVEN_GAPS] if strategy == EVEN_GAPS else []
-        _put(table, "patrol.modifiers", [*DEFAULT_MODIFIERS, *added])
-        _drop(table, "patrol.strategy")
+        _set(table, "patrol.modifiers", [*DEFAULT_MODIFIERS, *added])
+        _remove(table, "patrol.strategy")
     for key in [key for key in RENAMED_KEYS if _lookup(table, key) is not None]:
-        _put(table, RENAMED_KEYS[key], _lookup(table, key))
-        _drop(table, key)
+        _set(table, RENAMED_KEYS[key], _lookup(table, key))
+        _remove(table, key)
     for key, constant in FIXED_KEYS.items():
         value = _lookup(table, key)
         if value is None:
             continue
         if value != constant:
             left_out.append(key)
-        _drop(table, key)
+        _remove(table, key)
     return _known(table, AgentConfig, "", left_out), left_out
 
 
 def changed_config(content: bytes, source: str, changes: list[str]) -> AgentConfig:
-    """Return a configuration with ``section.key=value`` changes, each value as TOML has it.
+    """Return a configuration with ``section.key=value`` changes, each value in TOML syntax.
 
     Raises ConfigError naming the change.
     """
-    table, _left_out = _modernized(content, source)
+    table, _left_out = _upgraded(content, source)
     for change in changes:
         _apply(table, change)
     return parse_config(tomli_w.dumps(table).encode(), f"{source} with {', '.join(changes)}")
@@ -79,7 +79,7 @@ def _apply(table: dict[str, Any], change: str) -> None:
     try:
         value = tomllib.loads(f"value = {text}")["value"]
     except tomllib.TOMLDecodeError:
-        value = text  # a word needs no quotes
+        value = text  # a string may lack quotes
     for section in sections:
         table = table.setdefault(section, {})
         if not isinstance(table, dict):
@@ -90,31 +90,31 @@ def _apply(table: dict[str, Any], change: str) -> None:
 
 
 def _lookup(table: dict[str, Any], key: str) -> Any:
-    """Return the value of a dotted key; None if it is not there."""
+    """Return the value of a dotted key; None if it is missing."""
     value: Any = table
     for name in key.split("."):
         value = value.get(name) if isinstance(value, dict) else None
     return value
 
 
-def _put(table: dict[str, Any], key: str, value: Any) -> None:
+def _set(table: dict[str, Any], key: str, value: Any) -> None:
     *sections, name = key.split(".")
     for section in sections:
         table = table.setdefault(section, {})
     table[name] = value
 
 
-def _drop(table: dict[str, Any], key: str) -> None:
-    """Remove a dotted key that is there, and its section if nothing else is in it."""
+def _remove(table: dict[str, Any], key: str) -> None:
+    """Remove an existing dotted key, and its section if that becomes empty."""
     section, _, name = key.rpartition(".")
     rest = _lookup(table, section) if section else table
     del rest[name]
     if not rest and section:
-        _drop(table, section)
+        _remove(table, section)
 
 
 def _known(table: dict[str, Any], shape: type, place: str, left_out: list[str]) -> dict[str, Any]:
-    """Return the part of a table that a settings struct has fields for."""
+    """Return the part of a table for which a settings struct has fields."""
     hints = get_type_hints(shape)
     kept: dict[str, Any] = {}
     for key, value in table.items():
@@ -130,7 +130,7 @@ def _known(table: dict[str, Any], shape: type, place: str, left_out: list[str]) 
 
 
 def _struct_of(hint: Any) -> type | None:
-    """Return the settings struct a field holds, if it holds one."""
+    """Return the settings struct of a field's type, None if it is none."""
     for candidate in (hint, *get_args(hint)):
         if isinstance(candidate, type) and issubclass(candidate, msgspec.Struct):
             return candidate

@@ -1,4 +1,4 @@
-"""The scans of a recording, decoded from its device bytes as the agent decodes them."""
+"""The scans of a recording, decoded from its device bytes by the agent's sessions."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from tools.logs.log_step import LogStep
 from tools.logs.recording import Recording
 
 NEAREST_REFERENCE_S = 0.01
-"""A reference belongs to the scan measured within this time of it."""
+"""Largest time between a scan and its reference, s."""
 
 
 def recorded_scans(recording: Recording, config: AgentConfig) -> Iterator[LogStep]:
-    """Yield every scan of a recording with odometry, points and, where known, the true pose."""
+    """Yield every scan of a recording with odometry, points and, if known, the reference pose."""
     decoder = ScanDecoder(config)
     reference: Reference | None = None
     for item in recording.items():
@@ -33,11 +33,11 @@ def recorded_scans(recording: Recording, config: AgentConfig) -> Iterator[LogSte
             reference = item
         elif isinstance(item, Event):
             for t, odometry, points in decoder.on_event(item):
-                yield LogStep(t, odometry, points, _belonging(reference, t))
+                yield LogStep(t, odometry, points, _pose_of(reference, t))
 
 
 class ScanDecoder:
-    """The agent's two device sessions and its odometry, and nothing after them."""
+    """The agent's two device sessions and its odometry, without the later stages."""
 
     def __init__(self, config: AgentConfig) -> None:
         self._base, self._laser = P2osSession(config.base), Lms200Session(config.laser)
@@ -46,7 +46,7 @@ class ScanDecoder:
         self._projector = ScanProjector(Pose(*mount))
 
     def on_event(self, event: Event) -> list[tuple[float, Pose, NDArray[np.float64]]]:
-        """Take one event; return the scans it completes: time, odometry, points (n, 2)."""
+        """Handle an event; return its scans: time, odom_from_base, points (n, 2), m, base_link."""
         return [
             (scan.t, odometry, self._projector.points(scan, *self._odometry.twist_at(scan.t)))
             for scan, odometry in self.scans(event)
@@ -54,12 +54,12 @@ class ScanDecoder:
 
     @property
     def latest(self) -> tuple[float, Pose] | None:
-        """Time, s, and odometry of the newest base report."""
+        """Time and odom_from_base of the newest base report; None before the first."""
         state = self._odometry.latest
         return None if state is None else (state.t, Pose(state.x, state.y, state.theta))
 
     def scans(self, event: Event) -> list[tuple[Scan, Pose]]:
-        """Take one event; return the scans it completes with the odometry at each."""
+        """Handle an event; return the scans it completes, each with odom_from_base at its time."""
         scans: list[Scan] = []
         match event:
             case BytesReceived(t, "base", data):
@@ -74,7 +74,7 @@ class ScanDecoder:
                 self._session(link).link_up(t)
             case LinkDown(t, "base" | "laser" as link):
                 self._session(link).link_down(t)
-        # What the sessions ask of their links was done, and recorded, long ago.
+        # The sessions' requests are discarded: those of the recorded run were executed.
         self._base.pop_requests()
         self._laser.pop_requests()
         located = [(scan, self._odometry.at(scan.t)) for scan in scans]
@@ -84,7 +84,7 @@ class ScanDecoder:
         return self._base if link == "base" else self._laser
 
 
-def _belonging(reference: Reference | None, t: float) -> Pose | None:
+def _pose_of(reference: Reference | None, t: float) -> Pose | None:
     if reference is None or abs(reference.t - t) > NEAREST_REFERENCE_S:
         return None
     return reference.pose

@@ -1,8 +1,8 @@
-"""Reads recordings back: header, configuration, map, and everything that happened, in order.
+"""Reads recordings: header, configuration, map, events and effects in order.
 
-The file is read front to back and never as a whole. A recording that was cut short or damaged
-gives everything before that place; ``Recording.truncated`` then says where it ended. The layout is
-described in ``robot_agent.recording.recording_writer``.
+The file is read sequentially, chunk by chunk. A truncated or damaged recording is readable up to
+that place, which is then given by ``Recording.truncated``. The layout is described in
+``robot_agent.recording.recording_writer``.
 """
 
 from __future__ import annotations
@@ -51,17 +51,17 @@ DATA_OPCODES = frozenset(
     {Opcode.HEADER, Opcode.METADATA, Opcode.ATTACHMENT, Opcode.CHUNK, Opcode.MESSAGE_INDEX}
 )
 CHUNK_END = struct.Struct("<8xQ")  # of a chunk: time of its first message, of its last
-PRIVATE_OPCODE = 0x80  # others may put their own records at and above it
+PRIVATE_OPCODE = 0x80  # opcodes of private records start here
 CHUNK_LIMIT_BYTES = 256 * 1024 * 1024
-"""No recorder of ours makes chunks near this size: a larger one is damage, not data."""
+"""Largest plausible chunk, bytes; a larger size means damage."""
 
 
 class RecordingError(ValueError):
-    """A file that is no recording; the message names file, reason and remedy."""
+    """The file is no readable recording; the message names file, reason and remedy."""
 
 
 class DamageError(ValueError):
-    """A record that is cut short or does not hold what it should."""
+    """A record is truncated or its content is invalid."""
 
 
 Item = Event | Effect | Gap | Reference | Note
@@ -82,12 +82,12 @@ class Recording:
         """The steps that brought its header from an earlier layout to the present one."""
         self.truncated = truncated
         """None, or one line that says at which byte the readable part ends; final after ``items``
-        or ``messages`` has come to its end."""
+        or ``messages`` is exhausted."""
 
     def items(self) -> Iterator[Item]:
-        """Yield everything in the order in which it happened; every call reads the file afresh.
+        """Yield events, effects and references in order; every call reads the file again.
 
-        An effect carries no time: it happened at the time of the event before it.
+        An effect has no time of its own: it belongs to the event before it.
         """
         interpreters: dict[int, Interpreter] = {}
         for channel, t, data in self._raw():
@@ -113,7 +113,7 @@ class Recording:
         )
 
     def end(self) -> float:
-        """Return the agent time of the last whole chunk's end, s; reads little of the file."""
+        """Return the agent time of the last complete chunk's end, s; reads little of the file."""
         last = 0.0
         with self.path.open("rb") as file:
             records = _Records(file, shallow=True)
@@ -136,7 +136,7 @@ class Recording:
                     if opcode == Opcode.CHUNK:
                         yield from messages.of_chunk(_chunk_data(body))
                     elif opcode == Opcode.ATTACHMENT:
-                        _attachment(body)  # a damaged one ends the readable part here as well
+                        _attachment(body)  # a damaged attachment ends the readable part too
             except _DAMAGE as error:
                 self.truncated = _describe_damage(self.path, records.offset, error)
 
@@ -190,7 +190,7 @@ def _header(
     attachments: dict[str, bytes],
     truncated: str | None,
 ) -> tuple[RunHeader, list[str]]:
-    """Assemble the run header, with the upgrades it took, or say why there is none."""
+    """Return the run header and the upgrades applied; raise RecordingError if there is none."""
     if fields is None:
         reason = truncated or f"{path}: has no `{RUN_METADATA}` record"
         raise RecordingError(f"{reason}; nothing to read: record again with `patrol agent`")
@@ -222,7 +222,7 @@ def _header(
 
 
 class _Messages:
-    """Takes the messages out of one chunk after the other."""
+    """Extracts the messages of successive chunks."""
 
     def __init__(self, start_wall_ns: int) -> None:
         self._start_ns = start_wall_ns
@@ -258,10 +258,10 @@ class _Records:
         self._shallow = shallow
         self._size = os.fstat(file.fileno()).st_size
         self.offset = len(MCAP0_MAGIC)
-        """Byte at which the record in hand begins."""
+        """Byte offset of the current record."""
 
     def __iter__(self) -> Iterator[tuple[int, bytes]]:
-        """Yield whole records up to the end of the data; raise DamageError where one is cut."""
+        """Yield complete records to the end of the data; raise DamageError at a truncated one."""
         self._file.seek(self.offset)
         while True:
             head = self._file.read(RECORD_HEAD.size)
@@ -286,7 +286,7 @@ class _Records:
 
 
 _DAMAGE = (ValueError, McapError, struct.error, zstandard.ZstdError, MemoryError)
-"""All that reading a damaged record may raise."""
+"""Exceptions of reading a damaged record."""
 
 
 def _describe_damage(path: Path, offset: int, error: BaseException) -> str:
@@ -340,7 +340,7 @@ _INTERPRETERS: dict[str, Interpreter] = {
 
 
 def _interpreter(channel: Channel) -> Interpreter:
-    """Return what turns a channel's messages into items."""
+    """Return the function that converts a channel's messages to items."""
     topic: str = channel.topic
     if topic in PROCESS_STREAMS:
         return lambda t, data: Note(t, topic, data)

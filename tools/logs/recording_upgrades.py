@@ -1,4 +1,4 @@
-"""Recordings of earlier layouts, brought to the present one: one named step per layout."""
+"""Upgrades recordings of earlier layouts to the present one: one named step per layout."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ Fields = dict[str, str]
 
 @dataclass(frozen=True, slots=True)
 class Upgrade:
-    """From one layout to the next. ``step`` takes the header's fields and the map's files."""
+    """Upgrade by one layout. ``step`` takes the header's fields and the map's files."""
 
     name: str
     step: Callable[[Fields, Mapping[str, bytes]], Fields]
 
 
 def _identify(fields: Fields, map_files: Mapping[str, bytes]) -> Fields:
-    """Layout 1 knew its map and border only by content, and not what it ran on."""
+    """Add the fields that layout 1 lacks: hashes of map and border, empty versions and boot."""
     map_hash, border_hash = identity(map_files)
     return {**fields, "map_hash": map_hash, "border_hash": border_hash, "versions": "", "boot": ""}
 
@@ -28,7 +28,7 @@ UPGRADES: dict[int, Upgrade] = {
     1: Upgrade("identity of map, border and software", _identify),
     2: Upgrade("decisions with overrides, by today's names", lambda fields, _files: fields),
 }
-"""By the layout they start from."""
+"""Upgrades by the layout from which they start."""
 
 
 def upgraded(fields: Fields, map_files: Mapping[str, bytes]) -> tuple[Fields, list[str]]:

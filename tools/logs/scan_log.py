@@ -1,4 +1,4 @@
-"""CARMEN logs and recordings as one kind of log: what a map is built from."""
+"""A common interface to the scans of CARMEN logs and recordings, for map building."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from tools.logs.recording import read_recording
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RecordedScan:
-    """One scan of a recording, as a log's scans are."""
+    """One scan of a recording, with the interface of a log's scans."""
 
     t: float
-    """Time, s."""
+    """Time of the scan."""
     end_points: NDArray[np.float64]
     """(n, 2) m, laser frame."""
     reference: Pose
-    """map_from_laser; where the recording has none, the raw odometry stands for it."""
+    """map_from_laser; the raw odometry if the recording has no reference."""
     odometry: Pose
     """odom_from_laser."""
 
@@ -37,7 +37,7 @@ class RecordedScan:
         return self.end_points
 
     def beams(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return (n,) ranges, m, and (n,) directions in the laser's frame, rad."""
+        """Return (n,) ranges, m, and (n,) directions, rad, in the laser's frame."""
         x, y = self.end_points.T
         return np.hypot(x, y), np.arctan2(y, x)
 
@@ -51,14 +51,14 @@ class ScanLog:
     odometry: list[tuple[float, Pose]]
     """Raw odometry of the laser in the order of motion; the stamps may be out of order."""
     scan_lines: list[int]
-    """Each scan's own place in the odometry."""
+    """Index of each scan in the odometry."""
     referenced: bool
-    """Whether every scan has a reference pose of its own, not just its odometry."""
+    """Whether every scan has a reference pose other than its odometry."""
     truncated: str | None
-    """What was lost when the file ends early; None for a whole file."""
+    """Notice of what is missing when the file ends early; None for a complete file."""
 
     def from_scan(self, first: int) -> ScanLog:
-        """Return the log without the scans before one; LogError if none is left."""
+        """Return the log from scan index ``first`` on; raises LogError if no scan is left."""
         if not 0 <= first < len(self.scans):
             raise LogError(
                 f"{self.path}: no scan from scan {first} on: the log has {len(self.scans)}, "
@@ -82,7 +82,7 @@ def read_scan_log(path: Path) -> ScanLog:
     if path.suffix == ".mcap":
         return _read_recorded(path)
     log = read_carmen(path)
-    # In a log that nobody corrected the pose of a scan is its odometry.
+    # In an uncorrected log the pose of a scan is its odometry.
     referenced = any(scan.reference != scan.odometry for scan in log.scans)
     return ScanLog(path, log.scans, log.lines, log.scan_lines, referenced, log.truncated)
 

@@ -12,10 +12,10 @@ from tools.logs.recording import Recording, RecordingError
 
 
 def stream_to_csv(recording: Recording, topic: str, target: Path) -> int:
-    """Write a topic's messages; return how many.
+    """Write a topic's messages; return their number.
 
-    The first column is ``t``, agent time in s. Bytes of a link are in hexadecimal. Raises
-    RecordingError, naming the topics there are, for one that has no message.
+    The first column is ``t``. Bytes of a link are in hexadecimal. Raises RecordingError, naming
+    the topics with messages, if the topic has none.
     """
     rows = [{"t": t, **_fields(topic, data)} for _topic, t, data in recording.messages((topic,))]
     if not rows:

@@ -1,1 +1,1 @@
-"""Pre-built maps: built from logs or floor plans, checked, drawn."""
+"""Building of maps from logs or floor plans; checks and pictures of maps."""

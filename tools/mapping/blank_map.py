@@ -1,4 +1,4 @@
-"""A map of nothing: what an agent is given where there is no map yet."""
+"""An empty map for an agent that has no map yet."""
 
 from __future__ import annotations
 

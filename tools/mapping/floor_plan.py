@@ -11,7 +11,7 @@ are in metres in the map frame, angles in degrees::
 
     [[wall]]                               # a line of walls through these points
     points = [[0.0, 0.0], [24.0, 0.0]]
-    [[door]]                               # an opening, as wide as the way between its ends
+    [[door]]                               # an opening from one end to the other
     from = [3.0, 0.0]
     to = [3.95, 0.0]
     [[box]]                                # furniture: desks, cabinets
@@ -87,7 +87,7 @@ class FloorPlan(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
 
 def load_floor_plan(path: Path) -> FloorPlan:
-    """Read a floor plan; MapError names the file and the reason."""
+    """Read a floor plan; raises MapError with the file and the reason."""
     try:
         return msgspec.toml.decode(path.read_bytes(), type=FloorPlan)
     except OSError as error:
@@ -104,7 +104,7 @@ def draw_floor_plan(plan_path: Path, folder: Path) -> OccupancyMap:
 
 
 def rasterize(plan: FloorPlan) -> OccupancyMap:
-    """Return the map of a plan: a cell is what its centre is."""
+    """Return the map of a plan; a cell's state is that of its centre."""
     cols, rows = (round(length / plan.resolution) for length in plan.size)
     x, y = np.meshgrid(
         plan.origin[0] + (np.arange(cols) + 0.5) * plan.resolution,
@@ -116,7 +116,7 @@ def rasterize(plan: FloorPlan) -> OccupancyMap:
         for start, end in pairwise(wall.points):
             solid |= _strip(x, y, start, end, half, overrun=half)
     for door in plan.door:
-        # Twice as deep as the wall, so that nothing of it is left in the opening.
+        # Twice as deep as the wall, so that the opening is free of it.
         solid &= ~_strip(x, y, door.start, door.to, 2.0 * half, overrun=0.0)
     for box in plan.box:
         solid |= _box(x, y, box)
@@ -136,7 +136,7 @@ def _strip(
     *,
     overrun: float,
 ) -> _Cells:
-    """Cells in a straight strip from start to end, longer by ``overrun`` at both ends."""
+    """Return the cells in a straight strip from start to end, longer by ``overrun`` at each end."""
     length = math.dist(start, end)
     center = ((start[0] + end[0]) / 2, (start[1] + end[1]) / 2)
     heading = math.atan2(end[1] - start[1], end[0] - start[0])
@@ -156,7 +156,7 @@ def _rectangle(
     half_length: float,
     half_width: float,
 ) -> _Cells:
-    """Cells within a rectangle turned to a heading; a hair wider, so rounding decides nothing."""
+    """Return the cells in a rectangle turned to a heading, with a margin for rounding."""
     dx, dy = x - center[0], y - center[1]
     along = dx * math.cos(heading) + dy * math.sin(heading)
     across = dy * math.cos(heading) - dx * math.sin(heading)

@@ -1,9 +1,8 @@
 """Builds a map from a log of scans at known poses.
 
-``build_map`` traces every beam through a grid and counts, per cell, the scans that saw through it
-and the scans that ended in it (Moravec and Elfes' occupancy grid in its counting form). A cell is
-occupied if enough of the scans that saw it ended in it: people who walked by are seen through
-more often than hit, and disappear.
+``build_map`` traces every beam through a grid and counts, per cell, the scans that passed through
+it (misses) and those that ended in it (hits): Moravec and Elfes' occupancy grid in its counting
+form. A cell is occupied if the share of hits is large enough, so people who walked by disappear.
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ from maps.pose import Pose
 Scans = Literal["all", "even", "odd"]
 
 _CHOICE = {"all": slice(None), "even": slice(0, None, 2), "odd": slice(1, None, 2)}
-_MARGIN = 1.0  # m of unknown cells round everything seen
+_MARGIN = 1.0  # m of unknown cells round all known ones
 _MAX_CELLS = 100_000_000  # 0.9 GB while building
 
 
@@ -44,7 +43,7 @@ class PosedLog(Protocol):
 
     @property
     def path(self) -> Path:
-        """Where they are from, for messages."""
+        """Source of the scans, for messages."""
 
     @property
     def scans(self) -> Sequence[PosedScan]:
@@ -59,13 +58,13 @@ class MapBuild:
     scans: int
     """Scans used."""
     beams: int
-    """Beams used: those that returned from within the range limit."""
+    """Beams used: those with a return within the range limit."""
     free: int
     occupied: int
     unknown: int
     """Cells of each state."""
     seconds: float
-    """Time the build took."""
+    """Time of the build, s."""
 
     def summary(self) -> str:
         """Return one line: scans, cells, seconds."""
@@ -90,12 +89,12 @@ def build_map(
     """Build an occupancy map of a log's scans at their reference poses.
 
     resolution: cell side, m. scans: all, or every second one starting with the first (even) or
-    the second (odd), so that a map can be judged on scans it was not built from. max_range, m:
-    longer beams are left out. occupied_share: of the scans that saw a cell, the share that must
-    have ended in it. min_sightings: cells seen by fewer scans stay unknown. progress: called
+    the second (odd), so that a map can be tested on scans it was not built from. max_range, m:
+    longer beams are left out. occupied_share: least share of hits, of hits and misses, of an
+    occupied cell. min_sightings: cells with fewer hits and misses stay unknown. progress: called
     with the number of scans done.
 
-    Raises MapError if there is no scan to use, or no sensible grid to put them in.
+    Raises MapError if there is no scan to use or the grid would be too large.
     """
     started = time.perf_counter()
     if not (math.isfinite(resolution) and resolution > 0.0):
@@ -132,7 +131,7 @@ def build_map(
 
 
 def _beams(scan: PosedScan, max_range: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Ranges (n,) m and directions (n,) rad in the map frame of the beams to use."""
+    """Return ranges (n,), m, and directions (n,), rad, map frame, of the beams to use."""
     ranges, angles = scan.beams()
     used = ranges < max_range
     return ranges[used], scan.reference.theta + angles[used]
@@ -143,7 +142,7 @@ def _extent(
     beams: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]],
     resolution: float,
 ) -> tuple[Pose, tuple[int, int]]:
-    """Origin on a whole cell, and (rows, cols), of a grid that holds all scans' ends and poses."""
+    """Return the origin, a multiple of the cell, and (rows, cols) of a grid for all scans."""
     ends = np.concatenate(
         [
             np.array([scan.reference[:2]])
@@ -166,17 +165,17 @@ def _count(
     ranges: NDArray[np.float64],
     angles: NDArray[np.float64],
 ) -> None:
-    """Add one scan: one hit to each cell a beam ended in, one miss to each other one crossed.
+    """Add one scan: a hit to each cell in which a beam ends, a miss to each other cell crossed.
 
-    frame: the laser's pose, the grid's origin, the cell's side.
+    frame: map_from_laser, the grid's origin, m, the cell's side, m.
     """
     laser, origin, resolution = frame
     width = hits.shape[1]
     unit = np.column_stack([np.cos(angles), np.sin(angles)]) / resolution
     start = (np.array(laser[:2]) - origin[:2]) / resolution
 
-    # Samples every half cell along each beam, up to one cell before its end: a wall seen at a
-    # grazing angle must not be eaten away by its own beams.
+    # Samples every half cell along each beam, up to one cell before its end: a wall at a grazing
+    # angle must not be cleared by its own beams.
     steps = np.arange(0.0, ranges.max(initial=0.0), resolution / 2)
     reach = np.searchsorted(steps, ranges - resolution)
     beam = np.repeat(np.arange(len(ranges)), reach)
@@ -195,7 +194,7 @@ def _count(
 def _classify(
     hits: NDArray[np.int32], misses: NDArray[np.int32], occupied_share: float, min_sightings: int
 ) -> NDArray[np.uint8]:
-    """Decide each cell's state from its counts."""
+    """Return each cell's state by its counts."""
     sightings = hits + misses
     cells = np.where(hits > occupied_share * sightings, OCCUPIED, FREE).astype(np.uint8)
     cells[sightings < min_sightings] = UNKNOWN
@@ -205,7 +204,7 @@ def _classify(
 def _crop(
     cells: NDArray[np.uint8], resolution: float, origin: Pose
 ) -> tuple[NDArray[np.uint8], Pose]:
-    """Cut off the unknown cells beyond a margin round the known ones: stray beams reach far."""
+    """Return the map without unknown cells beyond a margin: stray beams enlarge the grid."""
     margin = round(_MARGIN / resolution)
     rows, cols = np.nonzero(cells != UNKNOWN)
     if len(rows) == 0:

@@ -1,4 +1,4 @@
-"""Checks a map folder before a patrol."""
+"""Check of a map folder before a patrol."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class MapReport:
-    """What a map check found."""
+    """The findings of a map check."""
 
     findings: tuple[Finding, ...]
 
     @property
     def ok(self) -> bool:
-        """Whether the map can be patrolled."""
+        """Whether all findings are ok."""
         return all(finding.ok for finding in self.findings)
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""A picture of a map folder: the map, its border, the direction of s and the room it leaves."""
+"""A picture of a map folder: the map, its border, the direction of s and the clearance."""
 
 from __future__ import annotations
 
@@ -66,14 +66,14 @@ class _Canvas:
         self.pixels: NDArray[np.uint8] = np.concatenate([_STATE_COLORS[top_down], margin])
 
     def pixel(self, x: float, y: float) -> tuple[int, int]:
-        """Column and row of a point, m in the map frame."""
+        """Return column and row of a point, m in the map frame."""
         per_metre = self._scale / self._occupancy.resolution
         col = (x - self._occupancy.origin.x) * per_metre
         row = self._occupancy.cells.shape[0] * self._scale
         return round(col), round(row - (y - self._occupancy.origin.y) * per_metre)
 
     def draw_grid(self) -> None:
-        """Lines each 5 m of x and y, drawn below the walls, and their labels."""
+        """Draw lines each 5 m of x and y below the walls, and their labels."""
         x0, y0 = self._occupancy.origin[:2]
         width, height = self._occupancy.size
         walls = (self.pixels == _STATE_COLORS[1]).all(axis=2)
@@ -102,7 +102,7 @@ def _draw_border(canvas: _Canvas, occupancy: OccupancyMap, border: Border) -> st
     narrow = room.distances < NEEDED_CLEARANCE
     changes = np.flatnonzero(np.diff(narrow)) + 1
     for part in np.split(np.arange(len(points)), changes):
-        # One point more than the part, so that the parts meet.
+        # One point more than the part, so that successive parts join.
         piece = points[part[0] : part[-1] + 2]
         canvas.line(piece, _TOO_NARROW if narrow[part[0]] else _ENOUGH_ROOM)
     for s in np.arange(_TICK_STEP / 2, border.length, _TICK_STEP):

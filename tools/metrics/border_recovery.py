@@ -1,7 +1,7 @@
-"""What becomes of the border once robots stand on it for good.
+"""Recovery of the patrol after robots have stopped permanently on the border.
 
-Wrecks part the border into stretches. What robots are left drives its own stretch again; a stretch
-between two wrecks on which no robot is left stays undriven, since nobody passes a wreck.
+Wrecks divide the border into stretches. The remaining robots drive their own stretch; a stretch
+between two wrecks without a robot stays undriven, since no robot passes a wreck.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from tools.metrics.idleness import BESIDE_WRECK, BORDER_STEP, VISIT_RADIUS, Bord
 from tools.metrics.wreck import Wreck
 
 _TO_SHIFT = CLOSEST - 2.0 * VISIT_RADIUS
-"""m that robots must have to shift together, to visit what lies between two of them."""
+"""Free length, m, that robots need to visit the points between two of them."""
 
 
 def recovery_figures(
@@ -28,17 +28,17 @@ def recovery_figures(
     visits: BorderVisits | None,
     wrecks: Sequence[Wreck],
 ) -> dict[str, Any]:
-    """Return the wrecks with the stretch beside each, and how soon the rest was driven again.
+    """Return the wrecks with the stretch beside each, and the time until the rest was driven again.
 
-    places: (n, 2) m of each robot that is left, at the times of visits. driven_again_s: from the
-    last wreck until every point that somebody is left for was visited, None if one was not;
-    laps: the same in times round (or along) the border at patrol speed; abandoned_m: between
-    wrecks, with nobody left; crowded_m: of the undriven, where robots stand so close to each other
-    that they cannot drive it all, however close they come.
+    places: positions (n, 2), m, of each remaining robot, at the times of visits. driven_again_s:
+    from the last wreck until every point on a stretch with robots was visited, None if one was not;
+    laps: the same in laps round (or along) the border at patrol speed; abandoned_m: length between
+    wrecks without a robot; crowded_m: undriven length of stretches that have no room for their
+    robots to drive all of it.
     """
     if not wrecks:
         return {"wrecks": []}
-    figures: dict[str, Any] = {"wrecks": [_described(border, wreck) for wreck in wrecks]}
+    figures: dict[str, Any] = {"wrecks": [_wreck_figures(border, wreck) for wreck in wrecks]}
     if visits is None or not visits.visited.size:
         return {**figures, "after_wrecks": None}
     start = int(np.searchsorted(visits.t, max(wreck.since for wreck in wrecks)))
@@ -50,7 +50,7 @@ def recovery_figures(
     )
     stretch = _stretch(border, cuts, visits.abscissae)
     left_for = robots[stretch] > 0
-    crowded = (_room(border, cuts, robots) < _TO_SHIFT)[stretch]
+    crowded = (_free_length(border, cuts, robots) < _TO_SHIFT)[stretch]
     after = visits.visited[start:]
     seen = np.asarray(after.any(axis=0))
     first = visits.t[start:][after.argmax(axis=0)] - visits.t[start]
@@ -69,12 +69,12 @@ def recovery_figures(
     }
 
 
-def _room(
+def _free_length(
     border: Border, cuts: NDArray[np.float64], robots: NDArray[np.intp]
 ) -> NDArray[np.float64]:
-    """Return what is left of each stretch, m, with robots, and the wrecks at its ends, all closest.
+    """Return each stretch's length, m, less the space its robots and wrecks need at minimum.
 
-    cuts (w,) ascending; robots (w + 1,), of a closed border the last is none.
+    cuts: (w,) abscissae, m, ascending. robots: (w + 1,) counts; on a closed border the last is 0.
     """
     gaps = robots + 1
     if border.closed:
@@ -85,8 +85,8 @@ def _room(
     return np.asarray(lengths - gaps * CLOSEST)
 
 
-def _described(border: Border, wreck: Wreck) -> dict[str, Any]:
-    """A wreck, and the border that is left out of the idleness beside it (wrapped if closed)."""
+def _wreck_figures(border: Border, wreck: Wreck) -> dict[str, Any]:
+    """Return a wreck's figures with the stretch left out of the idleness (wrapped if closed)."""
     s = border.project(wreck.x, wreck.y).abscissa
     ends = (s - BESIDE_WRECK, s + BESIDE_WRECK)
     if border.closed:
@@ -105,6 +105,6 @@ def _described(border: Border, wreck: Wreck) -> dict[str, Any]:
 def _stretch(
     border: Border, cuts: NDArray[np.float64], abscissae: NDArray[np.float64]
 ) -> NDArray[np.intp]:
-    """Return the number of the stretch between cuts (ascending) that each abscissa lies on."""
+    """Return the index of the stretch between cuts (ascending) of each abscissa."""
     number = np.searchsorted(cuts, abscissae)
     return number % len(cuts) if border.closed else number

@@ -1,6 +1,6 @@
-"""How long the border's points wait for a robot, with the definitions of patrolling_sim.
+"""Idleness of the border's points, with the definitions of patrolling_sim.
 
-A point is visited while a robot is within ``VISIT_RADIUS`` of it; what lies between two visits, or
+A point is visited while a robot is within ``VISIT_RADIUS`` of it; the time between two visits, or
 between a visit and an end of the run, is a gap. The instantaneous idleness of a point is the time
 since its last visit.
 """
@@ -19,9 +19,9 @@ from maps.border import Border
 VISIT_RADIUS = 0.25
 BORDER_STEP = 0.25
 BESIDE_WRECK = 2.0
-"""The border this near a wreck cannot be driven: teammates turn back before it."""
+"""Length of border on each side of a wreck that cannot be driven, m: teammates turn before it."""
 ENTROPY_BIN_S = 10.0
-"""Gaps that differ by less are the same to one who watches the patrol."""
+"""Bin width of the entropy of return times, s."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,8 +29,8 @@ class BorderVisits:
     """When the border's points were visited.
 
     t: (n,) s, evenly spaced. abscissae: (points,) m. visited: (n, points), whether a robot was
-    there. gaps: for each point, its gaps in s, in order; whole: for each point, those of them that
-    lie between two visits. visits: how many each point had.
+    within the radius. gaps: for each point, its gaps in s, in order; whole: for each point, the
+    gaps between two visits. visits: number for each point.
     """
 
     t: NDArray[np.float64]
@@ -47,10 +47,10 @@ def border_visits(
     t: NDArray[np.float64],
     wrecks: Sequence[tuple[float, float]] = (),
 ) -> BorderVisits:
-    """Find all visits of robots at true positions, each (n, 2) m in the map, at times t (n,).
+    """Return all visits of robots at true positions, each (n, 2) m in the map, at times t (n,).
 
-    The border beside wrecks, at (x, y) m, is left out, and so are the very ends of an open one:
-    a robot's front gets there, but its middle turns half a robot before.
+    The border beside wrecks, at (x, y) m, is left out, and so are the end points of an open one:
+    a robot's front reaches them, but its centre turns half a robot length before.
     """
     points = border.polyline(BORDER_STEP)
     if not border.closed:
@@ -74,12 +74,12 @@ def border_visits(
 
 
 def idleness_figures(visits: BorderVisits | None) -> dict[str, Any]:
-    """Return the figures of ``bench --json``; None where nobody reached the border.
+    """Return the figures of ``bench --json``; all None where no robot reached the border.
 
     idleness_s: average (over the points, of their mean gap), worst_average (the largest of these
     means), worst (the largest gap), mean and deviation of all gaps, instantaneous (over points
     and time). visits: of the least visited point (complete cycles), mean and most. return_entropy_
-    bit: entropy of the times between visits in bins of 10 s; 0 for a patrol like clockwork.
+    bit: entropy of the times between visits in bins of 10 s; 0 for a periodic patrol.
     """
     if visits is None:
         return {
@@ -112,7 +112,7 @@ def idleness_figures(visits: BorderVisits | None) -> dict[str, Any]:
 
 
 def return_entropy(times: NDArray[np.float64]) -> float | None:
-    """Entropy, bit, of times between visits (n,) s (after Duan, George and Bullo); None of none."""
+    """Return the entropy, bit, of return times (n,), s (Duan, George and Bullo); None if empty."""
     if not times.size:
         return None
     counts = np.unique(np.floor(times / ENTROPY_BIN_S), return_counts=True)[1]

@@ -1,7 +1,8 @@
-"""Would an intruder be seen who waits at the border for a while, where the patrol is weakest?
+"""Probability that an intruder who waits at the border is seen, at the weakest place and at any.
 
 The weakest place is the point of the border with the longest gap between visits. The intruder
-comes at any time of the run and is seen when a robot visits the place before the dwell time is up.
+arrives at a uniformly random time of the run and is seen if a robot visits the place within the
+dwell time.
 """
 
 from __future__ import annotations
@@ -17,14 +18,14 @@ DWELL_S = (15.0, 30.0, 60.0, 120.0)
 
 
 def intruder_figures(visits: BorderVisits | None) -> dict[str, Any]:
-    """Return the probabilities by dwell time, at the weakest place and at any; None of no patrol.
+    """Return the probabilities by dwell time, at the weakest place and at any.
 
-    A dwell time longer than the run has None.
+    None without visits, and for a dwell time longer than the run.
     """
     if visits is None or not visits.gaps:
         return {"intruder_seen": None}
     weakest = int(np.argmax([gaps.max(initial=0.0) for gaps in visits.gaps]))
-    waits = _waits(visits.t, visits.visited)
+    waits = _times_to_visit(visits.t, visits.visited)
     return {
         "intruder_seen": {
             "dwell_s": list(DWELL_S),
@@ -35,8 +36,8 @@ def intruder_figures(visits: BorderVisits | None) -> dict[str, Any]:
     }
 
 
-def _waits(t: NDArray[np.float64], visited: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Return (n, points) times, s, from each moment to a point's next visit; inf: none."""
+def _times_to_visit(t: NDArray[np.float64], visited: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Return (n, points) times, s, from each sample to a point's next visit; inf if none."""
     times = np.where(visited, t[:, None], np.inf)
     next_visit: NDArray[np.float64] = np.minimum.accumulate(times[::-1], axis=0)[::-1]
     return next_visit - t[:, None]

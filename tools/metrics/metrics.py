@@ -22,7 +22,7 @@ ARRIVED_M = 0.10
 MEETING_M = 2.5
 INTERFERENCE_M = 2.0
 INTERFERENCE_PAUSE_S = 10.0
-"""Two robots that interfere are counted again only after this (patrolling_sim)."""
+"""Time after which an interference of the same pair counts again, s (patrolling_sim)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class RobotRun:
 
     name: str
     t: NDArray[np.float64]
-    """Time, s, common to all robots of the run."""
+    """Times (n,), common to all robots of the run."""
     position: NDArray[np.float64]
     """True base position in ``map``, shape (n, 2), m."""
     action: Sequence[str]
@@ -42,19 +42,19 @@ class RobotRun:
 
 @dataclass(frozen=True)
 class Meeting:
-    """Two robots within sight of each other, from coming near to parting."""
+    """Two robots within visibility of each other, from approach to separation."""
 
     t: float
     robots: tuple[str, str]
     actions: tuple[str, str]
-    """What each did at their closest approach's decision: the strongest reaction of each."""
+    """The strongest reaction of each robot during the meeting."""
     closest_m: float
     parted: bool
-    """False when the run ended before they were apart."""
+    """Whether they separated before the run ended."""
 
     @property
     def outcome(self) -> str:
-        """How the meeting ended, in words."""
+        """The meeting's outcome, for people."""
         if not self.parted:
             return "still together"
         if Action.AVOID_TEAMMATE in self.actions:
@@ -65,18 +65,18 @@ class Meeting:
 
 
 def distance_from_border(border: Border, run: RobotRun) -> NDArray[np.float64]:
-    """True distance from the border at each time, shape (n,), m."""
+    """Return the true distance from the border at each time, (n,), m."""
     return border.project_many(run.position)[1]
 
 
 def arrival_index(distance: NDArray[np.float64]) -> int | None:
-    """Index of the first time within ``ARRIVED_M`` of the border; None if never."""
+    """Return the index of the first time within ``ARRIVED_M`` of the border; None if never."""
     arrived = np.flatnonzero(distance <= ARRIVED_M)
     return int(arrived[0]) if arrived.size else None
 
 
 def patrolling_distances(run: RobotRun, distance: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Those of a run's distances from the border, m, after first arrival while patrolling."""
+    """Return the distances from the border, m, while patrolling after the first arrival."""
     start = arrival_index(distance)
     if start is None:
         return np.empty(0)
@@ -86,7 +86,7 @@ def patrolling_distances(run: RobotRun, distance: NDArray[np.float64]) -> NDArra
 
 
 def reach_time(run: RobotRun, distance: NDArray[np.float64]) -> float | None:
-    """Seconds from the run's start to the first arrival at the border; None if never.
+    """Return the time from the run's start to the first arrival at the border, s; None if never.
 
     distance: (n,) from the border, m.
     """
@@ -95,7 +95,7 @@ def reach_time(run: RobotRun, distance: NDArray[np.float64]) -> float | None:
 
 
 def spread(values: NDArray[np.float64]) -> dict[str, float | None]:
-    """Median, p95, p99 and maximum; None where there are no values."""
+    """Return median, p95, p99 and maximum; all None without values."""
     if not values.size:
         return {"median": None, "p95": None, "p99": None, "max": None}
     median, p95, p99 = np.percentile(values, (50, 95, 99))
@@ -108,13 +108,13 @@ def spread(values: NDArray[np.float64]) -> dict[str, float | None]:
 
 
 def action_share(runs: Sequence[RobotRun]) -> dict[str, float]:
-    """Share of the time spent in each action, over all robots."""
+    """Return the share of time in each action, over all robots."""
     names = [name for run in runs for name in run.action if name]
     return {str(action): names.count(action) / len(names) if names else 0.0 for action in Action}
 
 
 def longest_avoid(runs: Sequence[RobotRun]) -> float:
-    """Longest uninterrupted Avoid Teammate of any robot, s."""
+    """Return the longest uninterrupted Avoid Teammate of any robot, s."""
     longest = 0.0
     for run in runs:
         started: float | None = None
@@ -128,7 +128,7 @@ def longest_avoid(runs: Sequence[RobotRun]) -> float:
 
 
 def closest_approach(runs: Sequence[RobotRun]) -> float | None:
-    """Smallest distance between two robots' centres, m; None with fewer than two robots."""
+    """Return the smallest distance between two robots' centres, m; None with fewer than two."""
     distances = [
         float(np.hypot(*(a.position - b.position).T).min()) for a, b in combinations(runs, 2)
     ]
@@ -136,7 +136,7 @@ def closest_approach(runs: Sequence[RobotRun]) -> float | None:
 
 
 def interferences(runs: Sequence[RobotRun]) -> int:
-    """How often two robots were nearer than 2 m, each pair at most once in 10 s."""
+    """Return how often two robots were nearer than 2 m, each pair at most once in 10 s."""
     count = 0
     for a, b in combinations(runs, 2):
         counted_at = -np.inf
@@ -149,7 +149,7 @@ def interferences(runs: Sequence[RobotRun]) -> int:
 
 
 def meetings(runs: Sequence[RobotRun]) -> list[Meeting]:
-    """All meetings of a run, in order of time."""
+    """Return all meetings of a run, in order of time."""
     found = [meeting for a, b in combinations(runs, 2) for meeting in _meetings_of(a, b)]
     return sorted(found, key=lambda meeting: meeting.t)
 
@@ -163,7 +163,7 @@ def _meetings_of(a: RobotRun, b: RobotRun) -> list[Meeting]:
     for start, end in zip(starts.tolist(), ends.tolist(), strict=True):
         actions = (_reaction(a, start, end), _reaction(b, start, end))
         if actions == (Action.KEEP_GOING, Action.KEEP_GOING):
-            continue  # both saw nothing that mattered: one follows the other at a distance
+            continue  # neither reacted: one follows the other at a distance
         found.append(
             Meeting(
                 t=float(a.t[start]),
@@ -177,7 +177,7 @@ def _meetings_of(a: RobotRun, b: RobotRun) -> list[Meeting]:
 
 
 def _reaction(run: RobotRun, start: int, end: int) -> str:
-    """Return the strongest reaction within an interval: avoid, turn, or whatever was done."""
+    """Return the strongest reaction within an interval: avoid, turn, or the action in force."""
     done = run.action[start:end]
     for action in (Action.AVOID_TEAMMATE, Action.PATROL_CLOCKWISE, Action.PATROL_COUNTER_CLOCKWISE):
         if action in done:
@@ -191,7 +191,7 @@ def _patrol_figures(
     distances: Sequence[NDArray[np.float64]],
     wrecks: Sequence[Wreck],
 ) -> dict[str, Any]:
-    """Idleness and what goes with it, counted from the time the last robot has arrived."""
+    """Return idleness and related figures from the time on when the last robot has arrived."""
     arrivals = [arrival_index(distance) for distance in distances]
     reached = [index for index in arrivals if index is not None]
     if not reached:
@@ -220,7 +220,7 @@ def bench_figures(
 ) -> dict[str, Any]:
     """Return the figures of a run that need only true positions and actions.
 
-    wrecks: robots that stand for good; the border beside them is left out of the idleness.
+    wrecks: robots stopped permanently; the border beside them is left out of the idleness.
     """
     distances = [distance_from_border(border, run) for run in runs]
     each = list(zip(runs, distances, strict=True))

@@ -1,4 +1,4 @@
-"""Idleness of a patrol that has settled: over the second half of a run."""
+"""Idleness of a settled patrol: over the second half of a run."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ def settled_figures(
     t: NDArray[np.float64],
     wrecks: Sequence[tuple[float, float]] = (),
 ) -> dict[str, Any]:
-    """Return from_s and the figures of idleness from then on: half of the run is start.
+    """Return from_s, half of the run, and the figures of idleness from then on.
 
-    positions: each robot's true (n, 2), m, at times t (n,), s. Robots that learn where the others
-    are need a while; the figures over all of the run contain it.
+    positions: each robot's true (n, 2), m, at times t (n,). The first half contains the transient
+    until the robots have spread over the border.
     """
     half = t.size // 2
     visits = border_visits(border, [place[half:] for place in positions], t[half:], wrecks)

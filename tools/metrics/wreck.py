@@ -1,4 +1,4 @@
-"""A robot that stands on the border for good."""
+"""A robot stopped permanently on the border."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Wreck(NamedTuple):
-    """A robot that stands for good: where, m, its name, and since when, s."""
+    """A robot stopped permanently: position, m, map frame, name, and time since which it stands."""
 
     x: float
     y: float

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from serial.tools.list_ports_linux import SysFS
 
-from drivers.adapter_name import lasting_name
+from drivers.adapter_name import persistent_name
 
 PHANTOM_UART = "0"
 """Content of a serial port's ``type`` file if there is no chip behind its number."""
@@ -81,7 +81,7 @@ def _describe(entry: Path, files: KernelFiles) -> SerialPort:
     return SerialPort(
         device=str(path),
         driver=_link_name(hardware / "driver"),
-        by_id=str(lasting_name(str(path), files.dev / "serial" / "by-id") or ""),
+        by_id=str(persistent_name(str(path), files.dev / "serial" / "by-id") or ""),
         owner=owner_of(path),
         usable=os.access(path, os.R_OK | os.W_OK),
         holders=holders_of(path, files.proc),

@@ -1,1 +1,1 @@
-"""Recordings fed to an agent again, or to a driver as devices; logs made into recordings."""
+"""Replay of recordings through an agent or as devices; conversion of logs to recordings."""

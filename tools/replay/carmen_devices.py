@@ -1,7 +1,7 @@
-"""Emulated devices that relive a CARMEN log: its odometry and scans leave as real device bytes.
+"""Emulated devices that play back a CARMEN log: odometry and scans as real device bytes.
 
-The robot of the log was not driven by us, so the base's odometer is imposed and what the agent
-asks of the wheels changes nothing. Everything else is live: handshakes, configuration, pacing.
+The base's odometer is set from the log, and the agent's drive commands have no effect. Everything
+else is live: handshakes, configuration, timing.
 """
 
 from __future__ import annotations
@@ -22,28 +22,28 @@ from tools.logs.carmen import CarmenLog, CarmenScan
 from tools.simulation.lockstep import LockstepAgent
 
 LEAD_IN_S = 10.0
-"""Time before the log's first moment, for both devices' handshakes."""
+"""Time before the log's first moment for both devices' handshakes, s."""
 SIP_PERIOD_S = 0.1
 MIN_STEP_S = 0.01
-"""Odometry closer than this to the next is left out: the line could not carry it in time."""
+"""Odometry sooner than this before the next is left out, s: the line is too slow for it."""
 BASE_BAUD = 38400
 LASER_BAUD = 500000
-"""Fast enough for the few scans that loggers stamped within hundredths of a second."""
+"""Rate fast enough for scans that loggers stamped within hundredths of a second, baud."""
 LEAD_OUT_S = 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """Something the robot of the log did: its odometer stood there, perhaps a scan was taken."""
+    """One time of the log, with its odometry and, if there is one, its scan."""
 
     t: float
-    """Agent time, s."""
+    """Agent time."""
     odometry: Pose
     scan: CarmenScan | None
 
 
 def moments(log: CarmenLog) -> list[Moment]:
-    """Return the log's odometry and scans on the agent's clock, with reports in the gaps.
+    """Return the log's odometry and scans in agent time, with interpolated reports in gaps.
 
     A base reports every 100 ms: where the log has nothing for longer, its odometry is interpolated.
     """
@@ -58,7 +58,7 @@ def moments(log: CarmenLog) -> list[Moment]:
 
 
 def _times(after: float, before: float) -> list[float]:
-    """Return report times strictly between two times, SIP_PERIOD_S apart."""
+    """Return report times strictly between two times, at intervals of SIP_PERIOD_S."""
     times: list[float] = np.arange(
         after + SIP_PERIOD_S, before - 0.5 * SIP_PERIOD_S, SIP_PERIOD_S
     ).tolist()
@@ -84,15 +84,15 @@ def _without_gaps(found: list[Moment]) -> Iterator[Moment]:
 
 
 class LogRig:
-    """The two emulated devices of a log's robot."""
+    """The emulated base and laser of a log's robot."""
 
     def __init__(self, name: str = "log") -> None:
-        """Power both devices; neither reports by itself."""
+        """Power on both devices; neither sends reports by itself."""
         self.base = P2osEmulator(load_model("p2dx"), baud=BASE_BAUD, name=name, sip_period=None)
         self.laser = Lms200Emulator(scan_source=None)
 
-    def relive(self, moment: Moment) -> None:
-        """Impose a moment's odometry, report it, and send its scan."""
+    def play_moment(self, moment: Moment) -> None:
+        """Set a moment's odometry, send a report of it, and send its scan."""
         self.base.advance(moment.t)
         self.base.set_odometry(*moment.odometry)
         self.base.emit_sip(moment.t)
@@ -102,7 +102,7 @@ class LogRig:
 
 
 def padded_ranges(scan: CarmenScan) -> NDArray[np.float64]:
-    """Return the ranges with the beam a logger left out: an LMS sends 181 or 361 values."""
+    """Return the ranges with the beam that loggers leave out: an LMS sends 181 or 361 values."""
     if scan.ranges.size % 2:
         return scan.ranges
     return np.append(scan.ranges, np.inf)
@@ -115,16 +115,16 @@ def play(
     on_scan: Callable[[Moment], None],
     progress: Callable[[float], None],
 ) -> float:
-    """Run the agent through a whole log; return the time it took on the agent's clock, s.
+    """Run the agent through a whole log; return the duration in agent time, s.
 
-    ``on_scan`` is told of each scan before its bytes come.
+    ``on_scan`` is called for each scan before its bytes are sent.
     """
     lockstep.start(0.0)
     for moment in moments(log):
         lockstep.deliver(moment.t)
         if moment.scan is not None:
             on_scan(moment)
-        rig.relive(moment)
+        rig.play_moment(moment)
         progress(moment.t)
     end = moment.t + LEAD_OUT_S
     lockstep.deliver(end)

@@ -1,4 +1,4 @@
-"""Turns a CARMEN log into a recording of real device bytes, as if an agent had been on board."""
+"""Converts a CARMEN log to a recording of real device bytes with an agent on board."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from tools.simulation.lockstep import LockstepAgent
 
 FLUSH_S = 5.0
 SPARSE_SCANS_S = 3600.0
-"""Logs are thinned to a scan every few seconds: the laser's silence in between means nothing."""
+"""Laser timeout, s: logs are thinned to a scan every few seconds."""
 
 
 @dataclass(frozen=True)
 class Conversion:
-    """What a conversion wrote."""
+    """Counts of a conversion."""
 
     scans: int
     base_reports: int
     duration: float
-    """s"""
+    """Duration, s."""
 
 
 class RecordingObserver:
@@ -45,7 +45,7 @@ class RecordingObserver:
         self._next_flush = FLUSH_S
 
     def record_event(self, event: Event) -> None:
-        """Write an event; now and then finish a chunk, so that a cut file loses little."""
+        """Write an event; finish a chunk periodically, so that a truncated file loses little."""
         if event.t >= self._next_flush:
             self._next_flush = event.t + FLUSH_S
             self._writer.flush()
@@ -64,7 +64,7 @@ def convert(
 ) -> Conversion:
     """Write the recording of an agent on the log's robot; the map is ``folder``'s.
 
-    The agent starts at the log's first reference pose. Reference poses are recorded beside.
+    The agent starts at the log's first reference pose. Reference poses are recorded too.
     """
     config = configuration_for(log, folder)
     start_wall_ns = time.time_ns()
@@ -92,7 +92,7 @@ def convert(
 
 
 def configuration_for(log: CarmenLog, folder: MapFolder) -> AgentConfig:
-    """Return the configuration of an agent on the log's robot: its laser, its start, its map."""
+    """Return the configuration of an agent on the log's robot: laser, start pose, map."""
     defaults = AgentConfig()
     first = log.scans[0]
     return AgentConfig(
@@ -104,7 +104,7 @@ def configuration_for(log: CarmenLog, folder: MapFolder) -> AgentConfig:
             defaults.laser,
             baud=LASER_BAUD,
             resolution_deg=1.0 if first.ranges.size <= 181 else 0.5,
-            mount=(0.0, 0.0, 0.0),  # a log's poses are the laser's
+            mount=(0.0, 0.0, 0.0),  # a log's poses are of the laser
             silence=SPARSE_SCANS_S,
         ),
     )

@@ -1,8 +1,8 @@
-"""Whether an agent did again what a recording says it did.
+"""Comparison of an agent's effects with those recorded.
 
 A recording of this layout is compared effect by effect, byte by byte. One of an earlier layout is
-compared in what it knew: every byte to the devices, and every payload in the fields that were
-recorded; words for people may have changed since.
+compared in every byte to the devices and in every payload's recorded fields; texts for people are
+left out, as they may have changed.
 """
 
 from __future__ import annotations
@@ -16,31 +16,31 @@ from robot_agent.messages.effects import Effect, Publish
 from robot_agent.messages.streams import modernized
 from robot_agent.recording.run_header import SCHEMA_VERSION
 
-_WORDS = "event"
-_MEANT_OTHERWISE = ("degrees", "winner", "runner_up", "blocked")
-"""Under an override these tell the paper's choice, and one override; earlier layouts told what was
-made of the choice, and every override."""
+_TEXTS = "event"
+_CHANGED_MEANING = ("degrees", "winner", "runner_up", "blocked")
+"""Under an override these fields hold the paper's choice, and one override; in earlier layouts
+the result of the override, and every override."""
 
 
 def same_effects(
     recorded: Sequence[Effect], now: Sequence[Effect], layout: int, *, complete: bool
 ) -> bool:
-    """Tell whether the effects of one event agree with those recorded in a layout.
+    """Whether the effects of one event agree with those recorded in a layout.
 
     complete: False if the recorded ones may be cut off.
     """
     if layout < SCHEMA_VERSION:
-        recorded, now = _without_words(recorded), _without_words(now)
+        recorded, now = _without_texts(recorded), _without_texts(now)
     if len(now) < len(recorded) or (complete and len(now) > len(recorded)):
         return False
     return all(_same(a, b, layout) for a, b in zip(recorded, now, strict=False))
 
 
-def _without_words(effects: Sequence[Effect]) -> list[Effect]:
+def _without_texts(effects: Sequence[Effect]) -> list[Effect]:
     return [
         effect
         for effect in effects
-        if not (isinstance(effect, Publish) and effect.stream == _WORDS)
+        if not (isinstance(effect, Publish) and effect.stream == _TEXTS)
     ]
 
 
@@ -59,5 +59,5 @@ def _same_payload(stream: str, recorded: bytes, now: bytes) -> bool:
     """Compare two payloads (JSON) in the fields of the older one."""
     old: dict[str, Any] = msgspec.json.decode(modernized(stream, recorded))
     new: dict[str, Any] = msgspec.json.decode(now)
-    meant_otherwise = _MEANT_OTHERWISE if "override" in new else ()
-    return all(new.get(key) == value for key, value in old.items() if key not in meant_otherwise)
+    changed = _CHANGED_MEANING if "override" in new else ()
+    return all(new.get(key) == value for key, value in old.items() if key not in changed)

@@ -1,7 +1,7 @@
-"""The device side of a recording as hardware: a driver finds base and laser on ports of its own.
+"""Playback of a recording's devices on ports, for a driver under test.
 
-What the devices said is played at its recorded times, whatever the driver says; the clock starts
-with the driver's first byte, which counts as the recorded driver's first. Ports that were lost in
+The devices' bytes are played at their recorded times, whatever the driver sends; the clock starts
+with the driver's first byte, at the time of the recorded driver's first. Ports that were lost in
 the recording are lost again.
 """
 
@@ -28,24 +28,24 @@ PUMP_S = 0.001
 
 
 class PlayClock:
-    """Recorded time, from when a driver has begun."""
+    """Maps time to recorded time, from the driver's first byte on."""
 
     def __init__(self, first_sent: float) -> None:
-        """Time of the recorded driver's first byte, s."""
+        """Take the time of the recorded driver's first byte, s."""
         self._first_sent = first_sent
         self._offset: float | None = None
 
     def start(self, t: float) -> None:
-        """Begin at t, s, unless already begun."""
+        """Start at ``t``; no effect if already started."""
         if self._offset is None:
             self._offset = self._first_sent - t
 
     def recorded(self, t: float) -> float | None:
-        """Return the recorded time at t, s; None before the beginning."""
+        """Return the recorded time at ``t``, s; None before the start."""
         return None if self._offset is None else t + self._offset
 
     def at(self, recorded: float) -> float:
-        """Return when a recorded time is, s."""
+        """Return the time of a recorded time, s."""
         assert self._offset is not None
         return recorded - self._offset
 
@@ -57,15 +57,15 @@ class RecordedDevice:
     clock: PlayClock
     first_baud: int
     chunks: list[tuple[float, bytes]] = field(default_factory=list)
-    """What it sent, in order of recorded times, s."""
+    """Bytes sent by the device with their recorded times, s, in order."""
     rates: list[tuple[float, int]] = field(default_factory=list)
-    """Changes of the line's rate."""
+    """Changes of the line's rate: recorded time, s, and baud."""
     cuts: list[tuple[float, bool]] = field(default_factory=list)
-    """Times at which its port was lost (False) and opened (True)."""
+    """Recorded times, s, at which its port was lost (False) and opened (True)."""
     played: int = 0
-    """Bytes sent so far."""
+    """Number of bytes played so far."""
     received: int = 0
-    """Bytes the driver sent so far."""
+    """Number of bytes received from the driver so far."""
     _next: int = 0
     _baud: int = 0
 
@@ -74,21 +74,21 @@ class RecordedDevice:
 
     @property
     def baud(self) -> int:
-        """The line's rate at the last look."""
+        """The line's rate at the last ``pop_output``."""
         return self._baud
 
     @property
     def finished(self) -> bool:
-        """Whether all has been said."""
+        """Whether all bytes have been played."""
         return self._next == len(self.chunks)
 
     def feed(self, data: bytes, t: float) -> None:
-        """Take bytes of the driver: they start the clock, and change nothing else."""
+        """Take bytes from the driver: they start the clock and have no other effect."""
         self.clock.start(t)
         self.received += len(data)
 
     def pop_output(self, t: float) -> list[TimedBytes]:
-        """Return what the device had sent by t at one rate."""
+        """Return what the device has sent by ``t`` and was not returned before."""
         now = self.clock.recorded(t)
         if now is None:
             return []
@@ -103,8 +103,8 @@ class RecordedDevice:
         self._baud = rate
         return output
 
-    def plugged(self, t: float) -> bool:
-        """Tell whether its port was there at t."""
+    def is_plugged(self, t: float) -> bool:
+        """Whether its port was present at ``t``."""
         now = self.clock.recorded(t)
         if now is None:
             return True
@@ -115,7 +115,7 @@ class RecordedDevice:
 def recorded_devices(recording: Recording) -> dict[LinkName, RecordedDevice]:
     """Return both devices of a recording, on one clock.
 
-    Raises RecordingError where nothing was said to any device, ConfigError.
+    Raises RecordingError if no byte was sent to a device, ConfigError.
     """
     config, _ = recorded_config(recording)
     clock = PlayClock(_first_sent(recording))
@@ -142,7 +142,7 @@ def recorded_devices(recording: Recording) -> dict[LinkName, RecordedDevice]:
 
 
 def _first_sent(recording: Recording) -> float:
-    """Return when the recorded agent first said anything, s."""
+    """Return the recorded time of the first byte to a device, s; raises RecordingError."""
     t = 0.0
     for item in recording.items():
         t = getattr(item, "t", t)
@@ -160,17 +160,17 @@ def serve(
     announce: Callable[[str, str], None],
     going_on: Callable[[float], bool],
 ) -> dict[LinkName, RecordedDevice]:
-    """Play a recording's devices on ``pty`` or ``tcp:PORT`` until all is said; return them.
+    """Play a recording's devices on ``pty`` or ``tcp:PORT`` to their end; return them.
 
-    ``announce`` hears each device's URL, ``going_on`` the recorded time now and then; False ends.
-    Raises EmulateError for a place that cannot be had.
+    ``announce`` is called with each device's URL, ``going_on`` periodically with the recorded time;
+    it returns False to end. Raises EmulateError if a port is not available.
     """
     devices = recorded_devices(recording)
     with ExitStack() as stack:
         names = Path(stack.enter_context(TemporaryDirectory(prefix="patrol-serve-")))
         ports: dict[LinkName, PtyPort | TcpPort] = {}
         for link, device in devices.items():
-            # A pty that is lost and comes back must be found under the same name.
+            # A pty that is unplugged must come back under the same name.
             port = open_port(f"--{link}", places[link], device, names / link)
             stack.callback(port.close)
             ports[link] = port
@@ -186,10 +186,10 @@ def serve(
 
 
 def _pump(port: PtyPort | TcpPort, device: RecordedDevice, now: float) -> None:
-    if device.plugged(now):
+    if device.is_plugged(now):
         port.plug_in()
     else:
         port.unplug()
-        device.pop_output(now)  # nobody hears it
+        device.pop_output(now)  # lost while unplugged
         return
     port.pump(now)

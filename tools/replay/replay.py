@@ -1,4 +1,4 @@
-"""Feeds a recording's events to a fresh agent and compares what it does with what was done."""
+"""Feeds a recording's events to a new agent and compares its effects with the recorded ones."""
 
 from __future__ import annotations
 
@@ -25,30 +25,30 @@ from tools.replay.comparison import same_effects
 from tools.replay.what_if import WhatIf
 
 SHOWN = 200
-"""Characters of a differing effect that are printed."""
+"""Most characters of a differing effect that are printed."""
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """One recorded event with everything the agent did about it."""
+    """One recorded event with its recorded effects."""
 
     event: Event
     effects: list[Effect]
     complete: bool
-    """False for the last event of a file: its effects may have been cut off."""
+    """False for the last event of a file: its effects may be truncated."""
 
 
 @dataclass
 class ReplayResult:
-    """What a replay saw."""
+    """Counts and comparison of a replay."""
 
     events: int = 0
     decisions: int = 0
     bytes_sent: int = 0
     duration: float = 0.0
-    """Recorded time replayed, s."""
+    """Recorded duration replayed, s."""
     wall: float = 0.0
-    """Time the replay took, s."""
+    """Real time of the replay, s."""
     actions: Counter[str] = field(default_factory=Counter)
     """Control steps in each action."""
     health: Counter[str] = field(default_factory=Counter)
@@ -56,11 +56,11 @@ class ReplayResult:
     position_errors: list[float] = field(default_factory=list)
     """Distance from the recording's reference pose at each scan that has one, m."""
     difference: str | None = None
-    """The first thing done differently, None while all is identical."""
+    """Description of the first differing effect; None while all are identical."""
 
 
 class Replay:
-    """One recording, ready to run again."""
+    """One recording, ready for replay."""
 
     def __init__(
         self,
@@ -68,14 +68,14 @@ class Replay:
         folder: MapFolder | None = None,
         config: AgentConfig | None = None,
     ) -> None:
-        """Build the agent of the recording; ``folder`` and ``config`` replace what it carries.
+        """Build the agent of the recording; ``folder`` and ``config`` replace those recorded.
 
         Raises:
-            ConfigError, MapError, BorderError: what the recording carries cannot be used.
+            ConfigError, MapError, BorderError: configuration, map or border are invalid.
         """
         header = recording.header
         self.left_out: list[str] = []
-        """Recorded settings that this program does not have any more."""
+        """Recorded settings that are obsolete in this program."""
         if config is None:
             config, self.left_out = recorded_config(recording)
         if folder is None:
@@ -95,10 +95,10 @@ class Replay:
         since: float = 0.0,
         what_if: WhatIf | None = None,
     ) -> ReplayResult:
-        """Replay up to agent time ``until`` (s), or to the first difference when checking.
+        """Replay up to agent time ``until``, or to the first difference when checking.
 
-        Whatever is before ``since`` (s) is replayed, for an agent is made by all it has been
-        through, but neither compared nor counted. ``what_if`` is shown all decisions.
+        Events before ``since`` are replayed, because the agent's state depends on them, but neither
+        compared nor counted. ``what_if`` receives all decisions after it.
         """
         result = ReplayResult()
         started = time.perf_counter()
@@ -161,7 +161,7 @@ class Replay:
         self._compare_with_reference(result)
 
     def _compare_with_reference(self, result: ReplayResult) -> None:
-        """Note a new estimate's health and, where the recording knows the pose, its error."""
+        """Count a new estimate's health and store its error if the recording has a reference."""
         estimate = self._agent.localizer.estimate
         if estimate is None or estimate.t == self._last_estimate_t:
             return
@@ -173,7 +173,7 @@ class Replay:
             result.position_errors.append(error)
 
     def _reference_at(self, t: float) -> Pose | None:
-        """Return the reference within a few ms of t: a scan's time is known only from its bytes."""
+        """Return the reference within a few ms of t, None if there is none."""
         middle = _milliseconds(t)
         for offset in sorted(range(-5, 6), key=abs):
             if middle + offset in self._references:
@@ -186,7 +186,7 @@ def _milliseconds(t: float) -> int:
 
 
 def _describe(step: Step, effects: list[Effect]) -> str:
-    """Name the first differing effect, recorded and now, with the event that led to it."""
+    """Return the first differing effect, recorded and now, with its event, for people."""
     pairs = zip(step.effects, effects, strict=False)
     index = next((i for i, (a, b) in enumerate(pairs) if a != b), None)
     if index is None:
@@ -206,7 +206,7 @@ def _shorten(value: object) -> str:
 
 
 def notices(replay: Replay, recording: Recording) -> list[str]:
-    """Return what makes this replay another thing than the run, one line each."""
+    """Return the differences in program and settings between replay and run, one line each."""
     lines = [f"layout {step}" for step in recording.upgrades]
     if replay.left_out:
         lines.append(f"settings that exist no more are left out: {', '.join(replay.left_out)}")
@@ -217,7 +217,7 @@ def notices(replay: Replay, recording: Recording) -> list[str]:
 
 
 def report_lines(result: ReplayResult) -> list[str]:
-    """Return what a replay held, for people."""
+    """Return the result of a replay in lines for people."""
     rate = result.duration / result.wall if result.wall else math.inf
     lines = [
         f"{result.events} events, {result.decisions} decisions, {result.bytes_sent} bytes sent",

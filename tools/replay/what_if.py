@@ -1,7 +1,7 @@
-"""What an agent would have decided differently: its decisions beside the recorded ones.
+"""Comparison of an agent's decisions under other settings with the recorded ones.
 
-Only decisions are compared: the robot of the recording went where it was sent then, so what
-would have followed from other decisions is not known.
+Only decisions on the recorded inputs are compared; the consequences of other decisions are not
+simulated.
 """
 
 from __future__ import annotations
@@ -13,17 +13,17 @@ from robot_agent.messages.effects import Effect, Publish
 from robot_agent.messages.streams import DecisionPayload, decode
 
 ANOTHER_COMMAND = 0.01
-"""m/s or rad/s; commands nearer to each other than this count as the same."""
+"""Smallest difference of commands that counts, m/s or rad/s."""
 EPISODE_PAUSE_S = 1.0
-"""Differences nearer in time than this are one episode."""
+"""Largest time between differences of one episode, s."""
 
 
 @dataclass
 class Episode:
-    """A stretch of time in which something was decided differently."""
+    """A period in which decisions differed."""
 
     start: float
-    """Agent time, s."""
+    """Agent time."""
     end: float
     recorded: str
     now: str
@@ -31,30 +31,30 @@ class Episode:
 
 @dataclass
 class WhatIf:
-    """Collects the differences between recorded and present decisions."""
+    """Collects the differences between recorded and new decisions."""
 
     decisions: int = 0
-    """Compared, or made on one side only."""
+    """Decisions compared, and those made on one side only."""
     other_action: int = 0
     other_command: int = 0
     other_gate: int = 0
     one_sided: int = 0
-    """Decisions that were made only then, or are made only now."""
+    """Decisions made only in the recording or only now."""
     largest_v: float = 0.0
-    """Largest difference of the commanded speed, m/s."""
+    """Largest difference of commanded speed, m/s."""
     largest_w: float = 0.0
-    """rad/s"""
+    """Largest difference of commanded turn rate, rad/s."""
     episodes: list[Episode] = field(default_factory=list)
 
     def compare(self, t: float, recorded: Iterable[Effect], now: Iterable[Effect]) -> None:
-        """Compare the decisions about one event at t, s."""
+        """Compare the decisions of one event at ``t``."""
         before, after = _decision(recorded), _decision(now)
         if before is None and after is None:
             return
         self.decisions += 1
         if before is None or after is None:
             self.one_sided += 1
-            self._note(t, _words(before), _words(after))
+            self._extend(t, _describe_decision(before), _describe_decision(after))
             return
         dv = abs(before.command.v - after.command.v)
         dw = abs(before.command.w - after.command.w)
@@ -63,9 +63,9 @@ class WhatIf:
         self.other_action += before.action != after.action
         self.other_gate += before.gate_reason != after.gate_reason
         if before.action != after.action or before.gate_reason != after.gate_reason:
-            self._note(t, _words(before), _words(after))
+            self._extend(t, _describe_decision(before), _describe_decision(after))
 
-    def _note(self, t: float, recorded: str, now: str) -> None:
+    def _extend(self, t: float, recorded: str, now: str) -> None:
         last = self.episodes[-1] if self.episodes else None
         if (
             last is not None
@@ -77,7 +77,7 @@ class WhatIf:
             self.episodes.append(Episode(t, t, recorded, now))
 
     def lines(self, shown: int = 40) -> list[str]:
-        """Return the comparison for people, at most so many episodes of it."""
+        """Return the comparison in lines for people, with at most ``shown`` episodes."""
         lines = [
             f"{self.decisions} decisions compared on the recorded inputs: "
             f"{self.other_action} another action, {self.other_gate} another word of the gate, "
@@ -108,7 +108,7 @@ def _decision(effects: Iterable[Effect]) -> DecisionPayload | None:
     return payload
 
 
-def _words(decision: DecisionPayload | None) -> str:
+def _describe_decision(decision: DecisionPayload | None) -> str:
     if decision is None:
         return "no decision"
     return decision.action + (f" ({decision.gate_reason})" if decision.gate_reason else "")

@@ -1,1 +1,1 @@
-"""The simulated world: bodies, sensors, cameras, strangers, and emulated robots in it."""
+"""The simulated world: bodies, sensors, cameras, strangers, and emulated robots."""

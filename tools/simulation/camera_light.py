@@ -1,7 +1,7 @@
-"""What light and sensor make of a scene's colours: strength, lamp, exposure, noise.
+"""Effect of light and image sensor on a scene's colours: strength, lamp, exposure, noise.
 
-A scene is painted with the surfaces' own colours. One table per channel then holds what the light
-and the camera's automatic exposure make of each value, and noise drawn beforehand is laid over it.
+A scene is painted with the surfaces' own colours. One lookup table per channel then applies the
+light and the camera's automatic exposure, and noise drawn beforehand is added.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 BALANCE_K = 4500.0
-"""Colour temperature the camera's white balance is fixed at."""
+"""Colour temperature to which the camera's white balance is fixed, K."""
 _GAMMA = 2.2
-_SHUTTER_LIMIT_LUX = 40.0  # less light makes pictures darker: exposure and gain are at their ends
+_SHUTTER_LIMIT_LUX = 40.0  # with less light pictures darken: exposure is at its limit
 _DARKEST_NOISE = 9.0  # counts at 10 lux; falls with the square root of the light
 _MIN_NOISE = 1.2  # counts
 _NOISE_PICTURES = 6
@@ -25,14 +25,14 @@ _NOISE_PICTURES = 6
 
 @dataclass(frozen=True, slots=True)
 class Light:
-    """lux: its strength. kelvin: its colour temperature. exposure: share of the right one."""
+    """lux: strength. kelvin: colour temperature. exposure: relative to the right exposure."""
 
     lux: float = 300.0
     kelvin: float = BALANCE_K
     exposure: float = 1.0
 
     def tables(self) -> NDArray[np.uint8]:
-        """Return (1, 256, 3): what becomes of each value of blue, green and red."""
+        """Return the lookup tables (1, 256, 3) of blue, green and red."""
         warmth = BALANCE_K / self.kelvin
         lamp = np.array((warmth**-0.9, 1.0, warmth**0.7))
         strength = self.exposure * min(self.lux / _SHUTTER_LIMIT_LUX, 1.0)
@@ -42,12 +42,12 @@ class Light:
 
     @property
     def noise(self) -> float:
-        """One sigma, counts."""
+        """Standard deviation of the noise, counts."""
         return _MIN_NOISE + _DARKEST_NOISE * min(math.sqrt(10.0 / self.lux), 1.0)
 
 
 class LitCamera:
-    """Turns painted scenes into pictures; the noise of each is drawn from ``rng``."""
+    """Converts painted scenes to pictures; the noise of each is drawn from ``rng``."""
 
     def __init__(self, rng: np.random.Generator) -> None:
         self._rng = rng
@@ -57,7 +57,7 @@ class LitCamera:
     ) -> NDArray[np.uint8]:
         """Return the picture of a scene (height, width, 3) in a light.
 
-        smear: pixels drawn out sideways by turning, odd. blur: sigma of the lens, pixels.
+        smear: horizontal motion blur, pixels, odd. blur: sigma of the lens, pixels.
         """
         seen = cv2.LUT(scene, light.tables())
         if smear > 1:
@@ -70,7 +70,7 @@ class LitCamera:
 
 @lru_cache(maxsize=16)
 def _noise_pictures(sigma: int, height: int, width: int) -> tuple[NDArray[np.int16], ...]:
-    """Return pictures of noise alone; the same ones whenever asked for."""
+    """Return pictures of noise; cached, the same ones at every call."""
     rng = np.random.default_rng(sigma)
     shape = (height, width, 3)
     return tuple(

@@ -1,8 +1,8 @@
-"""What a camera on a robot sees of the world: walls, posters, robots with bands, strangers.
+"""Rendering of the world for a camera on a robot: walls, posters, robots with bands, strangers.
 
 Everything but walls and floor is an upright prism, painted from far to near, side by side; walls
-hide by columns. The colours painted are the surfaces' own: light and noise come after
-(``camera_light``).
+occlude by columns. The colours are the surfaces' own: light and noise are added by
+``camera_light``.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from tools.simulation.world import World
 
 MAGENTA: Color = (150, 40, 225)
 WALL_HEIGHT = 2.5  # m
-SIGHT = 12.0  # m; things farther away are not painted
+SIGHT = 12.0  # m; objects farther away are not painted
 _NEAREST = 0.05  # m; depth of a wall that touches the lens
 _FLOOR, _CEILING, _WALL = (70, 80, 90), (225, 225, 215), np.array((165.0, 190.0, 200.0))
 _FADING = 14.0  # m over which a wall's brightness falls to 1/e
@@ -45,7 +45,7 @@ _CARDBOARD: Color = (90, 130, 165)
 
 
 def prisms_of(body: RobotBody, color: ColorSettings, band: Color) -> list[Prism]:
-    """Return what a body looks like."""
+    """Return the prisms that make up a body."""
     x, y, theta, half_length, half_width = body.rectangle()
     if body.kind is BodyKind.BOX:
         plan = rectangle(x, y, theta, half_length, half_width)
@@ -82,7 +82,7 @@ def posters_on_walls(world: World, count: int = 24) -> list[Prism]:
         direction = float(rng.uniform(-math.pi, math.pi))
         x = occupancy.origin.x + (col + 0.5) * occupancy.resolution
         y = occupancy.origin.y + (row + 0.5) * occupancy.resolution
-        # Just before the wall that is met, turned along the nearer axis of the map.
+        # Just before the wall that the ray hits, turned along the nearer axis of the map.
         reach = world.free_way(x, y, direction) - 0.03
         if not math.isfinite(reach):
             continue
@@ -97,7 +97,7 @@ def posters_on_walls(world: World, count: int = 24) -> list[Prism]:
 
 
 class CameraView:
-    """Paints what one robot's camera has before it."""
+    """Paints the view of one robot's camera."""
 
     def __init__(
         self,
@@ -124,7 +124,7 @@ class CameraView:
     def scene(self, pose: Pose, own: RobotBody | None = None) -> NDArray[np.uint8]:
         """Return the painted scene (height, width, 3; blue, green, red) from map_from_base.
 
-        own: the robot that carries the camera, which it does not see.
+        own: the robot that carries the camera, which is not painted.
         """
         lens = pose.compose(Pose(*self._camera.mount))
         picture = self._empty.copy()
@@ -150,7 +150,7 @@ class CameraView:
         return depth
 
     def _in_sight(self, lens: Pose, own: RobotBody | None) -> Iterator[Prism]:
-        """Yield what is before the lens, farthest first."""
+        """Yield the prisms before the lens, farthest first."""
         c, s = math.cos(lens.theta), math.sin(lens.theta)
         near: list[tuple[float, list[Prism]]] = []
         for body in self._world.bodies:

@@ -1,7 +1,7 @@
-"""Pictures to try the colour detection on: a robot with its band before a made-up background.
+"""Pictures to test the colour detection: a robot with its band before a generated background.
 
-The backgrounds have what photographs of rooms have: surfaces of many scales in muted colours, a few
-strongly coloured things, uneven light, shadows and highlights. All is drawn from one generator.
+The backgrounds resemble photographs of rooms: surfaces of many scales in muted colours, a few
+strongly coloured objects, uneven light, shadows and highlights. All is drawn from one generator.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from tools.simulation.camera_view import MAGENTA, prisms_of
 from tools.simulation.prism import Color, paint
 from tools.simulation.robot_body import RobotBody
 
-_THINGS = (4, 14)  # how many lie about in a background, from, to
-_STRONG_SHARE = 0.25  # of them are strongly coloured
+_CLUTTER = (4, 14)  # least and largest number of objects in a background
+_STRONG_SHARE = 0.25  # of them in strong colours
 _STRONG: tuple[Color, ...] = (
     (40, 40, 200), (50, 160, 60), (190, 90, 40), (40, 190, 220), (40, 110, 230), (170, 60, 110),
     (150, 150, 235), (110, 90, 200),
@@ -32,7 +32,7 @@ _STRONG: tuple[Color, ...] = (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ComposedPicture:
-    """A picture with what is true of it: where the band's robot is, None if there is none."""
+    """A picture with its ground truth: place of the robot with the band, None if there is none."""
 
     pixels: NDArray[np.uint8]
     light: Light
@@ -41,7 +41,7 @@ class ComposedPicture:
 
 
 class Composer:
-    """Makes pictures, each different."""
+    """Generates pictures from a seed, each different."""
 
     def __init__(self, camera: CameraSettings, color: ColorSettings, seed: int) -> None:
         self._camera = camera
@@ -52,7 +52,7 @@ class Composer:
     def picture(
         self, distance: float | None, lux: tuple[float, float] = (10.0, 2000.0)
     ) -> ComposedPicture:
-        """Return a picture of a robot at a distance, m, anywhere in view, or of none."""
+        """Return a picture of a robot at a distance, m, and a random bearing; None: no robot."""
         rng = self._rng
         scene = self._background()
         bearing = None
@@ -60,14 +60,14 @@ class Composer:
             half_view = math.atan(0.5 * self._camera.width / self._camera.focal_length)
             # All of the robot is in the picture.
             bearing = float(rng.uniform(-1.0, 1.0)) * (half_view - math.atan(0.35 / distance))
-            self._put_robot(scene, distance, bearing)
+            self._paint_robot(scene, distance, bearing)
         scene = self._uneven(scene)
         light = Light(
             lux=float(np.exp(rng.uniform(*np.log(lux)))),
             kelvin=float(rng.uniform(2700.0, 7500.0)),
             exposure=float(np.exp(rng.normal(0.0, 0.25))),
         )
-        # The less light, the longer the shutter stays open while the robot turns.
+        # The less light, the longer the exposure and its motion blur while the robot turns.
         longest = 5 if light.lux < 100.0 else 3
         smear = 2 * int(rng.integers(0, longest // 2 + 1)) + 1
         blur = float(rng.uniform(0.4, 1.2))
@@ -78,12 +78,12 @@ class Composer:
     def _background(self) -> NDArray[np.uint8]:
         """Return a scene (height, width, 3) without robots."""
         scene = self._surface()
-        for _ in range(int(self._rng.integers(*_THINGS))):
-            self._put_thing(scene)
+        for _ in range(int(self._rng.integers(*_CLUTTER))):
+            self._paint_clutter(scene)
         return scene
 
     def _surface(self) -> NDArray[np.uint8]:
-        """Return noise of all scales, coarse ones strongest, about a muted colour."""
+        """Return noise of all scales, the coarsest strongest, about a muted colour."""
         rng, camera = self._rng, self._camera
         total = np.zeros((camera.height, camera.width, 3), dtype=np.float32)
         for octave in range(1, 7):
@@ -99,7 +99,7 @@ class Composer:
         base = rng.uniform(50.0, 190.0) * np.exp(rng.normal(0.0, 0.12, 3))
         return np.asarray(np.clip(base * np.exp(0.35 * total), 5.0, 250.0), dtype=np.uint8)
 
-    def _put_thing(self, scene: NDArray[np.uint8]) -> None:
+    def _paint_clutter(self, scene: NDArray[np.uint8]) -> None:
         """Paint a patch, a disc or a strip, textured, plain or strongly coloured."""
         rng, camera = self._rng, self._camera
         strong = rng.random() < _STRONG_SHARE
@@ -120,7 +120,7 @@ class Composer:
         mixed = 0.85 * color + 0.15 * texture
         scene[mask > 0] = mixed.astype(np.uint8)
 
-    def _put_robot(self, scene: NDArray[np.uint8], distance: float, bearing: float) -> None:
+    def _paint_robot(self, scene: NDArray[np.uint8], distance: float, bearing: float) -> None:
         heading = float(self._rng.uniform(-math.pi, math.pi))
         middle = Pose(distance * math.cos(bearing), distance * math.sin(bearing), heading)
         body = RobotBody(0, Pose(0.0, 0.0, 0.0))
@@ -130,7 +130,7 @@ class Composer:
             paint(scene, far, Pose(0.0, 0.0, 0.0), prism, self._camera)
 
     def _uneven(self, scene: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """Return the scene in a light that falls off sideways, with a shadow's edge."""
+        """Return the scene in a light that falls off to one side, with a shadow's edge."""
         rng, camera = self._rng, self._camera
         shade = rng.uniform(0.55, 1.0, (3, 3)).astype(np.float32)
         size = (camera.width, camera.height)
@@ -141,7 +141,7 @@ class Composer:
         return np.asarray(np.clip(scene * light[..., None], 0.0, 255.0), dtype=np.uint8)
 
     def _coded(self, picture: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        """Return what is left of a picture after the camera's JPEG."""
+        """Return a picture after the camera's JPEG coding."""
         quality = int(self._rng.integers(70, 95))
         _, jpeg = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, quality])
         return np.asarray(cv2.imdecode(jpeg, cv2.IMREAD_COLOR), dtype=np.uint8)

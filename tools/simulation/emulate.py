@@ -33,26 +33,26 @@ class EmulateError(ValueError):
 
 @dataclass(frozen=True, kw_only=True)
 class EmulateOptions:
-    """What to emulate, and where clients find it."""
+    """What to emulate, and at which ports."""
 
     model: str = "p2dx"
     p2os: str = "pty"
     """``pty`` or ``tcp:PORT``; port 0 takes any free one."""
     lms200: str = "pty"
     p2os_faults: str = ""
-    """What goes wrong on the base's line, as ``parse_faults`` reads it."""
+    """Faults of the base's line, in the syntax of ``parse_faults``."""
     lms200_faults: str = ""
     camera: int | None = None
     """TCP port of an MJPEG stream; 0 takes any free one, None serves none."""
     pose: Pose | None = None
     """True starting pose, map_from_base; None chooses a free place near the border."""
     watchdog: float = FACTORY_WATCHDOG
-    """s, what is set in the base's FLASH."""
+    """Watchdog in the base's FLASH, s."""
     seed: int = 1
 
 
 class Emulation:
-    """The robot behind its ports, until closed.
+    """An emulated robot served on its ports until ``close``.
 
     Raises EmulateError, FaultSpecError or UnknownModelError when it cannot be set up.
     """
@@ -76,7 +76,7 @@ class Emulation:
         with ExitStack() as stack:
             names = Path(stack.enter_context(TemporaryDirectory(prefix="patrol-emulate-")))
             base = LineFaults(self.rig.base, parse_faults(options.p2os_faults), rng.spawn(1)[0])
-            base.on_reset = lambda t: self.rig.base.reset(t, notify=False)  # P2OS does not tell
+            base.on_reset = lambda t: self.rig.base.reset(t, notify=False)  # as P2OS
             laser = LineFaults(self.rig.laser, parse_faults(options.lms200_faults), rng.spawn(1)[0])
             laser.on_reset = self.rig.laser.power_on
             ports: list[Pumped] = []
@@ -97,19 +97,19 @@ class Emulation:
         self._real_time = RealTimeRig(self.rig, ports)
 
     def close(self) -> None:
-        """Take the ports away."""
+        """Close the ports."""
         self._closing.close()
 
     def run(self, going_on: Callable[[], bool]) -> None:
-        """Serve clients in real time for as long as ``going_on``."""
+        """Serve clients in real time while ``going_on()`` is true."""
         while going_on():
             self._real_time.step()
 
 
 def open_emulated_port(option: str, place: str, line: LineFaults, name: Path) -> PtyPort | TcpPort:
-    """Put a device's line behind ``pty`` or ``tcp:PORT``, where its plan may cut it.
+    """Serve a device's line on ``pty`` or ``tcp:PORT``; cuts of its fault plan unplug the port.
 
-    A pty that is to be cut gets a name that outlives it. Raises EmulateError naming ``option``.
+    A pty whose plan has cuts gets the persistent ``name``. Raises EmulateError naming ``option``.
     """
     port = open_port(option, place, line, name if line.plan.cuts else None)
     line.on_cut = lambda _: port.unplug()
@@ -120,7 +120,7 @@ def open_emulated_port(option: str, place: str, line: LineFaults, name: Path) ->
 def open_port(
     option: str, place: str, device: EmulatedDevice, name: Path | None
 ) -> PtyPort | TcpPort:
-    """Put a device behind ``pty`` or ``tcp:PORT``; a pty gets the ``name``, if any.
+    """Serve a device on ``pty`` or ``tcp:PORT``; a pty gets the ``name``, if any.
 
     Raises EmulateError naming ``option``.
     """
@@ -139,7 +139,7 @@ def open_port(
 
 
 def open_camera(port: int, world: World, body: RobotBody) -> CameraServer:
-    """Serve what a robot sees; raises EmulateError if the port cannot be had."""
+    """Serve a robot's camera pictures; raises EmulateError if the port is not available."""
     try:
         return CameraServer(EmulatedCamera(world, body).picture_at, port)
     except (OSError, OverflowError) as error:
@@ -149,7 +149,7 @@ def open_camera(port: int, world: World, body: RobotBody) -> CameraServer:
 
 
 def parse_pose(text: str) -> Pose:
-    """Read X,Y,DEG as a pose in the map frame; raises EmulateError."""
+    """Parse X,Y,DEG (m, m, deg) as a pose in the map frame; raises EmulateError."""
     try:
         x, y, degrees = (float(part) for part in text.split(","))
     except ValueError as error:

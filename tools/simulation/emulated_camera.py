@@ -1,4 +1,4 @@
-"""The camera of an emulated robot as an MJPEG stream: what it sees, in a light that changes."""
+"""The camera of an emulated robot as an MJPEG stream, in a light that changes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _LAMPS = (3200.0, 6200.0)  # K, likewise
 
 
 class EmulatedCamera:
-    """Takes pictures from a robot; light and noise are deterministic under a seed."""
+    """Renders pictures from a robot; light and noise are deterministic under a seed."""
 
     def __init__(
         self,
@@ -47,16 +47,16 @@ class EmulatedCamera:
         self._lit = LitCamera(np.random.default_rng((seed, body.index)))
 
     def picture_at(self, t: float, pose: Pose | None = None) -> NDArray[np.uint8]:
-        """Return the picture (height, width, 3; blue, green, red) taken at t, s.
+        """Return the picture (height, width, 3; blue, green, red) taken at ``t``.
 
-        pose: map_from_base then, instead of the body's present one.
+        pose: map_from_base at ``t``, instead of the body's present one.
         """
         scene = self._view.scene(pose or self._body.pose, self._body)
         return self._lit.expose(scene, light_at(t))
 
 
 def light_at(t: float) -> Light:
-    """Return the light in the building at t, s: clouds pass and lamps are switched."""
+    """Return the light in the building at ``t``; strength and lamp colour vary."""
     phase = 0.5 - 0.5 * math.cos(math.tau * t / _DAYLIGHT_PERIOD_S)
     darkest, brightest = _STRENGTHS
     return Light(
@@ -67,42 +67,47 @@ def light_at(t: float) -> Light:
 
 
 class Feed:
-    """The newest picture, for any number of watchers."""
+    """The newest picture, for any number of clients."""
 
     def __init__(self) -> None:
         self.ended = False
-        self.watchers = 0
+        self.clients = 0
         self._changed = threading.Condition()
         self._jpeg = b""
         self._number = 0
 
     def show(self, jpeg: bytes) -> None:
-        """Put up a new picture."""
+        """Publish a new picture."""
         with self._changed:
             self._jpeg = jpeg
             self._number += 1
             self._changed.notify_all()
 
     def end(self) -> None:
-        """Send everybody home."""
+        """End the stream of all clients."""
         with self._changed:
             self.ended = True
             self._changed.notify_all()
 
-    def enter(self, *, leaving: bool = False) -> None:
-        """Count a watcher who comes or leaves."""
+    def add_client(self) -> None:
+        """Count a client in."""
         with self._changed:
-            self.watchers += -1 if leaving else 1
+            self.clients += 1
+
+    def remove_client(self) -> None:
+        """Count a client out."""
+        with self._changed:
+            self.clients -= 1
 
     def picture_after(self, number: int) -> tuple[int, bytes]:
-        """Wait for one newer than ``number``; return its number and JPEG, empty at the end."""
+        """Wait for a picture newer than ``number``; return number and JPEG, empty at the end."""
         with self._changed:
             self._changed.wait_for(lambda: self.ended or self._number > number)
             return self._number, b"" if self.ended else self._jpeg
 
 
 class _Server(ThreadingHTTPServer):
-    """An HTTP server that hands its handlers the feed."""
+    """An HTTP server that gives its handlers the feed."""
 
     daemon_threads = True
 
@@ -112,7 +117,7 @@ class _Server(ThreadingHTTPServer):
 
 
 class _Handler(BaseHTTPRequestHandler):
-    """Answers one watcher with pictures until either leaves."""
+    """Streams pictures to one client until either side closes."""
 
     server: _Server
 
@@ -124,13 +129,13 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_response(HTTPStatus.OK)
         self.send_header("Content-Type", f"multipart/x-mixed-replace; boundary={_BOUNDARY}")
         self.end_headers()
-        self.server.feed.enter()
+        self.server.feed.add_client()
         try:
             self._stream()
         except ConnectionError:
-            pass  # the watcher has left
+            pass  # the client has disconnected
         finally:
-            self.server.feed.enter(leaving=True)
+            self.server.feed.remove_client()
 
     def _stream(self) -> None:
         number = 0
@@ -144,14 +149,14 @@ class _Handler(BaseHTTPRequestHandler):
             self.wfile.write(head.encode() + jpeg + b"\r\n")
 
     def log_message(self, *_: object) -> None:
-        """Say nothing: a request is no news."""
+        """Log nothing."""
 
 
 class CameraServer:
-    """Serves pictures as an MJPEG stream on this machine; ``port`` 0 takes any free one.
+    """Serves pictures as an MJPEG stream on localhost; ``port`` 0 takes any free one.
 
-    ``pump`` takes a picture when one is due and somebody watches. Raises OSError if the port is
-    taken.
+    ``pump`` takes a picture when one is due and a client is connected. Raises OSError if the port
+    is in use.
     """
 
     def __init__(self, take: Callable[[float], NDArray[np.uint8]], port: int = 0) -> None:
@@ -164,8 +169,8 @@ class CameraServer:
         self._thread.start()
 
     def pump(self, t: float) -> None:
-        """Show what the camera sees at time ``t`` (s)."""
-        if t < self._next or not self._feed.watchers:
+        """Publish a picture at ``t`` if one is due and a client is connected."""
+        if t < self._next or not self._feed.clients:
             return
         self._next = t + PICTURE_PERIOD_S
         done, jpeg = cv2.imencode(".jpg", self._take(t))
@@ -173,7 +178,7 @@ class CameraServer:
         self._feed.show(jpeg.tobytes())
 
     def close(self) -> None:
-        """Hang up on all who watch."""
+        """Disconnect all clients and stop the server."""
         self._feed.end()
         self._server.shutdown()
         self._server.server_close()

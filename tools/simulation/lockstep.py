@@ -23,7 +23,7 @@ BITS_PER_BYTE = 10
 
 
 class Observer(Protocol):
-    """Sees every event and effect in order, as the live recorder does."""
+    """Receives every event and effect in order, as the live recorder does."""
 
     def record_event(self, event: Event) -> None:
         """Take an event before it is handled."""
@@ -33,7 +33,7 @@ class Observer(Protocol):
 
 
 class LockstepAgent:
-    """Delivers the devices' bytes to the agent at their wire times, and its bytes to them."""
+    """Delivers the devices' bytes to the agent at their wire times, and the agent's to them."""
 
     def __init__(
         self,
@@ -42,7 +42,7 @@ class LockstepAgent:
         observer: Observer | None = None,
         camera: LockstepCamera | None = None,
     ) -> None:
-        """Nothing is delivered before ``start``."""
+        """Prepare the agent; nothing is delivered before ``start``."""
         self.agent = agent
         self._devices = devices
         self._observer = observer
@@ -60,7 +60,7 @@ class LockstepAgent:
             self._handle(LinkUp(round(t, 6), link))
 
     def deliver(self, t: float) -> None:
-        """Deliver everything that reached the agent by t, and the ticks due by then, in order."""
+        """Deliver everything that arrives by t, and the ticks due by then, in order."""
         arrivals: list[Event] = [] if self._camera is None else self._camera.arrivals(t)
         for link, device in self._devices.items():
             self._handle_arrivals(link, device, t, arrivals)
@@ -72,7 +72,7 @@ class LockstepAgent:
         self._tick_until(t)
 
     def press(self, t: float, ahead: int, left: int) -> None:
-        """Type a key at the robot's terminal."""
+        """Deliver a drive key: ``ahead`` 0 or 1, ``left`` -1 to 1."""
         self._handle(OperatorKey(round(t, 6), ahead, left))
 
     def shut_down(self, t: float) -> None:
@@ -82,7 +82,7 @@ class LockstepAgent:
     def _handle_arrivals(
         self, link: LinkName, device: EmulatedDevice, t: float, arrivals: list[Event]
     ) -> None:
-        """Add what the line delivered by t, garbled where the rates differ."""
+        """Handle what the line delivered by t, garbled where the rates differ."""
         while True:
             baud = device.baud  # a device may change its rate after a reply
             chunks = device.pop_output(t)

@@ -1,4 +1,4 @@
-"""A camera under the virtual clock: pictures are painted, looked at, and told of when due."""
+"""A camera under the virtual clock: pictures are rendered, read and delivered when due."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from robot_agent.perception.picture_reader import CameraEye
 
 
 class LockstepCamera:
-    """Takes a picture at the camera's rate; the agent hears of it after the camera's delay."""
+    """Takes a picture at the camera's rate and delivers its event after the camera's delay."""
 
     def __init__(
         self,
@@ -26,19 +26,19 @@ class LockstepCamera:
     ) -> None:
         self._take = take
         self._settings = camera
-        self._heard: list[Event] = []
-        self._eye = CameraEye(camera, color, self._heard.append)
+        self._events: list[Event] = []
+        self._eye = CameraEye(camera, color, self._events.append)
         self._taken: deque[Picture] = deque()
         self._number = 0
         self._next = 0.0
         self._up = False
 
     def want_picture(self) -> None:
-        """Send the next picture too."""
+        """Deliver the next picture itself too."""
         self._eye.want_picture()
 
     def advance(self, t: float) -> None:
-        """Take a picture if one is due at t, s."""
+        """Take a picture if one is due at ``t``."""
         if t < self._next:
             return
         self._next = t + 1.0 / self._settings.rate
@@ -46,13 +46,13 @@ class LockstepCamera:
         self._taken.append(Picture(t + self._settings.delay, self._number, self._take(t)))
 
     def arrivals(self, t: float) -> list[Event]:
-        """Return what the agent hears by t, s."""
+        """Return the events that reach the agent by ``t``."""
         while self._taken and self._taken[0].t <= t:
             picture = self._taken.popleft()
             if not self._up:
                 self._up = True
                 self._eye.camera_up(picture.t)
             self._eye.picture(picture)
-        heard = self._heard[:]
-        self._heard.clear()
-        return heard
+        events = self._events[:]
+        self._events.clear()
+        return events

@@ -1,4 +1,4 @@
-"""Errors of motion and sensors in the simulated world."""
+"""Noise of motion and sensors in the simulated world."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorldNoise:
-    """Errors of motion and sensors, one sigma. Set all to 0 for a perfect world.
+    """Noise of motion and sensors, standard deviations. Set all to 0 for a perfect world.
 
-    Motion errors grow with the square root of the way, so that they do not depend on its steps:
+    Motion errors grow with the square root of the distance, independent of the step size:
     slip_distance 0.01 is 1 % of the first metre.
     """
 
-    slip_distance: float = 0.01  # m after 1 m: the body against its wheels
+    slip_distance: float = 0.01  # m after 1 m: motion of the body against its wheels
     slip_rotation: float = 0.02  # rad after 1 rad turned
     slip_heading: float = 0.01  # rad after 1 m driven
     wheel_scale: float = 0.0075  # share; systematic odometer error of each wheel, drawn once

@@ -1,4 +1,4 @@
-"""Upright prisms as a camera that looks level sees them, painted side by side."""
+"""Rendering of upright prisms for a level camera, side by side."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _NEAREST = 0.05  # m before the lens
 
 @dataclass(frozen=True, slots=True)
 class Prism:
-    """An upright thing: corners (n, 2) of its floor plan, m, map frame, counter-clockwise; from
-    ``bottom`` to ``top``, m; of one colour, its sides shaded by how they face the light."""
+    """An upright prism: corners (n, 2) of its base, m, map frame, counter-clockwise; from
+    ``bottom`` to ``top``, m; of one colour, its sides shaded by their direction to the light."""
 
     corners: NDArray[np.float64]
     bottom: float
@@ -47,14 +47,14 @@ def paint(
 ) -> None:
     """Paint the sides of a prism that face the lens into a picture (height, width, 3).
 
-    lens: map_from_lens. depth: (width,) m ahead in each column, nearer than which nothing hides.
+    lens: map_from_lens. depth: (width,) m, distance ahead in each column beyond which a wall hides.
     """
     c, s = math.cos(lens.theta), math.sin(lens.theta)
     corners = (prism.corners - (lens.x, lens.y)) @ np.array(((c, -s), (s, c)))
     following = np.roll(corners, -1, axis=0)
     for (ax, ay), (bx, by) in zip(corners.tolist(), following.tolist(), strict=True):
         if ax * by - ay * bx >= 0.0:
-            continue  # seen from behind
+            continue  # a back side
         side = _clipped(ax, ay, bx, by)
         if side is not None:
             normal = lens.theta + math.atan2(ax - bx, by - ay)
@@ -102,7 +102,7 @@ def _paint_side(
 def _clipped(
     ax: float, ay: float, bx: float, by: float
 ) -> tuple[float, float, float, float] | None:
-    """Return the part of a side before the lens (x ahead, y left, m), None if there is none."""
+    """Return the part of a side before the lens (x ahead, y left, m); None if there is none."""
     if max(ax, bx) <= _NEAREST:
         return None
     if ax < _NEAREST:

@@ -1,4 +1,4 @@
-"""Ray casting in the simulated world: exact on the grid's cells and on robots' outlines."""
+"""Ray casting in the simulated world, exact on the grid's cells and on robots' outlines."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 
-_BIAS = 1e-6  # cells; a ray this near to a side ahead of it is in the next cell already
+_BIAS = 1e-6  # cells; a ray this near to a side ahead of it counts as in the next cell
 _NEVER = 1e12  # cells
-_NEAR = 1e-6  # m; a ray this near to a rectangle's corner circle may still meet it
-_WALL, _OUTSIDE = 0, -1  # stand for no block at all among the blocks' widths
+_NEAR = 1e-6  # m; margin about a rectangle's circumcircle
+_WALL, _OUTSIDE = 0, -1  # in the table of block widths: no block
 
 _Steps = NDArray[np.int16]
 
@@ -20,15 +20,15 @@ _Steps = NDArray[np.int16]
 class RayCaster:
     """Casts rays against the occupied cells of a map; unknown cells and the outside are empty.
 
-    From each free cell a rectangular block of cells is known to be empty, one for each of the
-    four ways a ray may run (left or right, down or up), so a ray is carried to the side of that
-    block at once. What is found is the exact side of the occupied cell.
+    For each free cell and each of the four directions of rays (left or right, down or up) a
+    rectangular block of empty cells is tabulated, so a ray moves to the side of that block in one
+    step. The range is to the exact side of the occupied cell.
     """
 
     def __init__(self, occupancy: OccupancyMap) -> None:
         walls = occupancy.cells == OCCUPIED
         self._sizes = _block_table(walls.tobytes(), walls.shape)
-        # One more row and column all round, for what left the map.
+        # One more row and column all round, for rays that have left the map.
         rows, self._columns = walls.shape[0] + 2, walls.shape[1] + 2
         self._cells = rows * self._columns
         self._limits = np.array(((self._columns - 1.0,), (rows - 1.0,)))
@@ -49,7 +49,7 @@ class RayCaster:
         n = len(angles)
         ranges = np.full(n, np.inf)
         rays = np.arange(n)
-        # Everything in cells from here on; rows are x and y, for one call does the work of two.
+        # In cells from here on; row 0 is x and row 1 is y, so one call computes both.
         state = np.empty((11, n))
         position, direction, inverse, sign, bias = (state[i : i + 2] for i in range(0, 10, 2))
         position[0] = (np.asarray(x) - self._origin[0]) / self._resolution
@@ -58,9 +58,9 @@ class RayCaster:
         np.sin(angles, out=direction[1])
         back = direction < 0.0
         np.add(back[0], 2 * back[1], out=state[10])
-        state[10] *= self._cells  # where the table of blocks for this way begins
+        state[10] *= self._cells  # where the table of blocks for this direction begins
         with np.errstate(divide="ignore"):
-            # A ray along an axis never leaves by the other side; infinity times 0 would be none.
+            # A ray along an axis never leaves by the other side; infinity times 0 would be nan.
             np.minimum(1.0 / np.abs(direction), _NEVER, out=inverse)
         sign[:] = 1.0 - 2.0 * back
         np.multiply(_BIAS, np.sign(direction), out=bias)
@@ -78,7 +78,7 @@ class RayCaster:
             block += state[10]
             size = self._sizes.take(block.astype(np.intp), axis=0).T
             width = size[0]
-            # To the side of the block that the ray leaves through: the cell's own middle is half
+            # To the side by which the ray leaves the block: the cell's own middle is half
             # a cell from its near sides.
             at -= cell
             at -= 0.5
@@ -106,7 +106,7 @@ class RayCaster:
 def _block_table(walls: bytes, shape: tuple[int, int]) -> _Steps:
     """Return widths and heights (4 * cells, 2) of the blocks: right and up, left and up, then down.
 
-    walls: (rows, cols) bool of the map, as bytes. Kept, for a study makes many worlds of one map.
+    walls: (rows, cols) bool of the map, as bytes. Cached: a study makes many worlds of one map.
     """
     solid = np.pad(np.frombuffer(walls, dtype=bool).reshape(shape), 1, constant_values=True)
     inner = np.zeros_like(solid)
@@ -173,12 +173,12 @@ def cast_bodies(
 
     x, y: origins in m, map frame, scalars or (n,). angles: (n,) rad, map frame. rectangles: (m, 5)
     rows (centre x, centre y, theta, half length, half width). From inside one the range is 0.
-    own (n,): the rectangle that each ray comes from and does not see.
+    own (n,): the rectangle that each ray starts from, which it does not hit.
     """
     ranges = np.full(len(angles), np.inf)
     if not len(rectangles):
         return ranges
-    # 1. Which rays pass near which rectangle: few do.
+    # 1. Select the few rays that pass near a rectangle.
     from_x = np.asarray(x) - rectangles[:, 0, None]
     from_y = np.asarray(y) - rectangles[:, 1, None]
     dx, dy = np.cos(angles), np.sin(angles)
@@ -190,7 +190,7 @@ def cast_bodies(
     which, ray = near.nonzero()
     if not len(ray):
         return ranges
-    # 2. Where those enter it.
+    # 2. Compute where these enter it.
     _, _, theta, half_length, half_width = rectangles[which].T
     c, s = np.cos(theta), np.sin(theta)
     from_x = np.broadcast_to(from_x, near.shape)[which, ray]
@@ -209,7 +209,7 @@ def cast_bodies(
 def _slab(
     position: NDArray[np.float64], direction: NDArray[np.float64], half: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return where rays enter and leave the strip |position| <= half."""
+    """Return the distances at which rays enter and leave the strip |position| <= half."""
     # A ray along the strip would divide zero by zero; a tiny slope has the same effect.
     safe = np.where(np.abs(direction) < 1e-12, 1e-12, direction)
     a, b = (-half - position) / safe, (half - position) / safe

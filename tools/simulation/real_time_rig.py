@@ -1,4 +1,4 @@
-"""One emulated robot in real time: its rig stepped with the clock, its ports pumped."""
+"""One emulated robot in real time: steps its rig with the clock and pumps its ports."""
 
 from __future__ import annotations
 
@@ -10,20 +10,20 @@ from tools.simulation.rig import RobotRig
 
 STEP_S = 0.01
 PUMP_S = 0.001
-"""Bytes cross a port at most this late."""
+"""Largest delay of bytes at a port, s."""
 MAX_LAG_S = 0.05
-"""A rig held up longer than this lets the lost steps go instead of racing to catch up."""
+"""After a delay longer than this, s, a rig skips the missed steps instead of catching up."""
 
 
 class Pumped(Protocol):
-    """A port or cable behind which an emulated device sits."""
+    """A port or cable of an emulated device."""
 
     def pump(self, t: float) -> None:
-        """Carry bytes both ways at time ``t`` (s, monotonic), without waiting."""
+        """Move bytes both ways at ``t``, without waiting."""
 
 
 class RealTimeRig:
-    """Steps a rig on ``time.monotonic()``; call ``step`` again and again."""
+    """Steps a rig on ``time.monotonic()``; call ``step`` in a loop."""
 
     def __init__(self, rig: RobotRig, ports: Sequence[Pumped]) -> None:
         self.rig = rig
@@ -31,7 +31,7 @@ class RealTimeRig:
         self._next_step = time.monotonic()
 
     def step(self) -> float:
-        """Wait for the next step's time, carry it out, and return that time (s, monotonic)."""
+        """Wait for the next step's time, execute the step and return that time."""
         while (wait := self._next_step - time.monotonic()) > 0.0:
             self._pump()
             time.sleep(min(wait, PUMP_S))

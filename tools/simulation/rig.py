@@ -1,4 +1,4 @@
-"""One emulated robot: two devices on the wire and a body in the world."""
+"""One emulated robot: base and laser on their lines and a body in the world."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SONAR_PERIOD_S = 0.1
 
 
 class RobotRig:
-    """Moves a body as its base's wheels turn; the laser and the sonars see from where it is."""
+    """Moves a body by its base's wheel motion; laser and sonars measure from its true pose."""
 
     def __init__(
         self,
@@ -34,9 +34,11 @@ class RobotRig:
         later_firmware: bool = False,
         watchdog: float = FACTORY_WATCHDOG,
     ) -> None:
-        """Put the robot into the world at time t, both devices just powered; with
-        ``later_firmware`` its base reports what AROS does, the stop button among it.
-        ``watchdog``: s, what is set in its FLASH."""
+        """Make the devices of a body in the world, powered on at ``t``.
+
+        later_firmware: the base reports what AROS reports, the stop button included.
+        watchdog: value in the base's FLASH, s.
+        """
         self.name = name
         self.world = world
         self.body = body
@@ -46,23 +48,23 @@ class RobotRig:
         )
         self.laser = Lms200Emulator(scan_source=self._scan)
         self.stuck = False
-        """Whether something holds the wheels."""
+        """Whether the body cannot move while the wheels turn."""
         self.blind = False
         """Whether no beam of the laser returns."""
         self.bumped = 0
-        """Segments of the front bumper that somebody presses, besides what the world touches."""
+        """Bit mask of front bumper segments pressed in addition to the world's contacts."""
         self._next_sonar = t
-        self._seen: NDArray[np.float64] | None = None
+        self._prepared: NDArray[np.float64] | None = None
         self._t = self._previous_t = t
         self._previous_pose = body.pose
 
     def advance(self, t: float) -> None:
-        """Let time pass to t: wheels turn, the body moves or bumps, the sensors see."""
+        """Advance to ``t``: wheels turn, the body moves or bumps, the sensors measure."""
         self.move(t)
         sense([self], t)
 
     def move(self, t: float) -> None:
-        """Let time pass to t: wheels turn, the body moves or bumps. Then let it ``sense``."""
+        """Advance to ``t``: wheels turn, the body moves or bumps. Call ``sense`` after it."""
         distance, rotation = self.base.advance(t)
         self._previous_t, self._t = self._t, t
         self._previous_pose = self.body.pose
@@ -74,38 +76,38 @@ class RobotRig:
             rear_bumpers=motion.rear_bumpers,
         )
 
-    def listens(self, t: float) -> bool:
-        """Tell whether it is time for the sonars; counts as done when it is."""
+    def pop_sonar_due(self, t: float) -> bool:
+        """Return whether a sonar measurement is due at ``t``, and schedule the next one if so."""
         if t < self._next_sonar:
             return False
         self._next_sonar += SONAR_PERIOD_S
         return True
 
     def next_fan(self, t: float) -> Fan | None:
-        """Return the rays of the mirror turn that is due by t, if any, for ``see``."""
+        """Return the rays of the mirror turn that is due by ``t``, None if there is none."""
         turn = self.laser.turn_due(t)
         return None if turn is None else self._fan(*turn[:3])
 
     def on_ranges(self, t: float, ranges: NDArray[np.float64] | None) -> None:
-        """Let the laser run to t; ranges (n,) m: what the rays that ``looks`` returned met."""
-        self._seen = ranges
+        """Advance the laser to ``t``; ranges (n,), m, of the rays from ``next_fan``, or None."""
+        self._prepared = ranges
         self.laser.advance(t)
 
-    def put(self, pose: Pose) -> None:
-        """Put the robot down at a true pose, map_from_base; its wheels do not turn."""
+    def place(self, pose: Pose) -> None:
+        """Move the robot to a true pose, map_from_base; its wheels do not turn."""
         self.body.pose = self._previous_pose = pose
 
     def _scan(self, t: float, n: int, increment: float) -> NDArray[np.float64]:
-        """Measure one mirror turn about time t, which lies within the present step."""
-        seen, self._seen = self._seen, None
+        """Return the ranges of one mirror turn at ``t``, which lies within the present step."""
+        prepared, self._prepared = self._prepared, None
         if self.blind:
             return np.full(n, np.inf)
-        return self.world.scans([self._fan(t, n, increment)])[0] if seen is None else seen
+        return self.world.scans([self._fan(t, n, increment)])[0] if prepared is None else prepared
 
     def _fan(self, t: float, n: int, increment: float) -> Fan:
         """Return the rays of a mirror turn.
 
-        The base turns on while the mirror sweeps, so that each beam looks a little elsewhere.
+        The base turns while the mirror sweeps, which shifts the direction of each beam.
         """
         pose = self._pose_at(t)
         step = self._t - self._previous_t
@@ -115,7 +117,7 @@ class RobotRig:
         return laser_fan(self.body, pose, n, increment, self.model.laser_mount, swept)
 
     def _pose_at(self, t: float) -> Pose:
-        """Interpolate the true pose within the last step."""
+        """Return the true pose at ``t``, interpolated within the last step."""
         step = self._t - self._previous_t
         share = min(max((t - self._previous_t) / step, 0.0), 1.0) if step > 0 else 1.0
         a, b = self._previous_pose, self.body.pose
@@ -128,16 +130,19 @@ class RobotRig:
 
 
 def sense(rigs: Sequence[RobotRig], t: float) -> None:
-    """Let robots that have moved to t in one world, all of one model, hear and see, all at once."""
-    listening = [rig for rig in rigs if rig.listens(t)]
-    if listening:
-        world, ring = listening[0].world, listening[0].model.sonar
-        echoes = world.sonars([rig.body for rig in listening], ring)
-        for rig, ranges in zip(listening, echoes, strict=True):
+    """Measure with the sonars and lasers of robots that have moved to ``t``, all in one pass.
+
+    The robots are in one world and of one model.
+    """
+    due_rigs = [rig for rig in rigs if rig.pop_sonar_due(t)]
+    if due_rigs:
+        world, ring = due_rigs[0].world, due_rigs[0].model.sonar
+        echoes = world.sonars([rig.body for rig in due_rigs], ring)
+        for rig, ranges in zip(due_rigs, echoes, strict=True):
             rig.base.set_sonar(ranges)
     fans = [rig.next_fan(t) for rig in rigs]
-    looking = [fan for fan in fans if fan is not None]
-    scans = iter(rigs[0].world.scans(looking) if looking else ())
+    due = [fan for fan in fans if fan is not None]
+    scans = iter(rigs[0].world.scans(due) if due else ())
     for rig, fan in zip(rigs, fans, strict=True):
         rig.on_ranges(t, None if fan is None else next(scans))
 

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from maps.pose import Pose
 
 BUMPER_SEGMENTS = 5  # per ring
-_BUMPER_ARC = math.radians(135.0)  # covered by a ring, centred on front or rear
+_BUMPER_ARC = math.radians(135.0)  # rad covered by a ring, centred on front or rear
 
 
 @dataclass(frozen=True, slots=True)
 class Outline:
-    """A rectangle round base_link, m: the Pioneer 2-DX of ARIA's p2dx.p by default."""
+    """A rectangle round base_link, m; by default the Pioneer 2-DX of ARIA's p2dx.p."""
 
     front: float = 0.210
     rear: float = 0.301
@@ -67,7 +67,7 @@ def _perimeter(outline: Outline, step: float) -> NDArray[np.float64]:
 
 
 class BodyKind(Enum):
-    """What moves about in the world: a robot of the team, or a stranger of one kind."""
+    """Kind of body in the world: a robot of the team, or a kind of stranger."""
 
     ROBOT = auto()
     PERSON = auto()

@@ -1,4 +1,4 @@
-"""Start poses for simulated teams: off the border, with a free way to it."""
+"""Start poses for simulated teams: off the border, with a free path to it."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from maps.occupancy_map import FREE, OccupancyMap
 from maps.pose import Pose
 
 _CLEAR = 0.5  # m from every wall
-_WAY_CLEAR = 0.4  # m from every wall on the straight way to the border
+_WAY_CLEAR = 0.4  # m from every wall on the straight path to the border
 _FROM_BORDER = (1.0, 3.0)  # m
-_APART = (3.0, 2.5, 2.0, 1.6, 1.3)  # m between any two: as much as there is room for
+_APART = (3.0, 2.5, 2.0, 1.6, 1.3)  # m between any two, tried in this order
 _CANDIDATES = 3000  # cells looked at
-_ORDERS = 30  # in which they are tried, before they are put nearer together
+_ORDERS = 30  # random orders tried before the next smaller distance
 
 
 class StartPoseError(ValueError):
-    """A map has no room for so many robots; the message says for how many."""
+    """A map has no room for so many robots; the message names how many fit."""
 
 
 def free_start_poses(
@@ -34,21 +34,21 @@ def free_start_poses(
 
     Raises StartPoseError if the map has no room for them.
     """
-    # Clearance of what is not known to be free counts as none.
+    # Cells that are not known to be free have no clearance.
     clearance = np.where(
         occupancy.cells == FREE, occupancy.distance_field() - occupancy.resolution / 2, 0.0
     )
     points = _points_near_border(occupancy, clearance, border, rng)
-    most = 0
+    fitting = 0
     for apart in _APART:
         for _ in range(_ORDERS):
             order = points[rng.permutation(len(points))]
             chosen = _far_apart(order, apart, count, occupancy, clearance, border)
             if len(chosen) == count:
-                return [_turned_at_random(place, rng) for place in chosen]
-            most = max(most, len(chosen))
+                return [_with_random_heading(place, rng) for place in chosen]
+            fitting = max(fitting, len(chosen))
     raise StartPoseError(
-        f"no room for {count} robots, found places for {most} "
+        f"no room for {count} robots, found places for {fitting} "
         f"({_FROM_BORDER[0]:g} to {_FROM_BORDER[1]:g} m from the border, {_APART[-1]:g} m apart): "
         "use fewer robots or a larger map"
     )
@@ -62,7 +62,7 @@ def _far_apart(
     clearance: NDArray[np.float64],
     border: Border,
 ) -> list[NDArray[np.float64]]:
-    """Return the first points, at most ``count``, that are apart and have a free way."""
+    """Return up to ``count`` points that are ``apart`` m from each other and have a free path."""
     chosen: list[NDArray[np.float64]] = []
     left = points
     while len(left) and len(chosen) < count:
@@ -73,7 +73,7 @@ def _far_apart(
     return chosen
 
 
-def _turned_at_random(place: NDArray[np.float64], rng: np.random.Generator) -> Pose:
+def _with_random_heading(place: NDArray[np.float64], rng: np.random.Generator) -> Pose:
     """Return a pose at a place with a random heading."""
     return Pose(float(place[0]), float(place[1]), rng.uniform(-math.pi, math.pi))
 
@@ -98,7 +98,7 @@ def _way_is_free(
     border: Border,
     point: NDArray[np.float64],
 ) -> bool:
-    """Return whether the straight way from a point to the border stays clear of walls."""
+    """Return whether the straight path from a point to the border stays clear of walls."""
     foot = border.project(float(point[0]), float(point[1]))
     steps = math.ceil(foot.distance / occupancy.resolution) + 1
     way = np.linspace(point, (foot.x, foot.y), steps)

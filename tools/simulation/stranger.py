@@ -1,7 +1,7 @@
-"""Strangers in the simulated world: people and carts that walk near the border and mind nobody.
+"""Strangers in the simulated world: people and carts that move near the border.
 
-They go from place to place in straight lines, stop for a while, walk round no corner, and stop
-before robots rather than into them, as people do.
+They move between random goals in straight lines, pause at goals, do not plan round corners, and
+stop before robots.
 """
 
 from __future__ import annotations
@@ -20,33 +20,33 @@ PERSON = Outline(0.14, 0.14, 0.22)
 BOX = Outline(0.35, 0.35, 0.3)
 """A cart with boxes: 0.7 by 0.6 m."""
 _SPEEDS = (0.5, 1.1)  # m/s
-_PAUSES = (0.0, 8.0)  # s at a place
-_NEAR_BORDER = 1.8  # m; most places lie within it
-_AWAY_SHARE = 0.3  # of the places lie farther from the border
+_PAUSES = (0.0, 8.0)  # s at a goal
+_NEAR_BORDER = 1.8  # m; most goals lie within this distance
+_AWAY_SHARE = 0.3  # of the goals lie farther from the border
 _FARTHEST_LEG = 8.0  # m
 _CLEARANCE = 0.45  # m kept from walls
-_GIVES_WAY = 0.9  # m ahead within which a robot makes a stranger stop
-_PATIENCE = 2.0  # s it waits before it goes elsewhere
+_STOP_DISTANCE = 0.9  # m ahead within which a robot makes a stranger stop
+_MAX_WAIT = 2.0  # s before another goal is chosen
 _TRIES = 400
 
 
 class StrangerError(ValueError):
-    """No room for a stranger."""
+    """The map has no room for a stranger."""
 
 
 class Stranger:
-    """One person or cart; moves by itself as time passes."""
+    """One person or cart, moved by ``advance``."""
 
     def __init__(
         self, world: World, border: Border, kind: BodyKind, rng: np.random.Generator
     ) -> None:
-        """Put somebody at a free place; raises StrangerError if there is none."""
+        """Add the body at a free place of the world; raises StrangerError if there is none."""
         self._world = world
         self._border = border
         self._rng = rng
         self._speed = 0.0
-        self._rest = 0.0  # s to stand yet
-        self._waited = 0.0  # s for robots that stood in the way
+        self._rest = 0.0  # s left of the pause
+        self._waited = 0.0  # s stopped before a robot
         outline = PERSON if kind is BodyKind.PERSON else BOX
         x, y = self._free_place()
         self.body = world.add_body(Pose(x, y, float(rng.uniform(-math.pi, math.pi))), outline)
@@ -54,7 +54,7 @@ class Stranger:
         self._goal = (x, y)
 
     def advance(self, dt: float) -> None:
-        """Let dt, s, pass."""
+        """Advance by ``dt``, s."""
         if self._rest > 0.0:
             self._rest -= dt
             return
@@ -67,7 +67,7 @@ class Stranger:
         heading = math.atan2(dy, dx)
         if self._robot_ahead(pose, heading):
             self._waited += dt
-            if self._waited > _PATIENCE:
+            if self._waited > _MAX_WAIT:
                 self._choose_goal()
             return
         self._waited = 0.0
@@ -77,7 +77,7 @@ class Stranger:
             self._choose_goal()
 
     def _choose_goal(self) -> None:
-        """Choose where to go next, in sight, and how fast; perhaps rest first."""
+        """Draw a pause, a speed and the next goal in line of sight."""
         rng, pose = self._rng, self.body.pose
         self._waited = 0.0
         self._rest = float(rng.uniform(*_PAUSES))
@@ -91,12 +91,12 @@ class Stranger:
                 continue
             x, y = pose.x + leg * math.cos(heading), pose.y + leg * math.sin(heading)
             near = self._border.project(x, y).distance < _NEAR_BORDER
-            if near != away and self._way_is_wide(pose, heading, leg):
+            if near != away and self._is_clear(pose, heading, leg):
                 self._goal = (x, y)
                 return
 
-    def _way_is_wide(self, pose: Pose, heading: float, leg: float) -> bool:
-        """Tell whether no wall comes near a straight way."""
+    def _is_clear(self, pose: Pose, heading: float, leg: float) -> bool:
+        """Whether a straight path of ``leg`` m keeps its clearance from walls."""
         return all(
             self._world.clearance(
                 Pose(pose.x + s * math.cos(heading), pose.y + s * math.sin(heading), 0.0)
@@ -106,7 +106,7 @@ class Stranger:
         )
 
     def _robot_ahead(self, pose: Pose, heading: float) -> bool:
-        """Tell whether a robot or another stranger stands in the way, or is too near already."""
+        """Whether a robot or another stranger is ahead within the stop distance."""
         c, s = math.cos(heading), math.sin(heading)
         for other in self._world.bodies:
             if other is self.body:
@@ -114,12 +114,12 @@ class Stranger:
             dx, dy = other.pose.x - pose.x, other.pose.y - pose.y
             ahead, beside = c * dx + s * dy, abs(c * dy - s * dx)
             room = self.body.reach + other.reach
-            if ahead > 0.0 and ahead < room + _GIVES_WAY and beside < room + 0.1:
+            if ahead > 0.0 and ahead < room + _STOP_DISTANCE and beside < room + 0.1:
                 return True
         return False
 
     def _free_place(self) -> tuple[float, float]:
-        """Return a place beside the border, clear of walls and of everybody."""
+        """Return a position near the border, clear of walls and of all bodies."""
         border, rng = self._border, self._rng
         for _ in range(_TRIES):
             foot = border.at(float(rng.uniform(0.0, border.length)))
@@ -134,7 +134,7 @@ class Stranger:
 
 
 def make_strangers(world: World, border: Border, count: int, seed: int) -> list[Stranger]:
-    """Add strangers to the world: a person, a cart, a person, ...; each has its own dice."""
+    """Add strangers to the world, persons and carts in turn; each has its own random generator."""
     kinds = (BodyKind.PERSON, BodyKind.BOX)
     return [
         Stranger(world, border, kinds[number % 2], np.random.default_rng((seed, 77, number)))

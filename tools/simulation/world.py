@@ -1,4 +1,4 @@
-"""The simulated world: a map, the robots in it, what their wheels and sensors make of it."""
+"""The simulated world: a map, the bodies in it, their motion, contacts and sensor readings."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from tools.simulation.robot_body import Outline, RobotBody, bumper_masks, meetin
 TOUCH = 0.005  # m; nearer than this is touching
 _PART = 0.02  # m; a contact is over when the two are farther apart than this
 _SONAR_CONE = np.radians((-15.0, 0.0, 15.0))
-_SONAR_RANGE = 5.0  # m; also told when there is no echo
+_SONAR_RANGE = 5.0  # m; also returned when there is no echo
 
 
 @dataclass(frozen=True, slots=True)
 class Motion:
-    """What came of a robot's wheel motion, and what it feels.
+    """Result of a robot's wheel motion: odometry and contacts.
 
-    odometer_distance, odometer_rotation: what its encoders counted, m and rad. blocked: something
-    was in its way. front_bumpers, rear_bumpers: bit masks of the segments pressed. touching: it
-    touches a wall or another robot, anywhere on its outline.
+    odometer_distance, odometer_rotation: motion by the encoders, m and rad. blocked: the motion
+    was cut short by a wall or a body. front_bumpers, rear_bumpers: bit masks of the segments
+    pressed. touching: the outline touches a wall or another body.
     """
 
     odometer_distance: float
@@ -42,14 +42,14 @@ class Motion:
 
 @dataclass(frozen=True, slots=True)
 class Contact:
-    """Two bodies, or a body and a wall (other is None), came to touch; bodies by index."""
+    """Contact of two bodies, or of a body and a wall (other is None); bodies by index."""
 
     body: int
     other: int | None
 
 
 class Fan(NamedTuple):
-    """Rays that leave a body: origins x and y (n,), m, and directions (n,), rad, map frame."""
+    """Rays from a body: origins x and y (n,), m, and directions (n,), rad, map frame."""
 
     body: RobotBody
     x: NDArray[np.float64]
@@ -73,7 +73,7 @@ def laser_fan(
 
 
 def _sonar_fan(body: RobotBody, ring: Sequence[SonarMount]) -> Fan:
-    """Return three rays for each transducer, over its cone."""
+    """Return three rays for each transducer, spread over its cone."""
     c, s = math.cos(body.pose.theta), math.sin(body.pose.theta)
     x = [body.pose.x + c * mount.x - s * mount.y for mount in ring]
     y = [body.pose.y + s * mount.x + c * mount.y for mount in ring]
@@ -84,9 +84,9 @@ def _sonar_fan(body: RobotBody, ring: Sequence[SonarMount]) -> Fan:
 
 @dataclass(slots=True, eq=False)
 class World:
-    """Everything true in a simulation; deterministic under a seeded generator.
+    """The ground truth of a simulation; deterministic under a seeded generator.
 
-    contact_log: all contacts so far, each noted once from touching to parting.
+    contact_log: all contacts so far, each once from first touch to separation.
     """
 
     occupancy: OccupancyMap
@@ -98,7 +98,7 @@ class World:
     _caster: RayCaster = field(init=False)
     _wall_distance: NDArray[np.float64] = field(init=False)
     _solid: NDArray[np.bool_] = field(init=False)
-    _in_touch: set[Contact] = field(init=False, default_factory=set)
+    _touching: set[Contact] = field(init=False, default_factory=set)
 
     def __post_init__(self) -> None:
         self._caster = RayCaster(self.occupancy)
@@ -107,13 +107,13 @@ class World:
 
     @property
     def contacts(self) -> int:
-        """How many contacts there were so far."""
+        """Number of contacts so far."""
         return len(self.contact_log)
 
     def add_body(self, pose: Pose, outline: Outline | None = None) -> RobotBody:
-        """Put a robot at a true pose (map_from_base); its odometer's scale errors are drawn here.
+        """Add a robot at a true pose (map_from_base) and draw its odometer's scale errors.
 
-        Raises ValueError if it would stand in a wall or in another robot.
+        Raises ValueError if it would overlap a wall or another body.
         """
         left, right = (1.0 + self.rng.normal(0.0, self.noise.wheel_scale, 2)).tolist()
         body = RobotBody(len(self.bodies), pose, outline or Outline(), (left, right))
@@ -126,27 +126,27 @@ class World:
         return body
 
     def move(self, body: RobotBody, distance: float, rotation: float) -> Motion:
-        """Turn a robot's wheels by a motion of distance, m, and rotation, rad.
+        """Move a robot by a wheel motion of distance, m, and rotation, rad.
 
-        Call it for every small step (0.1 s or less), also with 0, 0: what is touched may have
-        moved by itself. A blocked robot goes as far as it can, and its wheels stop there.
+        Call it for every small step (0.1 s or less), also with 0, 0: other bodies may have moved
+        into contact. A blocked robot moves up to the obstacle, and its wheels stop there.
         """
         draws = self.rng.standard_normal(5).tolist()
         slipped = self._slip(distance, rotation, draws[:3])
         wanted = _moved(body.pose, *slipped)
-        if self._in_the_open(body, wanted):
+        if self._is_clear(body, wanted):
             body.pose = wanted
-            self._part_from_all(body)
+            self._end_contacts(body)
             return Motion(*self._odometer(body, distance, rotation, draws[3:]), False, 0, 0, False)
         share = self._free_share(body, *slipped)
         body.pose = _moved(body.pose, slipped[0] * share, slipped[1] * share)
-        touched = self._touched(body)
+        touched = self._contact_points(body)
         front, rear = bumper_masks(touched, body.outline) if len(touched) else (0, 0)
         counted = self._odometer(body, distance * share, rotation * share, draws[3:])
         return Motion(*counted, share < 1.0, front, rear, touching=len(touched) > 0)
 
     def place(self, body: RobotBody, pose: Pose) -> bool:
-        """Put a body that moves by itself at a pose near its present one, if nothing is there."""
+        """Move a body without wheels to a nearby pose; return False if the pose is not free."""
         if self._blocked(body, pose):
             return False
         body.pose = pose
@@ -171,7 +171,7 @@ class World:
         return self.scans([laser_fan(body, pose, n, increment, mount, swept)])[0]
 
     def scans(self, fans: Sequence[Fan]) -> list[NDArray[np.float64]]:
-        """Return the ranges of the laser for each fan: many at once cost little more than one."""
+        """Return the laser's ranges for each fan; many in one call cost little more than one."""
         ranges = self._cast(fans, self.laser_max_range)
         n = len(ranges)
         ranges += self.rng.normal(0.0, self.noise.laser_range, n)
@@ -182,11 +182,11 @@ class World:
         return np.split(ranges, ends[:-1])
 
     def free_way(self, x: float, y: float, direction: float) -> float:
-        """Return the distance, m, from a place to the next wall in a direction, rad."""
+        """Return the distance, m, from (x, y) to the next wall in a direction, rad."""
         return float(self.free_ways(x, y, np.array([direction]))[0])
 
     def free_ways(self, x: float, y: float, directions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return (n,) distances, m, from a place to the next walls in directions (n,), rad."""
+        """Return (n,) distances, m, from (x, y) to the next walls in directions (n,), rad."""
         return self._caster.cast(x, y, directions, self.laser_max_range)
 
     def sonar(self, body: RobotBody, ring: Sequence[SonarMount]) -> list[float]:
@@ -205,7 +205,7 @@ class World:
         return ranges
 
     def _cast(self, fans: Sequence[Fan], max_range: float) -> NDArray[np.float64]:
-        """Return the ranges of all fans, one after another, to walls and to the other robots."""
+        """Return the ranges of all fans, concatenated, to walls and to the other bodies."""
         angles = np.concatenate([fan.angles for fan in fans])
         x = np.concatenate([fan.x for fan in fans])
         y = np.concatenate([fan.y for fan in fans])
@@ -219,7 +219,7 @@ class World:
     def _slip(
         self, distance: float, rotation: float, draws: Sequence[float]
     ) -> tuple[float, float]:
-        """Return the motion of a free body whose wheels turn by this much; draws: 3 normal ones."""
+        """Return the motion of a free body for a wheel motion; draws: 3 standard normal numbers."""
         noise = self.noise
         along, turning, veering = draws
         root = math.sqrt(abs(distance))
@@ -233,9 +233,9 @@ class World:
     def _odometer(
         self, body: RobotBody, distance: float, rotation: float, draws: Sequence[float]
     ) -> tuple[float, float]:
-        """Return the distance and rotation that the encoders counted for a wheel motion.
+        """Return the distance and rotation by the encoders for a wheel motion.
 
-        draws: 2 normal ones, of the left and the right wheel.
+        draws: 2 standard normal numbers, for the left and the right wheel.
         """
         half_track = body.outline.track / 2
         noise = self.noise.odometer
@@ -250,9 +250,8 @@ class World:
         )
         return (left + right) / 2, (right - left) / (2 * half_track)
 
-    def _in_the_open(self, body: RobotBody, pose: Pose) -> bool:
-        """Tell whether nothing is near enough at a pose to be touched or to have been: the usual
-        case, quickly told."""
+    def _is_clear(self, body: RobotBody, pose: Pose) -> bool:
+        """Whether no wall or body is near enough for a contact at a pose; a fast first test."""
         reach = body.reach + 2 * _PART
         if self.clearance(pose) <= reach:
             return False
@@ -264,15 +263,15 @@ class World:
                     return False
         return True
 
-    def _part_from_all(self, body: RobotBody) -> None:
-        """Forget the contacts of a body that nothing is near."""
-        if self._in_touch:
-            self._in_touch.discard(Contact(body.index, None))
+    def _end_contacts(self, body: RobotBody) -> None:
+        """Remove all present contacts of a body."""
+        if self._touching:
+            self._touching.discard(Contact(body.index, None))
             for other in self.bodies:
-                self._in_touch.discard(_contact(body, other))
+                self._touching.discard(_contact(body, other))
 
     def _free_share(self, body: RobotBody, distance: float, rotation: float) -> float:
-        """Return the share of a motion that can be done before something is in the way."""
+        """Return the share of a motion, 0 to 1, that is free of walls and bodies."""
         if not self._blocked(body, _moved(body.pose, distance, rotation)):
             return 1.0
         free, blocked = 0.0, 1.0
@@ -285,48 +284,48 @@ class World:
         return free
 
     def _blocked(self, body: RobotBody, pose: Pose) -> bool:
-        """Return whether the body at a pose would overlap a wall or another robot."""
+        """Return whether the body at a pose would overlap a wall or another body."""
         return bool(self._wall_points(body, pose, 0.0).size) or any(
             overlap(body.rectangle(pose), other.rectangle())
             for other in self._neighbours(body, pose, 0.0)
         )
 
-    def _touched(self, body: RobotBody) -> NDArray[np.float64]:
-        """Return the points (n, 2), base_link, at which a body is touched; count new contacts."""
+    def _contact_points(self, body: RobotBody) -> NDArray[np.float64]:
+        """Return a body's contact points (n, 2), m, in base_link; log new contacts."""
         points = []
         near = self._wall_points(body, body.pose, _PART).size > 0
         walls = self._wall_points(body, body.pose, TOUCH) if near else np.empty((0, 2))
         if walls.size:
             points.append(walls)
-        self._note(Contact(body.index, None), touching=walls.size > 0, near=near)
+        self._update_contact(Contact(body.index, None), touching=walls.size > 0, near=near)
         close = self._neighbours(body, body.pose, _PART)
         rectangle = body.rectangle() if close else ()
         for other in close:
             touching = overlap(rectangle, other.rectangle(margin=TOUCH))
             if touching:
                 points.append(meeting_points(body, other, 2 * TOUCH))
-            self._note(
+            self._update_contact(
                 _contact(body, other),
                 touching=touching,
                 near=overlap(rectangle, other.rectangle(margin=_PART)),
             )
-        for other in self.bodies if self._in_touch else ():
+        for other in self.bodies if self._touching else ():
             if other not in close:
-                self._in_touch.discard(_contact(body, other))
+                self._touching.discard(_contact(body, other))
         return np.concatenate(points) if points else np.empty((0, 2))
 
-    def _note(self, contact: Contact, *, touching: bool, near: bool) -> None:
-        """Count a contact as it begins; forget it as the two part."""
-        if touching and contact not in self._in_touch:
-            self._in_touch.add(contact)
+    def _update_contact(self, contact: Contact, *, touching: bool, near: bool) -> None:
+        """Log a contact when it begins; remove it when the two are apart."""
+        if touching and contact not in self._touching:
+            self._touching.add(contact)
             self.contact_log.append(contact)
         elif not near:
-            self._in_touch.discard(contact)
+            self._touching.discard(contact)
 
     def _wall_points(self, body: RobotBody, pose: Pose, margin: float) -> NDArray[np.float64]:
         """Return the points (n, 2), base_link, of an outline grown by a margin that lie in walls.
 
-        The way out of the map is a wall too.
+        The edge of the map counts as a wall.
         """
         if self.clearance(pose) > body.reach + 2 * margin:
             return np.empty((0, 2))  # the usual case
@@ -342,18 +341,18 @@ class World:
         return np.asarray(points[in_wall])
 
     def clearance(self, pose: Pose) -> float:
-        """Return a distance, m, within which there is no wall, 0 outside the map."""
+        """Return a lower bound of the distance to the nearest wall, m; 0 outside the map."""
         resolution, origin = self.occupancy.resolution, self.occupancy.origin
         row = math.floor((pose.y - origin.y) / resolution)
         col = math.floor((pose.x - origin.x) / resolution)
         rows, cols = self._wall_distance.shape
         if not (0 <= row < rows and 0 <= col < cols):
             return 0.0
-        # Half a cell's diagonal for the wall's cell, and for our own.
+        # Half a cell's diagonal for the wall's cell, and for the pose's.
         return float(self._wall_distance[row, col]) - math.sqrt(2.0) * resolution
 
     def _neighbours(self, body: RobotBody, pose: Pose, margin: float) -> list[RobotBody]:
-        """Return the other robots near enough to be met at a pose."""
+        """Return the other bodies near enough to overlap the body at a pose."""
         return [
             other
             for other in self.bodies
@@ -376,7 +375,7 @@ def _distance_to_walls_and_rim(occupancy: OccupancyMap) -> NDArray[np.float64]:
 
 
 def _moved(pose: Pose, distance: float, rotation: float) -> Pose:
-    """Return a pose after an arc, taken along its chord."""
+    """Return the pose after an arc, moved along its chord."""
     half = rotation / 2
     chord = distance * (math.sin(half) / half if half else 1.0)
     heading = pose.theta + half

@@ -1,4 +1,4 @@
-"""The keys of the terminal a command was started from, as wishes of where to drive."""
+"""Drive keys from the terminal in which a command was started."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ _DRIVES: dict[bytes, tuple[int, int]] = {
     b"\x1bOD": (0, 1),
     b"\x1bOC": (0, -1),
 }
-"""Key: ahead, left. There is no key for backwards: the laser does not see there."""
+"""(ahead, left) by key. There is no key for backwards: the laser does not see there."""
 _END = b"x"
 
 
 class KeysError(ValueError):
-    """There are no keys to drive by; the message says what to do."""
+    """There is no terminal to read keys from; the message contains the remedy."""
 
 
 def drive_of(typed: bytes) -> tuple[int, int]:
-    """Return (ahead, left) of the last key among what was typed; (0, 0) for any that stops."""
+    """Return (ahead, left) of the last key in ``typed``, ahead 0 or 1, left -1 to 1."""
     if typed[-3:] in _DRIVES:
         return _DRIVES[typed[-3:]]
     return _DRIVES.get(typed[-1:], (0, 0))
@@ -46,11 +46,11 @@ def drive_of(typed: bytes) -> tuple[int, int]:
 def terminal_keys(
     press: Callable[[int, int], None], end: Callable[[], None], terminal: int | None = None
 ) -> Iterator[None]:
-    """Read keys on a thread of its own while the context lasts; the terminal is put back after.
+    """Read keys on a thread while the context lasts; restore the terminal's mode after it.
 
-    ``press`` hears (ahead, left) of every key, ``end`` that x was typed or the terminal has gone.
-    terminal: its file descriptor, standard input's where none is given. Raises KeysError where it
-    is no terminal: keys come from a person at one, not from a file.
+    press: called with (ahead, left) of every key. end: called when x was typed or the terminal is
+    closed. terminal: its file descriptor, None for standard input. Raises KeysError if it is no
+    terminal.
     """
     descriptor = sys.stdin.fileno() if terminal is None else terminal
     if not os.isatty(descriptor):

@@ -1,8 +1,8 @@
-"""An emulated LMS 200: the laser's side of the line, paced like one.
+"""An emulated LMS 200: the laser's side of the line, at the laser's pace.
 
 Shares the codec with the driver. Replies leave at the rate in force, one byte after another; scans
 are measured over whole mirror turns and sent when the wire is free. Source: SICK telegram listing
-8007954/Q501; where it is silent, what known clients wait for.
+8007954/Q501; where it says nothing, what known clients expect.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ _STREAMS = (Mode.CONTINUOUS, Mode.CONTINUOUS_TURNS)
 
 @dataclass(frozen=True, slots=True)
 class _Outgoing:
-    """Bytes on the wire; ``baud_after`` is the rate in force once they have left."""
+    """Bytes on the wire; ``baud_after`` is the rate from then on, None for no change."""
 
     t: float
     data: bytes
@@ -67,10 +67,10 @@ class _Outgoing:
 class Lms200Emulator:
     """An LMS 200 that is switched on at time 0 with the factory's settings.
 
-    scan_source(t, n, increment) -> ranges (n,) m, rightmost beam first, inf for no return, is asked
-    once per mirror turn used, with the middle of the turn (s), the scan's beams and the angle
-    between them (rad), times rising; None leaves scans to ``send_scan``. Variant, configuration and
-    ``permanent_baud`` outlive ``power_off``. ``polluted`` dirties the front window.
+    scan_source(t, n, increment) -> ranges (n,) m, rightmost beam first, inf for no return, is
+    called once per mirror turn used, with the middle of the turn (s), the number of beams and the
+    angle between them (rad), times rising; None leaves scans to ``send_scan``. Variant,
+    configuration and ``permanent_baud`` survive ``power_off``. ``polluted``: dirty front window.
     """
 
     def __init__(
@@ -105,10 +105,10 @@ class Lms200Emulator:
         self._one_scan_wanted = False
         self._scan_index = 0
 
-    # The line
+    # Line
 
     def feed(self, data: bytes, t: float) -> None:
-        """Take bytes from the host, the last of which arrived at ``t``."""
+        """Take bytes from the host whose last one arrived at ``t``."""
         self.advance(t)
         if not self._powered or self._boots_at is not None:
             return
@@ -124,7 +124,7 @@ class Lms200Emulator:
                 self._obey(item.payload, t)
 
     def advance(self, t: float) -> None:
-        """Let time pass to ``t``: finish booting, measure the scans that are due."""
+        """Advance to ``t``: finish booting, measure the scans that are due."""
         if self._boots_at is not None and t >= self._boots_at:
             at, self._boots_at = self._boots_at, None
             self._reply(telegrams.encode_text(telegrams.POWER_ON, self._type_text), at)
@@ -136,8 +136,10 @@ class Lms200Emulator:
                 self._stop_scanning()
 
     def turn_due(self, t: float) -> Turn | None:
-        """Return the mirror turn for which ``advance(t)`` will ask the scan source next, if any: a
-        source that sees for many lasers at once prepares for it."""
+        """Return the mirror turn for which ``advance(t)`` will call the scan source next, or None.
+
+        A source that measures for many lasers at once prepares for it.
+        """
         if self._mirror is None:
             return None
         return self._mirror.due(self.variant, self._wire_free, t)
@@ -158,7 +160,7 @@ class Lms200Emulator:
         return output
 
     def power_off(self, t: float) -> None:
-        """Cut the power: what has not been taken is lost."""
+        """Cut the power; output not yet taken is lost."""
         self.advance(t)
         self._powered = False
         self._boots_at = None
@@ -189,17 +191,17 @@ class Lms200Emulator:
         self._one_scan_wanted = False
         return True
 
-    # Its condition
+    # Condition
 
     def set_errors(self, errors: tuple[ErrorEntry, ...], t: float) -> None:
-        """Have the error list say this from ``t`` on; a fatal error present ends measuring."""
+        """Set the error list from ``t`` on; a fatal error present ends measuring."""
         self.advance(t)
         self._errors = errors
         if self._condition(t).defective:
             self._enter(Mode.ON_REQUEST)
 
     def blind(self, until: float) -> None:
-        """Dazzle every beam of the scans sent before ``until`` (s)."""
+        """Mark every beam dazzled in the scans that end before ``until`` (s)."""
         self._blind_until = until
 
     def _condition(self, t: float) -> LaserHealth:
@@ -333,7 +335,7 @@ class Lms200Emulator:
             self._start_scanning()
 
     def _set_variant(self, data: bytes, t: float) -> None:
-        """Take a variant; resolution 0, which one client sends by mistake, keeps the present."""
+        """Set the variant; resolution 0, sent by one client by mistake, keeps the present one."""
         angle = int.from_bytes(data[:2], "little")
         resolution = int.from_bytes(data[2:], "little") or self.variant.resolution_cdeg
         wanted = Variant(angle, resolution)
@@ -346,7 +348,7 @@ class Lms200Emulator:
         self._reply(VariantReply(accepted, self.variant).encode(), t)
 
     def _write_configuration(self, block: bytes, t: float) -> None:
-        """Take a block of any length up to the present one's; shorter ones change its beginning."""
+        """Set the configuration; a block shorter than the present one replaces its beginning."""
         fits = Configuration.SHORTEST <= len(block) <= len(self.configuration.block)
         wanted = self.configuration.overlaid(block) if fits else self.configuration
         usable = wanted.measuring_mode in MEASURING_MODES and wanted.units in (UNIT_CM, UNIT_MM)

@@ -1,4 +1,4 @@
-"""The turning mirror of an emulated LMS 200: when which beams are measured.
+"""The rotating mirror of an emulated LMS 200: which beams are measured when.
 
 Source: SICK telegram listing 8007954/Q501, resolution and mirror, partial scans.
 """
@@ -22,7 +22,7 @@ ScanSource = Callable[[float, int, float], NDArray[np.float64]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sweep:
-    """What one telegram tells: ranges (n,) m; ``end`` is when its last mirror turn ends (s).
+    """The content of one telegram: ranges (n,) m; ``end`` is when its last mirror turn ends (s).
 
     ``quarter`` is a partial scan's offset in quarters of a degree, None of a whole one.
     """
@@ -33,8 +33,8 @@ class Sweep:
 
 
 class Turn(NamedTuple):
-    """A mirror turn that is used: its middle and the end of its sweep (s), the scan's beams and the
-    angle between them (rad)."""
+    """A mirror turn that is used: its middle and the end of its sweep (s), the scan's number of
+    beams and the angle between them (rad)."""
 
     middle: float
     beams: int
@@ -43,10 +43,10 @@ class Turn(NamedTuple):
 
 
 class EmulatedMirror:
-    """Turns since time 0, one turn after the other; each gives steps of 1 degree.
+    """A mirror that turns from time 0 on; each turn measures in steps of 1 degree.
 
-    A whole scan takes as many turns as the variant interlaces, each seen at its own time. ``start``
-    at the earliest begin of a sweep; ``measure`` then gives one sweep after another.
+    A whole scan takes as many turns as the variant interlaces, each measured at its own time.
+    ``start`` sets the earliest beginning of a sweep; ``measure`` then returns one after another.
     """
 
     def __init__(self, source: ScanSource) -> None:
@@ -57,7 +57,7 @@ class EmulatedMirror:
         self._under_way: float | None = None  # end of the sweep that ``_fans`` belong to
         self._fans: list[NDArray[np.float64]] = []
         self._idle_until = -math.inf
-        """No turn is used before, s, however long the wire is taken."""
+        """No turn is due before this time: a busy wire can only delay it."""
 
     def start(self, t: float, *, partial: bool = False) -> None:
         """Measure whole sweeps that begin at ``t`` or later, or with ``partial`` single turns."""
@@ -68,16 +68,16 @@ class EmulatedMirror:
         self._idle_until = -math.inf
 
     def stop(self) -> None:
-        """Measure no more."""
+        """Stop measuring."""
         self._begin = None
 
     def measure(self, variant: Variant, wire_free: float, t: float) -> Sweep | None:
-        """Measure what is due by ``t``; return the sweep it completes, if any.
+        """Measure the turns due by ``t``; return the sweep they complete, None if there is none.
 
         A sweep that would end before the wire is free is not measured.
         """
         while (turn := self.due(variant, wire_free, t)) is not None:
-            if turn.sweep_end != self._under_way:  # none under way, or the wire was taken meanwhile
+            if turn.sweep_end != self._under_way:  # none in progress, or the wire was busy
                 self._under_way, self._fans = turn.sweep_end, []
             self._fans.append(self._source(turn.middle, turn.beams, turn.increment))
             if len(self._fans) == self._turns(variant):
@@ -85,7 +85,7 @@ class EmulatedMirror:
         return None
 
     def due(self, variant: Variant, wire_free: float, t: float) -> Turn | None:
-        """Return the next turn to be measured, if its middle is not after ``t``."""
+        """Return the next turn to be measured; None if its middle is after ``t``."""
         if t < self._idle_until:
             return None
         end = self._next_end(variant, wire_free)
@@ -102,7 +102,7 @@ class EmulatedMirror:
         return 1 if self._partial else variant.mirror_turns
 
     def _next_end(self, variant: Variant, wire_free: float) -> float | None:
-        """Return the end of the next sweep; None: not measuring."""
+        """Return the end of the next sweep, s; None if not measuring."""
         if self._begin is None:
             return None
         whole = variant.mirror_turns * TURN
@@ -127,5 +127,5 @@ class EmulatedMirror:
 
 
 def next_multiple(t: float, period: float) -> float:
-    """Return the first multiple of ``period`` that is not before ``t``, but for rounding."""
+    """Return the first multiple of ``period`` at or after ``t``, within rounding."""
     return math.ceil(t / period - 1e-6) * period

@@ -1,1 +1,1 @@
-"""The emulated P2OS controller: what a real one answers, does and reports."""
+"""The emulated P2OS controller: its replies, motion and reports."""

@@ -1,4 +1,4 @@
-"""The robot behind an emulated controller: motors, wheels, contacts, battery, counters.
+"""The hardware of an emulated robot base: motors, wheels, contacts, battery, counters.
 
 Source: Pioneer 2 Operations Manual, motion commands, watchdog, stall and bumpers.
 """
@@ -19,7 +19,7 @@ TICKS_PER_METRE = 128_000  # of a wheel's encoder
 
 
 class EmulatedBase:
-    """Turns setpoints into wheel motion, and wheel motion into what a controller reports."""
+    """Converts setpoints to wheel motion, and wheel motion to the values a controller reports."""
 
     def __init__(self, model: RobotModel, watchdog: float = FACTORY_WATCHDOG) -> None:
         self.model = model
@@ -30,7 +30,7 @@ class EmulatedBase:
         self.stop_button_pressed = False
         self.session_open = False
         self.heard_at = -math.inf
-        """When the client last sent a packet, s."""
+        """Time of the client's last packet."""
         self.front_bumpers = self.rear_bumpers = 0
         self.bump_stall = 0
         self.x = self.y = self.theta = 0.0  # odometer: m, m, rad
@@ -47,23 +47,23 @@ class EmulatedBase:
 
     @property
     def watchdog_expired(self) -> bool:
-        """Whether motion is halted because the client fell silent."""
+        """Whether motion is halted because the client sent no packet in time."""
         return self._t is not None and self._t - self.heard_at >= self.watchdog - 1e-9
 
     @property
     def motion_permitted(self) -> bool:
-        """Whether setpoints move the wheels now."""
+        """Whether setpoints can move the wheels now."""
         return self.session_open and self.motors_enabled and not self.watchdog_expired
 
     @property
     def stalled(self) -> bool:
-        """Whether the wheels are blocked, by the world or by bumpers that count as a stall."""
+        """Whether the wheels are blocked, by the world or by bumpers configured to stall."""
         powerless = self._t is not None and self._t < self._power_back
         return self._blocked or powerless or self._front_blocked or self._rear_blocked
 
     @property
     def heading(self) -> float:
-        """Heading as the encoders have it now, rad: the odometer and what is not yet fetched."""
+        """Heading by the encoders, rad: the odometer's and the motion not yet fetched."""
         return self.theta + self._moved[1]
 
     @property
@@ -92,18 +92,18 @@ class EmulatedBase:
             self.controller.halt()
 
     def press_stop_button(self) -> None:
-        """Cut the motors' power until the button is released and someone enables them."""
+        """Cut the motors' power; it stays off until the button is released and ENABLE comes."""
         self.stop_button_pressed = True
         self.enable_motors(on=False)
 
     def obey_motion(self, command: Command) -> bool:
-        """Obey a motion command; return False, doing nothing, while the motors are off."""
+        """Execute a motion command; return False and do nothing while the motors are off."""
         if self.motors_enabled:
             self.controller.obey(command, self.heading)
         return self.motors_enabled
 
     def run_to(self, t: float) -> None:
-        """Let time pass, in cycles of the motion servers while anything moves or is to move."""
+        """Advance to ``t``, in cycles of the motion servers unless at rest."""
         if self._t is None:
             self._t = t
         while self._t < t - 1e-9:
@@ -119,7 +119,7 @@ class EmulatedBase:
         return moved
 
     def turn_odometer(self, distance: float, rotation: float) -> None:
-        """Count what the encoders saw: ``distance`` m along an arc of ``rotation`` rad."""
+        """Add encoder motion to the odometer: ``distance`` m along an arc of ``rotation`` rad."""
         middle = self.theta + 0.5 * rotation
         self.x += distance * math.cos(middle)
         self.y += distance * math.sin(middle)
@@ -129,11 +129,11 @@ class EmulatedBase:
         self._ticks[1] += TICKS_PER_METRE * (distance + half_difference)
 
     def set_odometry(self, x: float, y: float, theta: float) -> None:
-        """Impose the odometer (m, m, rad)."""
+        """Set the odometer (m, m, rad)."""
         self.x, self.y, self.theta = x, y, theta
 
     def set_contact(self, *, stalled: bool, front_bumpers: int, rear_bumpers: int) -> None:
-        """Say whether the wheels are blocked and which bumper segments are pressed (bit 0 =
+        """Set whether the wheels are blocked and which bumper segments are pressed (bit 0 =
         first). A stall cuts the motors' power for STALL_PAUSE."""
         self._blocked = stalled
         self.front_bumpers, self.rear_bumpers = front_bumpers, rear_bumpers

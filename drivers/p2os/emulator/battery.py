@@ -9,12 +9,12 @@ MOTOR_POWER = 30.0  # W per m/s
 
 
 class EmulatedBattery:
-    """Holds the voltage, which anyone may set: ``volts``."""
+    """A voltage, ``volts``, that falls with time and motion and may be set."""
 
     def __init__(self) -> None:
         self.volts = FULL
 
     def drain(self, duration: float, distance: float) -> None:
-        """Power the robot for ``duration`` s, over ``distance`` m of wheel motion."""
+        """Use the energy of ``duration`` s and ``distance`` m of wheel motion."""
         energy = IDLE_POWER * duration + MOTOR_POWER * abs(distance)
         self.volts = max(0.0, self.volts - VOLTS_PER_JOULE * energy)

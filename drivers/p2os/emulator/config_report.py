@@ -23,9 +23,10 @@ def emulated_config(
     baud: int,
     watchdog: float,
 ) -> ConfigPacket:
-    """Describe a controller that starts at ``baud`` and obeys HOSTBAUD; ``limits`` are those in
-    force, ``watchdog`` s. It has the fields of later firmware, by which clients learn that the
-    rate can change.
+    """Return the CONFIG of a controller that starts at ``baud`` and supports HOSTBAUD.
+
+    limits: those in force. watchdog: s. It has the fields of later firmware, by which clients know
+    that the rate can change.
     """
     return ConfigPacket(
         robot_class=identity.robot_class,

@@ -1,7 +1,8 @@
-"""A P2OS controller for benches and tests: what a real one answers, does and reports.
+"""A P2OS controller for benches and tests: replies, motion and reports.
 
-Where manuals and clients differ it satisfies both: OPEN, CLOSE and CONFIG with or without their
-integer, SETO with a dangling argument type, strings with or without NUL, junk between packets.
+Where manuals and clients differ it accepts both: OPEN, CLOSE and CONFIG with or without their
+integer, SETO with an argument type but no argument, strings with or without NUL, noise between
+packets.
 """
 
 from __future__ import annotations
@@ -26,13 +27,13 @@ from drivers.p2os.model import RobotModel
 from drivers.p2os.robot_identity import RobotIdentity
 
 PACKET_GAP = 0.1  # s without a byte that ends an unfinished packet
-START_UP_TIME = 1.0  # s a controller is deaf after a reset
+START_UP_TIME = 1.0  # s after a reset without reception
 AWAITING_OPEN = 3  # behind SYNC0, SYNC1, SYNC2
 
 
 @dataclass(slots=True)
 class EmulatorCounters:
-    """What clients sent besides commands obeyed."""
+    """Counts of what clients sent besides executed commands."""
 
     sessions: int = 0
     commands: int = 0
@@ -42,12 +43,12 @@ class EmulatorCounters:
 
 
 class P2osEmulator:
-    """One robot base. The world turns its wheels' motion into odometry and contacts.
+    """One robot base. The simulated world converts its wheel motion to odometry and contacts.
 
-    Each step of a world: ``advance(t)``, move the body, ``turn_odometer``, ``set_contact`` and
-    ``set_sonar``, then ``take_output(t)``; bytes from the client go in through ``feed`` at any
-    time between. ``sip_period`` None leaves the reports to ``emit_sip``. With ``later_firmware``
-    the SIPs go on with what AROS adds, and show the stop button.
+    Each step of the world: ``advance(t)``, move the body, ``turn_odometer``, ``set_contact`` and
+    ``set_sonar``, then ``pop_output(t)``; ``feed`` takes bytes from the client at any time.
+    ``sip_period`` (s) None leaves the reports to ``emit_sip``. With ``later_firmware`` the SIPs
+    have the fields that AROS adds, and show the stop button.
     """
 
     def __init__(
@@ -81,7 +82,7 @@ class P2osEmulator:
         self._awaited_sync = 0
         self._last_byte = -math.inf
 
-    # What the robot is and does
+    # State of the robot
 
     @property
     def velocity(self) -> tuple[float, float]:
@@ -90,12 +91,12 @@ class P2osEmulator:
 
     @property
     def watchdog_expired(self) -> bool:
-        """Whether motion is halted because the client fell silent."""
+        """Whether motion is halted because the client sent no packet in time."""
         return self.base.watchdog_expired
 
     @property
     def motion_permitted(self) -> bool:
-        """Whether setpoints move the wheels now."""
+        """Whether setpoints can move the wheels now."""
         return self.base.motion_permitted
 
     @property
@@ -118,7 +119,7 @@ class P2osEmulator:
         """The battery, whose voltage may be set."""
         return self.base.battery
 
-    # What the world does
+    # Called by the world
 
     def advance(self, t: float) -> tuple[float, float]:
         """Run the controller to ``t``; return the wheels' motion since the last call as
@@ -127,22 +128,22 @@ class P2osEmulator:
         return self.base.pop_motion()
 
     def turn_odometer(self, distance: float, rotation: float) -> None:
-        """Count what the encoders saw: ``distance`` m along an arc of ``rotation`` rad."""
+        """Add encoder motion to the odometer: ``distance`` m along an arc of ``rotation`` rad."""
         self.base.turn_odometer(distance, rotation)
 
     def set_odometry(self, x: float, y: float, theta: float) -> None:
-        """Impose the odometer (m, m, rad), as when a log is played back."""
+        """Set the odometer (m, m, rad), as when a log is played back."""
         self.base.set_odometry(x, y, theta)
 
     def set_contact(self, *, stalled: bool, front_bumpers: int, rear_bumpers: int) -> None:
-        """Say whether the wheels are blocked and which bumper segments are pressed (bit 0 =
+        """Set whether the wheels are blocked and which bumper segments are pressed (bit 0 =
         first)."""
         self.base.set_contact(
             stalled=stalled, front_bumpers=front_bumpers, rear_bumpers=rear_bumpers
         )
 
     def set_sonar(self, ranges: Sequence[float]) -> None:
-        """Say what each transducer would measure now, m; inf where nothing is heard."""
+        """Set the range each transducer measures now, m; inf for no echo."""
         self._ranges = ranges
 
     def press_stop_button(self) -> None:
@@ -150,7 +151,7 @@ class P2osEmulator:
         self.base.press_stop_button()
 
     def release_stop_button(self) -> None:
-        """Let the motors be enabled again; they stay off."""
+        """Allow ENABLE again; the motors stay off."""
         self.base.stop_button_pressed = False
 
     def press_motors_button(self) -> None:
@@ -159,8 +160,8 @@ class P2osEmulator:
 
     def reset(self, t: float, *, notify: bool = True) -> None:
         """Reset the controller as its RESET button does: the session is lost, motors and sonar
-        off, nothing heard for START_UP_TIME; ``notify`` ends that with a notification, which P2OS
-        does not send."""
+        are off, bytes are ignored for START_UP_TIME. With ``notify`` a notification follows, which
+        P2OS does not send."""
         self.counters.resets += 1
         self._close()
         self.framer.reset()
@@ -168,7 +169,7 @@ class P2osEmulator:
         self._starting_until = t + START_UP_TIME
         self._notifies = notify
 
-    # The line
+    # Line
 
     def feed(self, data: bytes, t: float) -> None:
         """Take bytes that arrived from the client by ``t``."""
@@ -187,7 +188,7 @@ class P2osEmulator:
                 self._shake_hands(command, t)
 
     def pop_output(self, t: float) -> list[TimedBytes]:
-        """Report if a cycle has ended; return everything that has left the wire by ``t``."""
+        """Send reports if a cycle has ended; return everything that has left the wire by ``t``."""
         self._run_to(t)
         if self._sip_period is not None and t >= self._next_sip - 1e-9:
             self.emit_sip(t)
@@ -197,7 +198,7 @@ class P2osEmulator:
         return self._output.pop(t)
 
     def emit_sip(self, t: float) -> None:
-        """Send a SIP and what streams with it now; nothing happens while no session is open."""
+        """Send a SIP and the streamed packets now; no effect while no session is open."""
         if not self.session_open:
             return
         fired = [(n, self._ranges[n]) for n in self._sonar.pop_fired(t)]
@@ -264,8 +265,8 @@ class P2osEmulator:
             CommandNumber.ENABLE: self._enable_motors,
             CommandNumber.SETO: self._zero_odometer,
             CommandNumber.CONFIG: self._send_config,
-            CommandNumber.ENCODER: self._ask_stream,
-            CommandNumber.IOREQUEST: self._ask_stream,
+            CommandNumber.ENCODER: self._request_stream,
+            CommandNumber.IOREQUEST: self._request_stream,
             CommandNumber.SONAR: self._switch_sonar,
             CommandNumber.ADSEL: self._select_analog_port,
             CommandNumber.DIGOUT: self._set_outputs,
@@ -284,7 +285,7 @@ class P2osEmulator:
             handler(command, t)
 
     def _do_nothing(self, command: Command, t: float) -> None:
-        """PULSE, and OPEN in an open session: only the watchdog hears them."""
+        """PULSE, and OPEN in an open session: they only reset the watchdog."""
 
     def _obey_motion(self, command: Command, _t: float) -> None:
         self.counters.motion_refused += not self.base.obey_motion(command)
@@ -308,8 +309,8 @@ class P2osEmulator:
         else:
             self._sonar.stop()
 
-    def _ask_stream(self, command: Command, _t: float) -> None:
-        self._streams.ask(command)
+    def _request_stream(self, command: Command, _t: float) -> None:
+        self._streams.request(command)
 
     def _select_analog_port(self, command: Command, _t: float) -> None:
         self._pins.analog_port = command.integer & 0xFF

@@ -24,7 +24,7 @@ ARRIVED_SPEED = 0.01  # m/s
 
 @dataclass(slots=True)
 class MotionLimits:
-    """What SETV, SETRV, SETA and SETRA set; the defaults are those of the controller's FLASH."""
+    """Limits set by SETV, SETRV, SETA and SETRA; the defaults are those of the FLASH."""
 
     speed: float  # m/s
     turn_rate: float  # rad/s
@@ -65,15 +65,14 @@ def approach(speed: float, goal: float, rate: float, dt: float) -> tuple[float, 
 
 
 def stopping_speed(remaining: float, deceleration: float, limit: float, dt: float) -> float:
-    """Return the fastest speed for the next ``dt`` s after which the rest of ``remaining`` still
-    suffices to stop."""
+    """Return the top speed for the next ``dt`` s that leaves enough of ``remaining`` to stop."""
     loss = deceleration * dt
     fastest = math.sqrt(loss * loss + 2.0 * deceleration * abs(remaining)) - loss
     return math.copysign(min(limit, fastest), remaining)
 
 
 class MotionController:
-    """Turns motion commands into wheel speeds over time."""
+    """Converts motion commands to wheel speeds over time."""
 
     def __init__(self, model: RobotModel) -> None:
         self.limits = limits_of(model)
@@ -89,25 +88,25 @@ class MotionController:
 
     @property
     def at_rest(self) -> bool:
-        """Whether nothing moves and nothing is to move."""
+        """Whether speeds and setpoints are zero."""
         goals = (self.v, self.w, self._speed, self._turn_rate)
         return not any(goals) and self._travel is None and self._heading is None
 
     def heading_setpoint(self, heading: float) -> float:
-        """Return the heading steered for, rad; ``heading`` itself when none is."""
+        """Return the heading setpoint, rad; ``heading`` itself if there is none."""
         return heading if self._heading is None else self._heading
 
     def drop_setpoints(self) -> None:
-        """Want standstill; the ramps still apply."""
+        """Set all setpoints to standstill; the ramps still apply."""
         self._speed = self._turn_rate = 0.0
         self._travel = self._heading = None
 
     def halt(self) -> None:
-        """Stand still this instant, as when the motors lose power; setpoints stay."""
+        """Set the speeds to zero at once, as when the motors lose power; setpoints stay."""
         self.v = self.w = 0.0
 
     def set_limit(self, command: Command) -> None:
-        """Obey SETV, SETRV, SETA or SETRA; zero leaves the limit as it is."""
+        """Execute SETV, SETRV, SETA or SETRA; zero leaves the limit unchanged."""
         limits, value = self.limits, command.integer
         if value == 0:
             return
@@ -128,7 +127,7 @@ class MotionController:
                 limits.turn_deceleration = math.radians(size)
 
     def obey(self, command: Command, heading: float) -> None:
-        """Obey a motion command; ``heading`` is the odometer's, rad."""
+        """Execute a motion command; ``heading`` is the odometer's, rad."""
         number = command.number
         if number == CommandNumber.STOP or number in E_STOPS:
             self.drop_setpoints()
@@ -171,10 +170,10 @@ class MotionController:
     def run(
         self, dt: float, heading: float, *, halted: bool, forward: bool, backward: bool
     ) -> tuple[float, float]:
-        """Run ``dt`` s; return (distance m, rotation rad) as the wheels turned.
+        """Run ``dt`` s; return the wheels' motion as (distance m, rotation rad).
 
-        ``heading`` is the odometer's; ``halted`` stops by the ramps but keeps the setpoints;
-        ``forward`` and ``backward`` say which directions the bumpers permit.
+        ``heading`` is the odometer's, rad; ``halted`` stops by the ramps but keeps the setpoints;
+        ``forward`` and ``backward``: whether the bumpers permit the direction.
         """
         speed, turn_rate = (0.0, 0.0) if halted else self._goals(dt, heading)
         if (speed > 0.0 and not forward) or (speed < 0.0 and not backward):

@@ -1,4 +1,4 @@
-"""An emulated serial line's sending side: bytes leave one after another at the line's rate."""
+"""The sending side of an emulated serial line: bytes leave in order at the line's rate."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ BITS_PER_BYTE = 10  # start bit, eight data bits, stop bit
 
 
 class PacedOutput:
-    """Queues packets and tells when the last byte of each has left the wire."""
+    """Queues packets and returns each once its last byte has left the wire."""
 
     def __init__(self) -> None:
         self._queue: deque[TimedBytes] = deque()
         self._free_at = -math.inf
 
     def send(self, data: bytes, t: float, baud: int) -> None:
-        """Send ``data`` at ``t``, or as soon as everything before it has left."""
+        """Queue ``data``; it starts at ``t``, or as soon as everything before it has left."""
         self._free_at = max(t, self._free_at) + len(data) * BITS_PER_BYTE / baud
         self._queue.append(TimedBytes(self._free_at, data))
 
     def pop(self, t: float) -> list[TimedBytes]:
-        """Return and forget what has left the wire by ``t``, in order."""
+        """Return and remove what has left the wire by ``t``, in order."""
         left = []
         while self._queue and self._queue[0].t <= t:
             left.append(self._queue.popleft())

@@ -1,4 +1,4 @@
-"""The packets in which an emulated controller reports on its robot."""
+"""The report packets of an emulated controller."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ ANALOG_MAX = 1023
 
 @dataclass(slots=True)
 class EmulatedPins:
-    """The user's digital outputs and inputs, and which analog input the SIP shows."""
+    """The user's digital outputs and inputs, and the analog input selected for the SIP."""
 
     analog_port: int = 5
     inputs: int = 0xFF
     outputs: int = 0x00
 
     def set_outputs(self, mask: int, states: int) -> None:
-        """Give the outputs in ``mask`` the bits of ``states``."""
+        """Set the outputs in ``mask`` to the bits of ``states``."""
         self.outputs = (self.outputs & ~mask | states & mask) & 0xFF
 
 
@@ -46,10 +46,9 @@ def sip_report(
     *,
     later_firmware: bool,
 ) -> Sip:
-    """Report on the robot; ``sonar`` holds new (number, range m) readings, None when it is off.
+    """Return a SIP; ``sonar`` holds new (number, range m) readings, None when it is off.
 
-    P2OS ends its SIPs where later firmware goes on with battery, charge state, turn rate and
-    faults, and has no flag for a stop button.
+    Later firmware adds battery, charge state, turn rate, faults and a flag for the stop button.
     """
     conversion = base.model.conversion
     v, w = base.velocity
@@ -86,12 +85,12 @@ def sip_report(
 
 
 def encoder_report(base: EmulatedBase) -> EncoderPacket:
-    """Report the encoders' counts."""
+    """Return the encoders' counts."""
     return EncoderPacket(*base.ticks)
 
 
 def io_report(base: EmulatedBase, pins: EmulatedPins) -> IoPacket:
-    """Report the digital and analog pins; a pressed bumper segment's bit is 0."""
+    """Return the digital and analog pins; a pressed bumper segment's bit is 0."""
     bumpers = (~(mask << 1) & 0xFF for mask in (base.front_bumpers, base.rear_bumpers))
     inputs = bytes((pins.inputs, *bumpers, 0))
     battery = min(ANALOG_MAX, round(base.battery.volts / BATTERY_FULL_SCALE * ANALOG_MAX))

@@ -9,7 +9,7 @@ RING_SIZE = 8
 
 
 class SonarFiring:
-    """Says which transducers fired since it was last asked; front and rear fire together."""
+    """Schedules the transducers; front and rear ring fire together."""
 
     def __init__(self, transducers: int) -> None:
         self._transducers = transducers
@@ -31,13 +31,13 @@ class SonarFiring:
         self._rings = [ring for ring in rings if ring]
 
     def start(self, t: float) -> None:
-        """Begin firing; no effect when already firing."""
+        """Begin firing at ``t``; no effect when already firing."""
         if self._firing_since is None:
             self._firing_since = t
             self._shots = 0
 
     def stop(self) -> None:
-        """Cease firing."""
+        """Stop firing."""
         self._firing_since = None
 
     def pop_fired(self, t: float) -> list[int]:

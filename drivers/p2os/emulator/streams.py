@@ -1,4 +1,4 @@
-"""The packets a client has asked an emulated controller to send beside its SIPs."""
+"""Packets that a client has requested from an emulated controller beside its SIPs."""
 
 from __future__ import annotations
 
@@ -6,25 +6,25 @@ from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import Command
 
 STREAM = 2
-"""This argument and greater ones mean a packet in every cycle."""
+"""Smallest argument that means a packet in every cycle."""
 
 
 class EmulatedStreams:
-    """Remembers, of each kind asked for by its command number, whether one is due or many."""
+    """Requests by command number: none, one packet or a stream."""
 
     def __init__(self) -> None:
         self._wanted: dict[int, int] = {}
 
-    def ask(self, command: Command) -> None:
-        """Obey 0 stop, 1 one packet, 2 or more a stream."""
+    def request(self, command: Command) -> None:
+        """Set the request: 0 stop, 1 one packet, 2 or more a stream."""
         self._wanted[command.number] = command.integer
 
     def stop(self) -> None:
-        """Forget every request."""
+        """Clear all requests."""
         self._wanted.clear()
 
     def pop_due(self, number: CommandNumber) -> bool:
-        """Tell whether a packet of a kind goes out in this cycle."""
+        """Return whether a packet is sent in this cycle; clears a request for one packet."""
         wanted = self._wanted.get(number, 0)
         if 0 < wanted < STREAM:
             self._wanted[number] = 0

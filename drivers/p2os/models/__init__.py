@@ -1,1 +1,1 @@
-"""Robot models as data, one TOML file for each subclass a controller may report."""
+"""Robot models as data, one TOML file for each subclass that a controller may report."""

@@ -1,4 +1,4 @@
-"""A bad line is as bad as it was asked to be, the same each time, and good where it was not."""
+"""Fault injection on lines: rates as configured, reproducible, no other faults."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from drivers.emulation.timed_bytes import TimedBytes
 
 
 class Echo:
-    """A device that sends back what it hears, at once."""
+    """A device that sends received bytes back at once."""
 
     baud = 9600
 
@@ -34,7 +34,7 @@ def faulty(spec: str, seed: int = 1) -> tuple[LineFaults, Echo]:
 
 
 def sent_through(spec: str, pieces: int = 200, seed: int = 1) -> tuple[bytes, LineFaults, Echo]:
-    """Feed pieces of 50 bytes every 0.1 s; return what comes back by the end."""
+    """Feed 50 bytes every 0.1 s; return what comes back until the end."""
     line, device = faulty(spec, seed)
     back = b""
     for number in range(pieces):
@@ -45,7 +45,7 @@ def sent_through(spec: str, pieces: int = 200, seed: int = 1) -> tuple[bytes, Li
     return back, line, device
 
 
-def test_every_fault_is_read_from_its_specification() -> None:
+def test_every_fault_is_parsed_from_its_specification() -> None:
     spec = (
         "drop=0.01, corrupt=.001,duplicate=0.02,split=0.1,delay=0.05:0.2,"
         "silence=5:8,cut=12:15,silence=20:21,reset=20,reset=2.5"
@@ -87,7 +87,7 @@ def test_without_faults_everything_passes_in_time() -> None:
     assert line.baud == 9600
 
 
-def test_dropped_bytes_are_as_many_as_asked_for_and_counted() -> None:
+def test_dropped_bytes_match_the_probability_and_the_counter() -> None:
     back, line, device = sent_through("drop=0.1")
     assert len(device.heard) == pytest.approx(9000, rel=0.03)
     assert len(back) == pytest.approx(8100, rel=0.03)
@@ -107,10 +107,10 @@ def test_duplicates_come_twice() -> None:
     back, line, device = sent_through("duplicate=1")
     assert len(device.heard) == 20000
     assert len(back) == 4 * 10000
-    assert line.counters.duplicates == 200 + 200  # here a piece that came twice is one piece
+    assert line.counters.duplicates == 200 + 200  # here a duplicate is one item
 
 
-def test_split_pieces_arrive_whole_in_the_end() -> None:
+def test_split_writes_arrive_completely() -> None:
     line, device = faulty("split=1")
     line.feed(b"0123456789", 1.0)
     assert 1 <= len(device.heard) < 10
@@ -119,7 +119,7 @@ def test_split_pieces_arrive_whole_in_the_end() -> None:
     assert line.counters.splits >= 1
 
 
-def test_delayed_pieces_keep_their_order() -> None:
+def test_delayed_writes_keep_their_order() -> None:
     line, device = faulty("delay=1:0.5")
     line.feed(b"first", 0.0)
     line.feed(b"second", 0.1)
@@ -131,7 +131,7 @@ def test_delayed_pieces_keep_their_order() -> None:
     assert device.heard == b"firstsecond"
 
 
-def test_silence_swallows_both_ways_for_its_time() -> None:
+def test_silence_drops_bytes_both_ways_while_it_lasts() -> None:
     back, line, device = sent_through("silence=5:8")
     assert len(device.heard) == (200 - 30) * 50
     assert back == device.heard
@@ -151,7 +151,7 @@ def test_cuts_and_resets_happen_once_each_at_their_time() -> None:
     assert (line.counters.cuts, line.counters.resets) == (1, 2)
 
 
-def test_the_same_seed_gives_the_same_faults_and_another_does_not() -> None:
+def test_same_seed_gives_same_faults_and_another_seed_others() -> None:
     spec = "drop=0.05,corrupt=0.05,duplicate=0.1,split=0.2,delay=0.1:0.3"
     first, again = sent_through(spec)[0], sent_through(spec)[0]
     assert first == again

@@ -58,7 +58,7 @@ def test_pty_answers_when_the_reply_has_left_the_wire(pty_port: PtyPort) -> None
         assert client.read(100) == NO_ERRORS[1:]
 
 
-def test_pty_survives_clients_that_come_and_go(pty_port: PtyPort) -> None:
+def test_pty_serves_successive_clients(pty_port: PtyPort) -> None:
     for t in (1.0, 3.0, 5.0):
         with serial.Serial(pty_port.url, 9600, timeout=0) as client:
             client.write(READ_ERRORS)
@@ -132,7 +132,7 @@ def test_pty_reply_to_a_rate_change_is_read_at_the_old_rate(pty_port: PtyPort) -
         assert client.read(100) == NO_ERRORS
 
 
-def test_pty_that_nobody_reads_does_not_block(pty_port: PtyPort) -> None:
+def test_pty_without_a_reader_does_not_block(pty_port: PtyPort) -> None:
     with serial.Serial(pty_port.url, 9600, timeout=0) as client:
         for t in range(5000):
             client.write(READ_ERRORS)
@@ -140,7 +140,7 @@ def test_pty_that_nobody_reads_does_not_block(pty_port: PtyPort) -> None:
         assert len(client.read(100000)) < 5000 * len(NO_ERRORS)
 
 
-def test_closed_pty_is_gone_for_its_client() -> None:
+def test_closed_pty_disconnects_its_client() -> None:
     port = PtyPort(Lms200Emulator())
     with serial.Serial(port.url, 9600, timeout=1.0) as client:
         port.close()
@@ -149,7 +149,7 @@ def test_closed_pty_is_gone_for_its_client() -> None:
             client.read(1)
 
 
-def test_tcp_answers(tcp_port: TcpPort) -> None:
+def test_tcp_client_receives_the_reply(tcp_port: TcpPort) -> None:
     with connect(tcp_port) as client:
         client.sendall(READ_ERRORS)
         tcp_port.pump(1.0)
@@ -157,7 +157,7 @@ def test_tcp_answers(tcp_port: TcpPort) -> None:
         assert client.recv(100) == NO_ERRORS
 
 
-def test_tcp_takes_one_client_at_a_time_and_the_next_one_after(tcp_port: TcpPort) -> None:
+def test_tcp_serves_one_client_at_a_time(tcp_port: TcpPort) -> None:
     with connect(tcp_port) as first:
         with connect(tcp_port) as second:
             assert second.recv(1) == b""
@@ -173,7 +173,7 @@ def test_tcp_takes_one_client_at_a_time_and_the_next_one_after(tcp_port: TcpPort
         assert third.recv(100) == NO_ERRORS
 
 
-def test_tcp_client_that_vanishes_is_forgotten(tcp_port: TcpPort) -> None:
+def test_tcp_client_that_resets_is_replaced_by_the_next(tcp_port: TcpPort) -> None:
     client = connect(tcp_port)
     client.sendall(READ_ERRORS)
     client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")  # reset, not FIN
@@ -187,7 +187,7 @@ def test_tcp_client_that_vanishes_is_forgotten(tcp_port: TcpPort) -> None:
         assert again.recv(100) == NO_ERRORS
 
 
-def test_closed_tcp_port_hangs_up() -> None:
+def test_closed_tcp_port_disconnects_its_client() -> None:
     port = TcpPort(Lms200Emulator())
     with connect(port) as client:
         port.close()

@@ -16,7 +16,7 @@ TICK = 0.05  # s
 
 
 class Line:
-    """Carries bytes at the host's rate; what arrives while the rates differ is spoilt."""
+    """Transmits bytes at the host's rate; bytes sent while the rates differ arrive garbled."""
 
     def __init__(self, session: Lms200Session, emulator: Lms200Emulator) -> None:
         self.session = session
@@ -41,7 +41,7 @@ class Line:
             self._step()
 
     def run_until(self, state: SessionState, limit: float) -> float:
-        """Return how long it took."""
+        """Run until the condition holds; return the time it took, s."""
         begin = self.t
         while self.session.state is not state:
             assert self.t - begin < limit, f"still {self.session.state} after {limit} s"

@@ -1,6 +1,6 @@
-"""The recorded host's side of another implementation's LMS 200 driver, run against our laser.
+"""Recorded traffic of another implementation's LMS 200 driver, played to the emulated laser.
 
-That client is blind to ACKs and waits for one reply code after each of its commands.
+That client ignores ACKs and waits for one reply code after each of its commands.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ def replies_between(emulator: Lms200Emulator, begin: float, end: float) -> list[
     ("name", "count", "per_second"),
     [("client-laser.jsonl", 181, 9.38), ("client-laser-halfdegree.jsonl", 361, 4.69)],
 )
-def test_client_gets_every_reply_it_waits_for(
+def test_recorded_client_gets_every_expected_reply(
     data_folder: Path, name: str, count: int, per_second: float
 ) -> None:
     commands = host_side(data_folder / "captures" / name)
@@ -101,7 +101,7 @@ def in_short(kinds: list[str]) -> list[str]:
 
 
 @pytest.mark.parametrize("name", ["client-laser.jsonl", "client-laser-halfdegree.jsonl"])
-def test_client_gets_the_answers_it_got_in_their_order(data_folder: Path, name: str) -> None:
+def test_recorded_client_gets_replies_in_the_recorded_order(data_folder: Path, name: str) -> None:
     capture = data_folder / "captures" / name
     lines = [json.loads(line) for line in capture.read_text().splitlines()]
     heard = [line["hex"] for line in lines if line["dir"] == "laser->host"]
@@ -119,14 +119,14 @@ def test_client_gets_the_answers_it_got_in_their_order(data_folder: Path, name: 
     assert in_short(ours) == in_short(recorded)
 
 
-def test_client_release_that_sends_resolution_zero_is_not_locked_out() -> None:
+def test_client_that_sends_resolution_zero_gets_scans() -> None:
     emulator = Lms200Emulator(scan_source=ramp, variant=Variant(180, 100))
     emulator.feed(bytes.fromhex("02 00 05 00 3b b4 00 00 00 5f 2d"), 0.0)
     (reply,) = replies_between(emulator, 0.0, 0.1)
     assert reply.payload == bytes.fromhex("bb 01 b4 00 64 00 10")
 
 
-def test_power_controlled_client_gets_the_power_on_telegram() -> None:
+def test_client_that_switches_power_gets_the_power_on_telegram() -> None:
     emulator = Lms200Emulator(scan_source=ramp, boot_time=2.0)
     emulator.feed(bytes.fromhex("02 00 01 00 10 34 12"), 0.0)
     assert [reply.code for reply in replies_between(emulator, 0.0, 3.0)] == [0x91, 0x90]

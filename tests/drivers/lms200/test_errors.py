@@ -10,12 +10,12 @@ def telegram(payload: bytes) -> Telegram:
     return Telegram(0x80, payload)
 
 
-def test_no_pair_is_no_error() -> None:
+def test_empty_list_has_no_entries() -> None:
     assert decode_errors(telegram(bytes.fromhex("B2 10"))) == ()
     assert encode_errors(()) == bytes.fromhex("B2 10")
 
 
-def test_pairs_are_type_and_number_with_a_bit_for_the_past() -> None:
+def test_pairs_decode_to_type_number_and_presence() -> None:
     entries = (
         ErrorEntry(Severity.WARNING, 17, present=True),
         ErrorEntry(Severity.FATAL, 57, present=False),
@@ -26,7 +26,7 @@ def test_pairs_are_type_and_number_with_a_bit_for_the_past() -> None:
     assert encode_errors(entries) == payload
 
 
-def test_half_a_pair_is_left_out() -> None:
+def test_incomplete_pair_is_ignored() -> None:
     assert decode_errors(telegram(bytes.fromhex("B2 02 11 03 10"))) == (
         ErrorEntry(Severity.WARNING, 17, present=True),
     )
@@ -41,5 +41,5 @@ def test_half_a_pair_is_left_out() -> None:
         (ErrorEntry(9, 29, present=True), "type 9 29: motor speed"),
     ],
 )
-def test_entries_are_told_in_words(entry: ErrorEntry, text: str) -> None:
+def test_entries_have_texts(entry: ErrorEntry, text: str) -> None:
     assert entry.text == text

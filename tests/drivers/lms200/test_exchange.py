@@ -15,7 +15,7 @@ def begun() -> tuple[Exchange, TelegramFramer]:
     return exchange, framer
 
 
-def test_a_command_is_sent_framed_and_only_so_often() -> None:
+def test_command_is_framed_and_tries_are_limited() -> None:
     exchange, _ = begun()
     assert exchange.tries_left == TRIES
     for left in range(TRIES - 1, -1, -1):
@@ -23,7 +23,7 @@ def test_a_command_is_sent_framed_and_only_so_often() -> None:
         assert exchange.tries_left == left
 
 
-def test_deadlines_follow_what_the_laser_says() -> None:
+def test_deadline_follows_ack_and_nak() -> None:
     exchange, _ = begun()
     exchange.send(1.0, 9600)
     assert exchange.deadline == 1.0 + ACK_LIMIT
@@ -33,15 +33,15 @@ def test_deadlines_follow_what_the_laser_says() -> None:
     assert exchange.deadline == pytest.approx(1.2 + NAK_PAUSE)
 
 
-def test_a_telegram_under_way_delays_the_deadline_by_no_more_than_its_length() -> None:
+def test_incoming_bytes_extend_the_deadline_by_one_frame_at_most() -> None:
     exchange, _ = begun()
     exchange.send(1.0, 9600)
     for step in range(30):
-        exchange.bytes_came(1.0 + 0.1 * step)
+        exchange.on_bytes(1.0 + 0.1 * step)
     assert exchange.deadline == pytest.approx(1.0 + ACK_LIMIT + 814 * 10 / 9600)
 
 
-def test_noise_is_told_from_silence_and_from_telegrams() -> None:
+def test_noise_is_distinguished_from_silence_and_telegrams() -> None:
     exchange, framer = begun()
     framer.feed(b"\xff")
     exchange.send(1.0, 9600)
@@ -55,7 +55,7 @@ def test_noise_is_told_from_silence_and_from_telegrams() -> None:
     assert not exchange.only_noise
 
 
-def test_half_a_telegram_alone_is_noise_too() -> None:
+def test_incomplete_telegram_alone_counts_as_noise() -> None:
     exchange, framer = begun()
     exchange.send(1.0, 9600)
     framer.feed(REPLY[:5])

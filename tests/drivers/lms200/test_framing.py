@@ -82,7 +82,7 @@ def telegrams_in(items: list[Telegram | Ack | Nak]) -> list[bytes]:
     return [item.payload for item in items if isinstance(item, Telegram)]
 
 
-def test_crc_after_each_byte_of_the_worked_example() -> None:
+def test_crc_matches_the_worked_example_after_each_byte() -> None:
     frame = bytes.fromhex("02 00 02 00 20 24")
     steps = [crc16(frame[:end]) for end in range(1, 7)]
     assert steps == [0x0002, 0x0204, 0x040A, 0x0A14, 0x1408, 0x0834]
@@ -98,7 +98,7 @@ def test_power_on_example_has_the_computed_crc() -> None:
 
 
 @pytest.mark.parametrize(("text", "addresses"), VECTORS)
-def test_vector(text: str, addresses: range) -> None:
+def test_documented_vector_is_encoded_and_decoded(text: str, addresses: range) -> None:
     frame = bytes.fromhex(text)
     payload, address = frame[4:-2], frame[1]
     assert encode_telegram(payload, address) == frame
@@ -126,7 +126,7 @@ def test_vector(text: str, addresses: range) -> None:
     assert spoiled.counters.bad_checksum >= 1
 
 
-def test_ack_and_nak_before_a_reply() -> None:
+def test_ack_and_nak_before_a_reply_are_found() -> None:
     reply = encode_telegram(b"\xa0\x00\x10", 0x80)
     found = TelegramFramer().feed(b"\x15\x06" + reply)
     assert found == [Nak(), Ack(), Telegram(0x80, b"\xa0\x00\x10")]
@@ -140,7 +140,7 @@ def test_search_resumes_behind_the_failed_start_byte() -> None:
     assert framer.counters.bad_checksum == 1
 
 
-def test_cut_telegram_hides_nothing_for_ever() -> None:
+def test_flush_returns_telegrams_behind_an_incomplete_one() -> None:
     reply = encode_telegram(b"\xa0\x00\x10", 0x80)
     framer = TelegramFramer()
     assert framer.feed(bytes((0x02, 0x80, 0x00, 0x02)) + reply) == []
@@ -149,7 +149,7 @@ def test_cut_telegram_hides_nothing_for_ever() -> None:
     assert not framer.pending
 
 
-def test_telegrams_of_the_other_side_are_not_taken() -> None:
+def test_telegrams_with_other_addresses_are_ignored() -> None:
     assert telegrams_in(TelegramFramer(LASER_ADDRESSES).feed(encode_telegram(b"\x31"))) == []
     assert TelegramFramer(HOST_ADDRESSES).feed(encode_telegram(b"\xb2\x10", 0x80)) == []
 
@@ -161,13 +161,13 @@ def test_bytes_behind_a_telegram_are_counted() -> None:
 
 
 @pytest.mark.parametrize("length", [0, MAX_PAYLOAD + 1])
-def test_lengths_that_cannot_be_framed(length: int) -> None:
+def test_invalid_lengths_are_refused(length: int) -> None:
     with pytest.raises(ValueError, match="1 to 808"):
         encode_telegram(bytes(length))
 
 
 @given(st.lists(st.binary(max_size=60), max_size=20))
-def test_any_bytes_are_only_counted(chunks: list[bytes]) -> None:
+def test_arbitrary_bytes_are_counted_and_do_not_raise(chunks: list[bytes]) -> None:
     framer = TelegramFramer()
     items = [item for chunk in chunks for item in framer.feed(chunk)] + framer.flush()
     taken = sum(i.wire_length if isinstance(i, Telegram) else 1 for i in items)

@@ -42,12 +42,12 @@ def test_status_byte_is_read_and_written(
         (LaserHealth(Severity.OK, errors=(ErrorEntry(Severity.WARNING, 17, **NOW),)), False),
     ],
 )
-def test_ok_means_nothing_is_wrong_now(health: LaserHealth, ok: bool) -> None:
+def test_ok_requires_no_present_error_and_no_flag(health: LaserHealth, ok: bool) -> None:
     assert health.ok is ok
     assert (health.text == "ok") is ok
 
 
-def test_text_names_every_finding_and_what_to_do() -> None:
+def test_text_contains_every_finding_with_remedy() -> None:
     errors = (ErrorEntry(2, 18, present=True), ErrorEntry(4, 57, present=False))
     health = LaserHealth(Severity.ERROR, True, True, True, errors)
     assert health.present_errors == errors[:1]

@@ -19,7 +19,7 @@ def device_status(*, defective: bool = False) -> Telegram:
 
 
 def set_up() -> HealthWatch:
-    """A watch that has heard the answers of a healthy laser's set-up and its first scan."""
+    """Return a watch after the replies of a healthy laser's set-up and its first scan."""
     watch = HealthWatch()
     assert watch.health is None
     watch.on_telegram(device_status())
@@ -30,14 +30,14 @@ def set_up() -> HealthWatch:
     return watch
 
 
-def test_healthy_laser_is_asked_nothing() -> None:
+def test_healthy_laser_is_not_queried() -> None:
     watch = set_up()
     for step in range(200):
         watch.on_scan_status(0x10)
         assert watch.next_command(0.1 * step) is None
 
 
-def test_changed_status_byte_shows_at_once_and_is_asked_about() -> None:
+def test_changed_status_byte_updates_health_and_starts_a_query() -> None:
     watch = set_up()
     watch.on_scan_status(POLLUTED)
     assert watch.health is not None
@@ -53,7 +53,7 @@ def test_changed_status_byte_shows_at_once_and_is_asked_about() -> None:
     assert watch.next_command(9.0) is None
 
 
-def test_stream_that_goes_on_by_itself_is_not_started_again() -> None:
+def test_stream_that_resumes_by_itself_is_not_restarted() -> None:
     watch = set_up()
     watch.on_scan_status(POLLUTED)
     watch.next_command(1.0)
@@ -64,7 +64,7 @@ def test_stream_that_goes_on_by_itself_is_not_started_again() -> None:
     assert watch.next_command(1.2 + STEP_LIMIT) is None
 
 
-def test_unanswered_questions_are_passed_over_in_time() -> None:
+def test_unanswered_queries_time_out() -> None:
     watch = set_up()
     watch.on_scan_status(POLLUTED)
     asked = [
@@ -80,7 +80,7 @@ def test_unanswered_questions_are_passed_over_in_time() -> None:
     assert asked[-1][0] >= 2 * STEP_LIMIT
 
 
-def test_flickering_status_is_asked_about_only_so_often() -> None:
+def test_flickering_status_is_queried_at_a_limited_rate() -> None:
     watch = set_up()
     questions = 0
     for step in range(600):
@@ -89,18 +89,18 @@ def test_flickering_status_is_asked_about_only_so_often() -> None:
     assert 2 <= questions <= 60.0 / PAUSE + 1
 
 
-def test_new_session_asks_for_itself() -> None:
+def test_restart_clears_pending_queries() -> None:
     watch = set_up()
     watch.on_scan_status(POLLUTED)
     watch.next_command(0.0)
-    watch.forget_questions()
+    watch.restart()
     assert watch.next_command(9.0) is None
     watch.on_telegram(errors())
     watch.on_scan_status(0x10)
     assert watch.next_command(20.0) is None
 
 
-def test_short_status_telegrams_and_other_replies_tell_nothing() -> None:
+def test_short_status_telegrams_and_other_replies_are_ignored() -> None:
     watch = HealthWatch()
     watch.on_telegram(Telegram(0x80, b"\xb1\x10"))
     watch.on_telegram(Telegram(0x80, b"\xa0\x00\x10"))

@@ -39,7 +39,9 @@ def telegram(values: list[int], flags: int = 0x4000, tail: bytes = b"\x10") -> T
         (401, 40.0, 0.25, 4),
     ],
 )
-def test_geometry_of_each_count(count: int, first_deg: float, step_deg: float, turns: int) -> None:
+def test_each_count_has_its_geometry(
+    count: int, first_deg: float, step_deg: float, turns: int
+) -> None:
     measurement = decode_measurement(telegram([1000] * count), MODE_32)
     assert measurement is not None
     assert measurement.ranges.shape == (count,)
@@ -59,7 +61,7 @@ def test_partial_scans_start_at_their_quarter_degree(quarter: int, first_deg: fl
 
 
 @pytest.mark.parametrize(("flags", "metres"), [(0x0000, 10.0), (0x4000, 1.0), (0x8000, 100.0)])
-def test_units(flags: int, metres: float) -> None:
+def test_units_scale_the_ranges(flags: int, metres: float) -> None:
     measurement = decode_measurement(telegram([1000] * 181, flags), MODE_32)
     assert measurement is not None
     np.testing.assert_allclose(measurement.ranges, metres)
@@ -78,7 +80,9 @@ def test_units(flags: int, metres: float) -> None:
         (0x0F, 0x0000, 0x7FF7),
     ],
 )
-def test_value_bits_and_special_values(code: int, flag_bits: int, first_special: int) -> None:
+def test_value_bits_and_special_values_are_decoded(
+    code: int, flag_bits: int, first_special: int
+) -> None:
     values = [1500] * 181
     values[0] = first_special - 1
     values[1:10] = [first_special + step for step in range(9)]
@@ -102,18 +106,18 @@ def test_value_bits_and_special_values(code: int, flag_bits: int, first_special:
         Telegram(0x80, b"\xa0\x00\x10\x00\x00"),
     ],
 )
-def test_what_is_no_whole_scan_is_refused(bad: Telegram) -> None:
+def test_incomplete_scan_is_none(bad: Telegram) -> None:
     assert decode_measurement(bad, MODE_32) is None
 
 
-def test_indices_are_stepped_over() -> None:
+def test_scan_and_telegram_indices_are_skipped() -> None:
     measurement = decode_measurement(telegram([1000] * 181, tail=b"\x07\x08\x11"), MODE_32)
     assert measurement is not None
     assert measurement.status == 0x11
     np.testing.assert_allclose(measurement.ranges, 1.0)
 
 
-def test_documented_frames_of_one_metre() -> None:
+def test_documented_frames_decode_to_one_metre() -> None:
     mode = MEASURING_MODES[5]
     for count, head, end in [(181, "B0 B5 40", "10 95 6D"), (361, "B0 69 41", "10 55 F1")]:
         payload = encode_measurement(np.full(count, 1.0), mode, UNIT_MM)
@@ -127,7 +131,7 @@ def test_documented_frames_of_one_metre() -> None:
     st.sampled_from([UNIT_CM, UNIT_MM]),
     st.lists(st.floats(0.0, 100.0), min_size=181, max_size=181),
 )
-def test_round_trip_to_the_unit(code: int, units: int, values: list[float]) -> None:
+def test_round_trip_is_exact_to_the_unit(code: int, units: int, values: list[float]) -> None:
     mode, ranges = MEASURING_MODES[code], np.array(values)
     payload = encode_measurement(ranges, mode, units)
     measurement = decode_measurement(Telegram(0x80, payload), mode)
@@ -147,13 +151,13 @@ def test_no_return_is_the_documented_special_value() -> None:
 
 
 @given(st.binary(min_size=1, max_size=808))
-def test_any_payload_is_decoded_or_refused(payload: bytes) -> None:
+def test_any_payload_is_decoded_or_none(payload: bytes) -> None:
     measurement = decode_measurement(Telegram(0x80, b"\xb0" + payload), MODE_32)
     assert measurement is None or not np.isnan(measurement.ranges).any()
 
 
 @pytest.mark.parametrize(("count", "before_sending"), [(181, 6.66e-3), (361, 13.32e-3)])
-def test_scan_is_dated_to_the_middle_of_its_sweep(count: int, before_sending: float) -> None:
+def test_scan_time_is_the_middle_of_its_sweep(count: int, before_sending: float) -> None:
     measurement = decode_measurement(telegram([1000] * count), MODE_32)
     assert measurement is not None
     scan = scan_of(measurement, arrival=10.0, wire_time=0.1)

@@ -25,7 +25,7 @@ def beam_times(whole: Scan) -> NDArray[np.float64]:
     return whole.t + beam_time_offsets(*geometry)
 
 
-def test_beams_of_one_turn_are_swept_in_half_of_it() -> None:
+def test_time_offsets_of_one_turn_span_half_a_turn() -> None:
     whole = scan(encode(np.ones(181), MODE, UNIT_MM))
     times = beam_times(whole)
     assert whole.t == pytest.approx(10.0 - 0.1 - TURN / 2)
@@ -46,7 +46,7 @@ def test_halves_of_an_interlaced_scan_are_a_turn_apart() -> None:
     assert times.max() <= 10.0 - 0.1
 
 
-def test_offsets_are_shared_and_cannot_be_written() -> None:
+def test_offsets_are_cached_and_read_only() -> None:
     offsets = beam_time_offsets(181, -math.pi / 2, math.pi / 180, 1)
     assert offsets is beam_time_offsets(181, -math.pi / 2, math.pi / 180, 1)
     with pytest.raises(ValueError, match="read-only"):
@@ -64,7 +64,7 @@ def test_offsets_are_shared_and_cannot_be_written() -> None:
         (32767, Special.NO_RETURN),
     ],
 )
-def test_special_values_are_kept_apart_from_ranges(value: int, special: Special) -> None:
+def test_special_values_are_separate_from_ranges(value: int, special: Special) -> None:
     values = np.full(181, 1000, "<u2")
     values[[3, 5]] = value
     values[7] = 0x8000 | 2000  # the mode's reflector bit

@@ -57,7 +57,7 @@ def test_fresh_laser_is_found_at_9600_and_set_up_in_order(line: Any) -> None:
     wire.connect()
     assert wire.run_until(STREAMING, limit=6.0) < 4.0
     assert sent_codes(wire) == (
-        ["2025"] * 3  # at 38400, where nobody answers
+        ["2025"] * 3  # at 38400, where no laser answers
         + ["2025", "2040", "3a", "31", "32", "3b", "74", "2000", "77", "2024"]
     )
     assert wire.host_baud == emulator.baud == 38400
@@ -121,7 +121,7 @@ def test_other_configuration_is_changed_only_where_it_must(line: Any) -> None:
     ("baud", "resolution_deg", "per_second"),
     [(38400, 1.0, 9.38), (38400, 0.5, 4.69), (19200, 1.0, 5.0), (9600, 0.5, 1.29), (500000, 1, 75)],
 )
-def test_rate_and_times_of_scans(
+def test_scans_have_rate_and_times_of_the_mirror(
     line: Any, baud: int, resolution_deg: float, per_second: float
 ) -> None:
     scene = Corner()
@@ -137,7 +137,7 @@ def test_rate_and_times_of_scans(
 
 
 @pytest.mark.parametrize("resolution_deg", [1.0, 0.5])
-def test_geometry_of_an_asymmetric_scene(line: Any, resolution_deg: float) -> None:
+def test_asymmetric_scene_keeps_left_and_right(line: Any, resolution_deg: float) -> None:
     wire = line(laser(resolution_deg=resolution_deg), Lms200Emulator(scan_source=Corner()))
     wire.connect()
     wire.run_until(STREAMING, limit=6.0)
@@ -150,7 +150,7 @@ def test_geometry_of_an_asymmetric_scene(line: Any, resolution_deg: float) -> No
     assert np.isinf(scan.ranges[-1])
 
 
-def test_power_cut_and_power_on_telegram(line: Any) -> None:
+def test_laser_streams_again_after_a_power_cut(line: Any) -> None:
     emulator = Lms200Emulator(scan_source=Corner(), boot_time=5.0)
     wire = line(laser(), emulator)
     wire.connect()
@@ -181,7 +181,7 @@ def test_power_on_telegram_starts_over_at_its_rate(line: Any) -> None:
     assert wire.session.counters.timeouts == 0
 
 
-def test_laser_that_is_away_is_looked_for_until_it_comes(line: Any) -> None:
+def test_absent_laser_is_searched_for_until_it_answers(line: Any) -> None:
     emulator = Lms200Emulator(scan_source=Corner())
     emulator.power_off(0.0)
     wire = line(laser(), emulator)
@@ -194,7 +194,7 @@ def test_laser_that_is_away_is_looked_for_until_it_comes(line: Any) -> None:
     assert wire.session.trouble is None
 
 
-def test_spoilt_command_is_refused_by_the_laser_and_repeated(line: Any) -> None:
+def test_corrupted_command_is_repeated_after_nak(line: Any) -> None:
     emulator = Lms200Emulator(scan_source=Corner(), baud=38400)
     wire = line(laser(), emulator)
     spoilt: list[bytes] = []
@@ -214,7 +214,7 @@ def test_spoilt_command_is_refused_by_the_laser_and_repeated(line: Any) -> None:
     assert wire.session.counters.searches == 1
 
 
-def test_overlooked_command_is_repeated(line: Any) -> None:
+def test_unanswered_command_is_repeated(line: Any) -> None:
     emulator = Lms200Emulator(scan_source=Corner(), baud=38400)
     wire = line(laser(), emulator)
     dropped: list[bytes] = []
@@ -247,7 +247,7 @@ def test_scans_that_stop_coming_restart_the_search(line: Any) -> None:
 
 
 class Forgetful(Lms200Emulator):
-    """A laser that says it takes a configuration and does not keep it."""
+    """A laser that acknowledges a configuration and does not keep it."""
 
     def feed(self, data: bytes, t: float) -> None:
         before = self.configuration
@@ -255,7 +255,7 @@ class Forgetful(Lms200Emulator):
         self.configuration = before
 
 
-def test_writes_to_a_laser_that_keeps_nothing_are_few(line: Any) -> None:
+def test_writes_are_limited_if_the_laser_keeps_no_setting(line: Any) -> None:
     emulator = Forgetful(scan_source=Corner(), baud=38400)
     wire = line(laser(), emulator)
     wire.connect()
@@ -268,7 +268,7 @@ def test_writes_to_a_laser_that_keeps_nothing_are_few(line: Any) -> None:
     assert wire.session.trouble == "laser does not keep its measuring mode and units"
 
 
-def test_changed_password_is_told_and_scans_come_all_the_same(line: Any) -> None:
+def test_changed_password_is_reported_and_scans_resume(line: Any) -> None:
     emulator = Lms200Emulator(scan_source=Corner(), baud=38400)
     wire = line(laser(), emulator)
     wire.spoil = lambda data: (
@@ -308,7 +308,7 @@ def test_link_down_ends_and_link_up_starts_again(line: Any) -> None:
     wire.run_until(STREAMING, limit=3.0)
 
 
-def test_telegram_read_late_with_bytes_behind_it_keeps_its_time() -> None:
+def test_bytes_behind_a_telegram_correct_its_time() -> None:
     session = laser()
     session.link_up(0.0)
     t = 0.0
@@ -332,7 +332,7 @@ def test_telegram_read_late_with_bytes_behind_it_keeps_its_time() -> None:
     assert first.t == pytest.approx(2.0 - 2 * wire_time - 0.00666)
 
 
-def test_noise_with_acknowledgements_does_not_hold_up_the_search() -> None:
+def test_acks_within_noise_do_not_delay_the_search() -> None:
     session = laser()
     session.link_up(0.0)
     tried: set[int] = set()
@@ -368,7 +368,7 @@ def test_noise_with_acknowledgements_does_not_hold_up_the_search() -> None:
         max_size=30,
     )
 )
-def test_any_bytes_never_raise(chunks: list[bytes]) -> None:
+def test_arbitrary_bytes_do_not_raise(chunks: list[bytes]) -> None:
     session = laser()
     session.link_up(0.0)
     for step, chunk in enumerate(chunks):
@@ -381,7 +381,7 @@ def test_any_bytes_never_raise(chunks: list[bytes]) -> None:
     ("given_settings", "named"),
     [({"baud": 57600}, "baud"), ({"resolution_deg": 0.25}, "resolution_deg"), ({"bad": 1}, "bad")],
 )
-def test_settings_are_checked(given_settings: dict[str, object], named: str) -> None:
+def test_invalid_settings_are_refused(given_settings: dict[str, object], named: str) -> None:
     with pytest.raises(msgspec.ValidationError, match=named):
         msgspec.convert(given_settings, LaserSettings)
 
@@ -393,7 +393,7 @@ def streaming(line: Any, emulator: Lms200Emulator, **settings: object) -> Any:
     return wire
 
 
-def test_healthy_laser_is_known_to_be_ok_and_not_asked_again(line: Any) -> None:
+def test_healthy_laser_is_queried_once(line: Any) -> None:
     wire = streaming(line, Lms200Emulator(scan_source=Corner()))
     asked = len(wire.to_laser)
     wire.run(20.0)
@@ -402,7 +402,7 @@ def test_healthy_laser_is_known_to_be_ok_and_not_asked_again(line: Any) -> None:
     assert len(wire.to_laser) == asked
 
 
-def test_pollution_and_errors_surface_while_scans_go_on(line: Any) -> None:
+def test_pollution_and_errors_appear_while_streaming(line: Any) -> None:
     emulator = Lms200Emulator(scan_source=Corner())
     wire = streaming(line, emulator)
     wire.run(1.0)
@@ -422,7 +422,7 @@ def test_pollution_and_errors_surface_while_scans_go_on(line: Any) -> None:
     assert wire.session.health.ok
 
 
-def test_fatal_laser_says_so_when_its_scans_stop(line: Any) -> None:
+def test_fatal_error_is_in_the_trouble_when_scans_stop(line: Any) -> None:
     emulator = Lms200Emulator(scan_source=Corner())
     wire = streaming(line, emulator)
     wire.run(1.0)
@@ -437,7 +437,7 @@ def test_fatal_laser_says_so_when_its_scans_stop(line: Any) -> None:
     assert wire.session.trouble is None
 
 
-def test_dazzled_scans_have_no_ranges_and_say_why(line: Any) -> None:
+def test_dazzled_scans_have_specials_instead_of_ranges(line: Any) -> None:
     emulator = Lms200Emulator(scan_source=Corner())
     wire = streaming(line, emulator)
     emulator.blind(wire.t + 2.0)
@@ -450,7 +450,7 @@ def test_dazzled_scans_have_no_ranges_and_say_why(line: Any) -> None:
     assert np.isfinite(wire.scans[-1].ranges).any()
 
 
-def test_partial_scans_come_one_a_turn_each_at_its_offset_and_time(line: Any) -> None:
+def test_partial_scans_have_offset_and_time_of_their_turn(line: Any) -> None:
     scene = Corner()
     wire = streaming(
         line, Lms200Emulator(scan_source=scene), baud=500000, resolution_deg=0.5, partial_scans=True

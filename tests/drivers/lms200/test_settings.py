@@ -1,4 +1,4 @@
-"""What the laser's settings say of its rate."""
+"""Scan period by the laser's settings."""
 
 import pytest
 

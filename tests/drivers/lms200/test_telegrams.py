@@ -1,4 +1,4 @@
-"""What commands and replies of the LMS 200 carry."""
+"""Commands and replies of the LMS 200."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_variants_give_the_documented_counts_and_turns() -> None:
     ]
 
 
-def test_variant_reply_example() -> None:
+def test_variant_reply_matches_the_example() -> None:
     payload = bytes.fromhex("BB 01 B4 00 32 00 10")
     decoded = VariantReply.decode(reply(payload))
     assert decoded == VariantReply(accepted=True, variant=Variant(180, 50))
@@ -67,7 +67,7 @@ def test_variant_reply_example() -> None:
     assert VariantReply.decode(reply(payload[:5])) is None
 
 
-def test_status_fields_stand_where_the_listing_puts_them() -> None:
+def test_status_fields_are_at_the_documented_offsets() -> None:
     payload = bytearray(154)
     payload[0] = 0xB1
     payload[1:8] = b"V02.10 "
@@ -98,26 +98,26 @@ def test_only_measuring_mode_and_units_of_a_configuration_change() -> None:
     assert (changed.measuring_mode, changed.units) == (5, 0)
 
 
-def test_short_configuration_changes_the_beginning() -> None:
+def test_short_configuration_replaces_the_beginning() -> None:
     whole = STANDARD_CONFIGURATION.overlaid(bytes.fromhex("00 00 70 01 00 06 00"))
     assert len(whole.block) == 34
     assert whole.block[:8] == bytes.fromhex("00 00 70 01 00 06 00 00")
     assert whole.block[8:] == STANDARD_CONFIGURATION.block[8:]
 
 
-def test_configuration_of_the_wrong_length_is_unusable() -> None:
+def test_configuration_of_invalid_length_is_none() -> None:
     assert Configuration.decode(bytes(6)) is None
     assert Configuration.decode(bytes(7)) is not None
     assert Configuration.decode(bytes(200)) is None
 
 
-def test_text_of_the_power_on_telegram() -> None:
+def test_power_on_telegram_has_its_text() -> None:
     payload = telegrams.encode_text(telegrams.POWER_ON, "LMS200;301063;V02.10 ")
     assert telegrams.decode_text(reply(payload)) == "LMS200;301063;V02.10"
 
 
 @given(st.binary(min_size=1, max_size=200))
-def test_no_reply_can_raise(payload: bytes) -> None:
+def test_arbitrary_replies_do_not_raise(payload: bytes) -> None:
     telegram = reply(payload)
     telegrams.decode_text(telegram)
     decode_errors(telegram)

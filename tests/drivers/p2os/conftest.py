@@ -103,7 +103,7 @@ class Bench:
 
 
 def garble(data: bytes) -> bytes:
-    """What a receiver at another rate makes of bytes."""
+    """Return what a receiver at another rate decodes from bytes."""
     return bytes((byte * 37 + 11) & 0xFF for byte in data[: max(1, len(data) // 2)])
 
 
@@ -119,7 +119,7 @@ def bench() -> Callable[..., Bench]:
 
 
 class Capture:
-    """One recorded conversation: (t, bytes) of each side."""
+    """One recorded session: (t, bytes) of each side."""
 
     def __init__(self, path: Path) -> None:
         lines = [json.loads(line) for line in path.read_text().splitlines()]
@@ -132,11 +132,11 @@ class Capture:
 
 @pytest.fixture
 def read_capture(data_folder: Path) -> Callable[[str], Capture]:
-    """Read a recorded conversation by its file's stem."""
+    """Read a recorded session by its file's stem."""
     return lambda name: Capture(data_folder / "captures" / f"{name}.jsonl")
 
 
 @pytest.fixture(params=["client-sim-tcp", "client-sim-serial"])
 def capture(request: pytest.FixtureRequest, read_capture: Callable[[str], Capture]) -> Capture:
-    """Each recorded conversation of an independent client and an independent simulator."""
+    """Each recorded session of an independent client and an independent simulator."""
     return read_capture(request.param)

@@ -18,7 +18,7 @@ def state(flags: str = "03 00", sonar: str = "00", tail: str = P2OS_TAIL) -> Bas
     return base_state(7.0, sip, Odometer(), load_model("p2dx"))
 
 
-def test_p2os_report_in_si_units() -> None:
+def test_p2os_report_is_converted_to_si() -> None:
     seen = state()
     assert (seen.t, seen.v_left, seen.v_right) == (7.0, 0.2, -0.2)
     assert seen.w == pytest.approx(-0.2 * 5.6)
@@ -30,13 +30,13 @@ def test_p2os_report_in_si_units() -> None:
     assert not seen.standing
 
 
-def test_what_p2os_does_not_report_is_not_made_up() -> None:
+def test_fields_p2os_does_not_report_are_none() -> None:
     seen = state()
     assert seen.charge_state is seen.charge is seen.temperature_celsius is None
     assert seen.fault_flags == 0
 
 
-def test_tail_of_later_firmware_is_used() -> None:
+def test_fields_of_later_firmware_are_converted() -> None:
     # 13.4 V, float charge, -30 deg/s, fault 2, no lateral speed, 31 degrees, 85 % charged
     seen = state(flags="21 00", tail=f"{P2OS_TAIL} 86 00 03 D4 FE 02 00 00 00 1F 55")
     assert seen.battery == pytest.approx(13.4)

@@ -1,4 +1,4 @@
-"""Traffic of an independent client and an independent simulator against our codec and twins."""
+"""Traffic of an independent client and an independent simulator against session and emulator."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_every_byte_decodes_and_re_encodes(capture: Capture) -> None:
             assert re_encoded(direction, packet) == encode_packet(packet)
 
 
-def test_every_byte_of_a_client_that_hunts_decodes_and_re_encodes(
+def test_every_byte_of_a_rate_searching_client_decodes_and_re_encodes(
     read_capture: Callable[[str], Capture],
 ) -> None:
     stream = b"".join(data for _, data in read_capture("client-silent-robot").side(HOST))
@@ -83,7 +83,7 @@ def replay_robot(capture: Capture) -> tuple[P2osSession, list[BaseState]]:
     return session, states
 
 
-def test_session_understands_the_simulator(capture: Capture) -> None:
+def test_session_decodes_the_simulators_packets(capture: Capture) -> None:
     session, states = replay_robot(capture)
     assert session.state is SessionState.READY
     assert session.identity is not None
@@ -111,7 +111,7 @@ def test_session_reaches_the_recorded_pose(capture: Capture) -> None:
         )
 
 
-def test_session_reaches_every_recorded_pose_on_the_way(capture: Capture) -> None:
+def test_session_reaches_every_recorded_intermediate_pose(capture: Capture) -> None:
     """The simulator starts at the origin and counts in 16 bits, so its counters are the pose."""
     packets = PacketFramer().feed(b"".join(data for _, data in capture.side(ROBOT)))
     sips = [sip for packet in packets if (sip := decode_sip(packet)) is not None]
@@ -211,7 +211,7 @@ def test_any_packets_raise_nothing_at_either_end(packets: list[bytes], opened: b
     assert (emulator.counters.sessions > 0) >= opened
 
 
-def test_emulator_survives_a_client_that_hunts_for_it(
+def test_emulator_answers_a_rate_searching_client(
     read_capture: Callable[[str], Capture],
 ) -> None:
     emulator = P2osEmulator(load_model("p2dx"))

@@ -11,7 +11,7 @@ SPEEDS = [Command(CommandNumber.VEL, speed) for speed in range(1, 21)]
 
 
 class Outlet:
-    """An outbox and when each command left it."""
+    """An outbox with the time at which each command was sent."""
 
     def __init__(self) -> None:
         self.requests: list[Request] = []
@@ -25,7 +25,7 @@ class Outlet:
 
 
 @pytest.mark.parametrize("every", [0.01, 0.05, 0.07])
-def test_queue_leaves_in_order_no_faster_than_p2os_takes_it(every: float) -> None:
+def test_queue_is_sent_in_order_at_the_p2os_rate(every: float) -> None:
     outlet = Outlet()
     outlet.outbox.add(*SPEEDS)
     outlet.flush(0.0, 2.0, every)
@@ -40,7 +40,7 @@ def test_queue_leaves_in_order_no_faster_than_p2os_takes_it(every: float) -> Non
     assert outlet.outbox.empty
 
 
-def test_later_firmware_takes_more() -> None:
+def test_later_firmware_gets_a_higher_rate() -> None:
     outlet = Outlet()
     outlet.outbox.period = LATER_PERIOD
     outlet.outbox.add(*SPEEDS)
@@ -48,7 +48,7 @@ def test_later_firmware_takes_more() -> None:
     assert len(outlet.sent) == len(SPEEDS)
 
 
-def test_urgent_commands_leave_at_once_and_the_queue_waits_for_them() -> None:
+def test_urgent_commands_are_sent_before_the_queue() -> None:
     outlet = Outlet()
     outlet.outbox.add(*SPEEDS[:2])
     for _ in range(4):
@@ -60,7 +60,7 @@ def test_urgent_commands_leave_at_once_and_the_queue_waits_for_them() -> None:
     assert [what for _, what in outlet.sent[4:]] == SPEEDS[:2]
 
 
-def test_after_a_pause_longer_than_the_watchdog_stop_goes_first() -> None:
+def test_stop_is_sent_first_after_the_watchdog_expired() -> None:
     outlet = Outlet()
     outlet.outbox.send(PULSE, DEFAULT_WATCHDOG - 0.01)
     outlet.outbox.send(SPEEDS[0], 2 * DEFAULT_WATCHDOG)
@@ -71,7 +71,7 @@ def test_after_a_pause_longer_than_the_watchdog_stop_goes_first() -> None:
     assert [what for _, what in outlet.sent[-2:]] == [STOP, PULSE]
 
 
-def test_restart_forgets_queue_pace_and_watchdog() -> None:
+def test_restart_resets_queue_rate_and_watchdog() -> None:
     outlet = Outlet()
     outlet.outbox.add(*SPEEDS)
     outlet.outbox.period, outlet.outbox.watchdog = LATER_PERIOD, 0.5
@@ -82,7 +82,7 @@ def test_restart_forgets_queue_pace_and_watchdog() -> None:
     assert [what for _, what in outlet.sent] == [PULSE]
 
 
-def test_what_was_queued_can_be_dropped() -> None:
+def test_queue_can_be_cleared() -> None:
     outlet = Outlet()
     outlet.outbox.add(*SPEEDS)
     outlet.outbox.drop_queued()

@@ -59,7 +59,7 @@ ENCODED = [
 
 
 @pytest.mark.parametrize(("sent", "text"), ENCODED)
-def test_documented_bytes_both_ways(sent: Command, text: str) -> None:
+def test_documented_bytes_are_encoded_and_decoded(sent: Command, text: str) -> None:
     packet = bytes.fromhex(text)
     assert sent.encode() == packet
     assert decode_command(packet[3:-2]) == sent
@@ -70,7 +70,7 @@ def test_two_byte_argument_by_either_sign_convention(argument: str) -> None:
     assert decode_command(bytes.fromhex(argument)).two_bytes == (-5, 5)
 
 
-def test_dangling_argument_type_is_surplus() -> None:
+def test_argument_type_without_argument_is_surplus() -> None:
     assert decode_command(bytes((7, 0x3B))) == Command(7, None, b"\x3b")
     assert decode_command(bytes((15, 0x2B, 9, 1))) == Command(15, None, b"\x2b\x09\x01")
 
@@ -84,7 +84,7 @@ def test_ranges_are_closed(number: CommandNumber, allowed: tuple[int, int]) -> N
             command(number, outside)
 
 
-def test_arguments_that_do_not_belong_are_refused() -> None:
+def test_invalid_arguments_are_refused() -> None:
     with pytest.raises(CommandRangeError, match="STOP: takes no"):
         command(N.STOP, 1)
     with pytest.raises(CommandRangeError, match="VEL: needs"):
@@ -104,5 +104,5 @@ def test_commands_round_trip(number: int, argument: int | bytes | None) -> None:
 
 @settings(derandomize=True, deadline=None)
 @given(st.binary(min_size=1, max_size=253))
-def test_any_data_decodes_to_something(data: bytes) -> None:
+def test_any_data_decodes_to_a_command(data: bytes) -> None:
     assert decode_command(data).number == data[0]

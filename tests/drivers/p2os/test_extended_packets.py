@@ -21,7 +21,7 @@ from drivers.p2os.extended_packets import (
 )
 from drivers.p2os.packets import Packet, decode_packet, is_known
 
-# Data of the packets worked out in the protocol sheet, and one of each kind that it lacks.
+# Packets of the protocol sheet's examples, and one of each kind without an example.
 VECTORS: list[tuple[str, Packet]] = [
     ("90 E8 03 00 00 18 FC FF FF", EncoderPacket(1000, -1000)),
     ("98 01 08 02 1E", GyroPacket((GyroSample(520, 30),))),
@@ -61,9 +61,7 @@ def test_vector_is_decoded_and_encoded(text: str, packet: Packet) -> None:
     ("text", "packet"),
     [pair for pair in VECTORS if not isinstance(pair[1], AuxPacket | Notification)],
 )
-def test_longer_packets_keep_what_is_not_known_and_shorter_ones_are_none(
-    text: str, packet: Packet
-) -> None:
+def test_longer_packets_keep_surplus_and_shorter_ones_are_none(text: str, packet: Packet) -> None:
     data = bytes.fromhex(text)
     longer = decode_packet(data + b"\x01\x02")
     assert longer is not None

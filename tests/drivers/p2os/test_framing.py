@@ -75,7 +75,7 @@ def test_vector_is_encoded(packet: bytes) -> None:
 
 @pytest.mark.parametrize("packet", PACKETS)
 @pytest.mark.parametrize("before", GARBAGE)
-def test_vector_is_found_in_garbage(packet: bytes, before: bytes) -> None:
+def test_vector_is_found_in_noise(packet: bytes, before: bytes) -> None:
     stream = before + packet + b"\x00\xfb\xfa"
     whole, single = PacketFramer(), PacketFramer()
     assert whole.feed(stream) == [packet[3:-2]]
@@ -88,7 +88,7 @@ def test_vector_is_found_in_garbage(packet: bytes, before: bytes) -> None:
 
 
 @pytest.mark.parametrize("packet", PACKETS)
-def test_two_packets_at_once(packet: bytes) -> None:
+def test_two_packets_in_one_read_are_found(packet: bytes) -> None:
     framer = PacketFramer()
     assert framer.feed(packet + packet) == [packet[3:-2]] * 2
     assert framer.pending == 0
@@ -119,7 +119,7 @@ def test_lost_byte_costs_one_packet() -> None:
     assert framer.feed(sip + sip) == [sip[3:-2]] * 2
 
 
-def test_abandoned_header_gives_up_what_it_hid() -> None:
+def test_abandoned_packet_returns_packets_behind_its_header() -> None:
     stop = bytes.fromhex(VECTORS["STOP"])
     framer = PacketFramer()
     assert framer.feed(b"\xfa\xfb\xf0" + stop) == []
@@ -135,7 +135,7 @@ def test_controller_drops_counts_over_200() -> None:
 
 
 @pytest.mark.parametrize("size", [0, MAX_COUNT - 1])
-def test_data_that_fits_no_packet_is_refused(size: int) -> None:
+def test_data_of_invalid_length_is_refused(size: int) -> None:
     with pytest.raises(ValueError, match="1 to 253"):
         encode_packet(bytes(size))
 

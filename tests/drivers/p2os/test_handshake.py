@@ -1,4 +1,4 @@
-"""The handshake against servers that are no robots, and robots that are slow to answer."""
+"""The handshake against simulators and against robots with late replies."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ SIP = bytes.fromhex("32 00 00 00 00 00 00 00 00 00 00 80 00 00 00 00 00 00 00 00
 
 
 class PassiveServer:
-    """Echoes whatever number comes as if it were the SYNC awaited, as a known simulator does:
-    a first packet numbered above 2 ends its handshake without an answer to it."""
+    """Echoes any packet as the expected SYNC, as a known simulator does; a first packet numbered
+    above 2 ends its handshake without a reply."""
 
     def __init__(self) -> None:
         self.awaited = 0
@@ -45,7 +45,7 @@ class StrictRobot:
 
 
 class OpenRobot(StrictRobot):
-    """Is in somebody's session, and reports, until CLOSE."""
+    """Is in another client's session, and reports, until CLOSE."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -63,7 +63,7 @@ class OpenRobot(StrictRobot):
 def shake(
     answer: Callable[[bytes], list[bytes]], delay: float, *, unasked: float | None = None
 ) -> tuple[RobotIdentity | None, float]:
-    """Run a handshake for 5 s with answers late by ``delay``; a report comes at ``unasked``."""
+    """Run a handshake for 5 s with replies late by ``delay`` s and a report at ``unasked``."""
     requests: list[Request] = []
     handshake, framer = Handshake(9600, requests), PacketFramer()
     handshake.start(0.0)
@@ -94,7 +94,7 @@ def test_every_kind_of_server_is_opened(
     assert t <= 0.25 + 3 * (delay + 0.05)
 
 
-def test_robot_that_reports_hears_stop_and_close_before_any_sync() -> None:
+def test_reporting_robot_gets_stop_and_close_before_sync() -> None:
     robot = OpenRobot()
     identity, t = shake(robot.answer, 0.02, unasked=0.1)
     assert identity == IDENTITY
@@ -102,12 +102,12 @@ def test_robot_that_reports_hears_stop_and_close_before_any_sync() -> None:
     assert t < 1.0
 
 
-def test_replies_that_never_come_are_waited_for_only_so_long() -> None:
+def test_missing_replies_time_out() -> None:
     identity, _ = shake(lambda _packet: [], 0.0)
     assert identity is None
 
 
-def test_late_replies_out_of_order_do_not_confuse_for_ever() -> None:
+def test_handshake_completes_after_late_replies_out_of_order() -> None:
     late = {"left": 1}
     robot = StrictRobot()
 

@@ -21,20 +21,20 @@ def report(*, motors: bool, stalled: bool = False, button: bool = False) -> Base
 def running() -> MotorWatch:
     watch = MotorWatch()
     watch.update(report(motors=False), commands_pending=False)
-    watch.ask(0.0)
+    watch.on_enable(0.0)
     watch.update(report(motors=True), commands_pending=False)
     assert watch.state is MotorState.ON
     return watch
 
 
-def test_motors_are_off_until_asked_for_and_on_when_reported() -> None:
+def test_motors_are_off_until_enabled_and_on_when_reported() -> None:
     watch = MotorWatch()
     assert watch.state is MotorState.UNKNOWN
-    assert not watch.may_be_asked
+    assert not watch.may_enable
     watch.update(report(motors=False), commands_pending=False)
     assert watch.state is MotorState.OFF
-    assert watch.may_be_asked
-    watch.ask(1.0)
+    assert watch.may_enable
+    watch.on_enable(1.0)
     watch.update(report(motors=False), commands_pending=False)
     assert watch.state is MotorState.ENABLING
     watch.update(report(motors=True), commands_pending=True)
@@ -44,23 +44,23 @@ def test_motors_are_off_until_asked_for_and_on_when_reported() -> None:
     assert watch.trouble(99.0) is None
 
 
-def test_enable_is_asked_again_and_then_people_are() -> None:
+def test_enable_is_repeated_and_then_reported_as_trouble() -> None:
     watch = MotorWatch()
     watch.update(report(motors=False), commands_pending=False)
-    watch.ask(1.0)
+    watch.on_enable(1.0)
     assert not watch.is_overdue(1.4)
     assert watch.is_overdue(1.5)
-    watch.ask(1.5)
+    watch.on_enable(1.5)
     assert not watch.is_overdue(1.9)
     assert watch.trouble(3.9) is None
     assert "motors do not come on" in (watch.trouble(4.1) or "")
 
 
-def test_motors_that_go_off_by_themselves_were_switched_off_by_a_person() -> None:
+def test_motors_going_off_without_command_latch_the_stop_button() -> None:
     watch = running()
     watch.update(report(motors=False), commands_pending=False)
     assert watch.state is MotorState.STOP_BUTTON
-    assert not watch.may_be_asked
+    assert not watch.may_enable
     assert watch.trouble(9.0) == "stopped by the robot's stop button: press MOTORS on the robot"
     watch.update(report(motors=False), commands_pending=False)
     assert watch.state is MotorState.STOP_BUTTON
@@ -72,10 +72,10 @@ def test_a_stall_is_not_a_stop_button() -> None:
     watch = running()
     watch.update(report(motors=False, stalled=True), commands_pending=False)
     assert watch.state is MotorState.OFF
-    assert watch.may_be_asked
+    assert watch.may_enable
 
 
-def test_reported_button_is_told_apart_while_it_is_held() -> None:
+def test_held_button_is_in_the_trouble() -> None:
     watch = running()
     watch.update(report(motors=False, button=True), commands_pending=False)
     assert watch.state is MotorState.STOP_BUTTON

@@ -35,7 +35,7 @@ def test_heading_accumulates_over_turns() -> None:
     assert odometer.theta == pytest.approx(10 * math.tau)
 
 
-def test_new_reference_goes_on_in_the_old_frame() -> None:
+def test_pose_is_continuous_over_a_new_reference() -> None:
     odometer = Odometer()
     odometer.update(0, 0, 0, 0.001)
     odometer.update(1000, 0, 1024, 0.001)

@@ -40,7 +40,7 @@ def test_documented_sips_re_encode(data: bytes) -> None:
     assert sip_of(data).encode() == data
 
 
-def test_moving_sip() -> None:
+def test_moving_sip_is_decoded() -> None:
     sip = sip_of(MOVING)
     assert (sip.packet_type, sip.x_counts, sip.y_counts) == (0x33, 1000, 32700)
     assert (sip.heading_counts, sip.left_speed_counts, sip.right_speed_counts) == (1024, 200, -200)
@@ -65,7 +65,7 @@ def test_moving_sip() -> None:
     assert not state.standing
 
 
-def test_stalled_sip() -> None:
+def test_stalled_sip_is_decoded() -> None:
     state = base_state(0.0, sip_of(STALLED), Odometer(), load_model("p2dx"))
     assert (state.stall_left, state.stall_right) == (True, False)
     assert state.rear_bumpers == 1 << 2
@@ -109,7 +109,7 @@ def test_no_data_raises(data: bytes) -> None:
     assert config.encode() == b"\x20" + data
 
 
-def test_sync_reply() -> None:
+def test_sync_reply_is_decoded() -> None:
     identity = RobotIdentity("MyRobot", "Pioneer", "p2dx")
     assert decode_sync_reply(SYNC_REPLY) == identity
     assert identity.encode() == SYNC_REPLY
@@ -117,7 +117,7 @@ def test_sync_reply() -> None:
     assert decode_sync_reply(MOVING) is None
 
 
-def test_config() -> None:
+def test_config_is_decoded() -> None:
     config = decode_config(CONFIG)
     assert config is not None
     assert config.encode() == CONFIG

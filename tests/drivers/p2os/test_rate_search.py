@@ -18,7 +18,7 @@ def test_first_sweep_begins_as_configured_and_takes_every_rate_once() -> None:
     assert search.tries == TRIES
 
 
-def test_later_sweeps_come_back_to_the_configured_rate() -> None:
+def test_later_sweeps_alternate_with_the_configured_rate() -> None:
     search = RateSearch(9600)
     search.restart()
     ends = [search.advance() for _ in range(5)]
@@ -27,7 +27,7 @@ def test_later_sweeps_come_back_to_the_configured_rate() -> None:
     assert search.advance()
 
 
-def test_rate_that_once_worked_is_tried_long_and_first() -> None:
+def test_known_rate_is_tried_first_with_more_attempts() -> None:
     search = RateSearch(9600)
     search.restart()
     search.advance()
@@ -39,7 +39,7 @@ def test_rate_that_once_worked_is_tried_long_and_first() -> None:
     assert (search.baud, search.tries) == (9600, TRIES)
 
 
-def test_return_to_the_configured_rate_tells_whether_it_was_another() -> None:
+def test_return_to_the_configured_rate_returns_whether_it_changed() -> None:
     search = RateSearch(9600)
     search.restart()
     assert not search.return_to_configured()

@@ -45,7 +45,7 @@ def sip(flags: int = 0x0003, left: int = 0, right: int = 0) -> bytes:
 
 
 def opened(subclass: str = "p2dx", **settings: object) -> P2osSession:
-    """A session up to the robot's answer to SYNC2 at t = 0."""
+    """Return a session after the robot's reply to SYNC2 at t = 0."""
     session = P2osSession(BaseSettings(**settings))  # type: ignore[arg-type]
     session.link_up(0.0)
     for data in (b"\x00", b"\x01", RobotIdentity("R", "Pioneer", subclass).encode()):
@@ -68,7 +68,7 @@ LIMITS_OF_DEFAULT_SETTINGS = ConfigPacket(
 def ready(
     flags: int = 0x0003, config: ConfigPacket = LIMITS_OF_DEFAULT_SETTINGS, **settings: object
 ) -> P2osSession:
-    """A READY session at t = 1.0 whose robot answers CONFIG and has just reported ``flags``."""
+    """Return a READY session at t = 1.0 whose robot answers CONFIG and has reported ``flags``."""
     session = opened(**settings)
     for tick in range(1, 21):
         t = 0.05 * tick
@@ -84,7 +84,7 @@ def ready(
 def keep_reporting(
     session: P2osSession, start: float, end: float, report: bytes
 ) -> Iterator[float]:
-    """SIPs and ticks at 20 Hz."""
+    """Feed SIPs and ticks at 20 Hz."""
     for step in range(1, round((end - start) * 20) + 1):
         t = start + 0.05 * step
         session.feed(report, t)
@@ -126,7 +126,7 @@ def test_connects_and_sets_up_before_ready(bench: MakeBench) -> None:
     assert wire.states[-1].sonar_on
 
 
-def test_setup_is_paced(bench: MakeBench) -> None:
+def test_setup_is_rate_limited(bench: MakeBench) -> None:
     wire = bench(baud=115200, robot_baud=115200)
     wire.connect()
     times = [t for t, c in wire.heard if c.number in (N.SETV, N.SETA, N.SETRA, N.SONAR)]
@@ -135,7 +135,7 @@ def test_setup_is_paced(bench: MakeBench) -> None:
         assert sum(start <= t < start + 0.05 for t in times) <= 2
 
 
-def test_config_is_asked_three_times_then_done_without() -> None:
+def test_session_opens_without_config_after_three_requests() -> None:
     session = opened()
     asked = [0.0]
     for t in keep_reporting(session, 0.0, 0.95, sip()):
@@ -182,7 +182,7 @@ def test_old_session_is_stopped_then_closed_then_connected(bench: MakeBench) -> 
 
 
 @pytest.mark.parametrize("robot_baud", [19200, 38400, 57600, 115200])
-def test_rate_is_searched(bench: MakeBench, robot_baud: int) -> None:
+def test_session_finds_the_robots_rate(bench: MakeBench, robot_baud: int) -> None:
     wire = bench(robot_baud=robot_baud)
     wire.connect()
     assert wire.session.baud == wire.baud == robot_baud
@@ -213,7 +213,7 @@ def test_rates_are_tried_in_order_and_again() -> None:
 
 
 @pytest.mark.parametrize("reply", [b"\xff", b"\x01", b"\x02"])
-def test_sync_trouble_restarts_after_a_pause(reply: bytes) -> None:
+def test_handshake_restarts_after_a_pause_on_failure(reply: bytes) -> None:
     session = P2osSession(BaseSettings())
     session.link_up(0.0)
     session.feed(encode_packet(reply), 0.1)
@@ -225,7 +225,7 @@ def test_sync_trouble_restarts_after_a_pause(reply: bytes) -> None:
 
 
 def test_first_packet_on_a_silent_line_is_sync0_and_comes_after_listening() -> None:
-    """A server that is no robot may take any other for the end of the handshake."""
+    """Some servers take any other first packet for the end of the handshake."""
     session = P2osSession(BaseSettings())
     session.link_up(0.0)
     session.tick(0.2)
@@ -235,7 +235,7 @@ def test_first_packet_on_a_silent_line_is_sync0_and_comes_after_listening() -> N
 
 
 def test_robot_that_reports_is_stopped_before_anything_else(bench: MakeBench) -> None:
-    """The old session's motion, halted by the watchdog, must not go on for a moment."""
+    """The old session's motion, halted by the watchdog, must not resume even briefly."""
     wire = bench()
     wire.connect()
     wire.enable()
@@ -250,7 +250,7 @@ def test_robot_that_reports_is_stopped_before_anything_else(bench: MakeBench) ->
     assert wire.path == path
 
 
-def test_half_finished_handshake_is_unstuck(bench: MakeBench) -> None:
+def test_half_finished_handshake_is_completed(bench: MakeBench) -> None:
     wire = bench()
     for number in range(3):
         wire.emulator.feed(Command(number).encode(), 0.0)
@@ -265,7 +265,7 @@ def test_half_finished_handshake_is_unstuck(bench: MakeBench) -> None:
     wire.connect()
 
 
-def test_noise_does_not_keep_a_robot_from_connecting(bench: MakeBench) -> None:
+def test_session_connects_despite_noise(bench: MakeBench) -> None:
     wire = bench()
     wire.session.feed(b"\xfa\xfb\xff", 0.0)
     wire.session.link_up(0.0)
@@ -274,7 +274,7 @@ def test_noise_does_not_keep_a_robot_from_connecting(bench: MakeBench) -> None:
     wire.run_until(lambda: wire.session.state is SessionState.READY, 5.0)
 
 
-def test_motors_stay_off_until_asked_and_first_motion_is_zero(bench: MakeBench) -> None:
+def test_motors_stay_off_until_enabled_and_first_motion_is_zero(bench: MakeBench) -> None:
     wire = bench()
     wire.connect()
     wire.heard.clear()
@@ -323,7 +323,7 @@ def test_drive_sends_changes_at_once_and_refreshes() -> None:
     assert written(session) == [Command(N.RVEL, -100), Command(N.VEL, 500)]
 
 
-def test_stale_wish_becomes_standstill_and_pulses_wait_for_it() -> None:
+def test_stale_request_becomes_standstill_before_pulses() -> None:
     session = ready()
     session.drive(1.0, 0.3, 0.2)
     session.pop_requests()
@@ -348,7 +348,7 @@ def test_idle_session_holds_off_the_watchdog(bench: MakeBench) -> None:
 
 
 @pytest.mark.parametrize("wish", [(math.nan, 0.1), (0.1, math.inf), (-math.inf, math.nan)])
-def test_wish_that_is_no_number_is_standstill(wish: tuple[float, float]) -> None:
+def test_request_of_nan_or_inf_is_standstill(wish: tuple[float, float]) -> None:
     session = ready()
     session.drive(1.0, 0.3, 0.1)
     session.pop_requests()
@@ -356,7 +356,7 @@ def test_wish_that_is_no_number_is_standstill(wish: tuple[float, float]) -> None
     assert written(session) == [Command(N.VEL, 0), Command(N.RVEL, 0)]
 
 
-def test_frozen_process_sends_stop_before_anything_else() -> None:
+def test_stop_is_sent_first_after_a_frozen_process() -> None:
     session = ready()
     session.drive(1.0, 0.3, 0.0)
     session.pop_requests()
@@ -367,7 +367,7 @@ def test_frozen_process_sends_stop_before_anything_else() -> None:
     assert written(session)[:1] == [Command(N.VEL, 250)]
 
 
-def test_stop_is_immediate_and_whole() -> None:
+def test_stop_sends_all_zeros_at_once() -> None:
     session = ready()
     session.drive(1.0, 0.3, 0.0)
     session.pop_requests()
@@ -426,12 +426,12 @@ def test_silent_robot_is_found_again_and_stopped_first(bench: MakeBench, phase: 
     assert wire.session.motors is MotorState.ON
     wire.run(1.0)
     assert wire.emulator.velocity == (0.0, 0.0)
-    # The way it went unseen, up to its watchdog, is in its counters.
+    # The distance driven unobserved, until its watchdog, is in its counters.
     assert wire.states[-1].x == pytest.approx(wire.pose.x, abs=0.005)
     assert wire.states[-1].x > x + 0.3
 
 
-def test_link_lost_and_back(bench: MakeBench) -> None:
+def test_session_recovers_after_link_loss(bench: MakeBench) -> None:
     wire = bench()
     wire.connect()
     wire.enable()
@@ -491,7 +491,7 @@ def test_odometry_is_continuous_over_the_wrap_of_the_counters(bench: MakeBench) 
     assert wire.states[-1].x == pytest.approx(wire.path, abs=0.05)
 
 
-def test_odometry_goes_on_after_a_new_session(bench: MakeBench) -> None:
+def test_odometry_is_continuous_over_a_new_session(bench: MakeBench) -> None:
     wire = bench()
     wire.connect()
     wire.enable()
@@ -531,7 +531,7 @@ def test_replugged_adapter_finds_the_robot_in_session_and_stops_it_first(bench: 
 
 
 @pytest.mark.parametrize("notify", [True, False])
-def test_controller_that_resets_itself_is_opened_anew(bench: MakeBench, notify: bool) -> None:
+def test_session_reopens_after_a_controller_reset(bench: MakeBench, notify: bool) -> None:
     wire = bench()
     wire.connect()
     wire.enable()
@@ -548,7 +548,7 @@ def test_controller_that_resets_itself_is_opened_anew(bench: MakeBench, notify: 
     assert all(c.integer == 0 for _, c in motion(wire) if c.number != N.ENABLE)
 
 
-def test_stop_button_is_told_and_left_to_people(bench: MakeBench) -> None:
+def test_stop_button_is_reported_and_stays_latched(bench: MakeBench) -> None:
     wire = bench()
     wire.connect()
     wire.enable()
@@ -571,7 +571,7 @@ def test_stop_button_is_told_and_left_to_people(bench: MakeBench) -> None:
     assert wire.emulator.velocity == (0.0, 0.0)
 
 
-def test_asked_for_packets_stream_and_are_kept(bench: MakeBench) -> None:
+def test_requested_packets_are_streamed_and_kept(bench: MakeBench) -> None:
     wire = bench(baud=38400, robot_baud=38400)
     wire.connect()
     for number in (N.ENCODER, N.IOREQUEST):
@@ -588,7 +588,7 @@ def test_asked_for_packets_stream_and_are_kept(bench: MakeBench) -> None:
             wire.session.request(Command(reserved, 1))
 
 
-def test_port_that_hears_itself_is_told() -> None:
+def test_echoing_port_is_reported() -> None:
     session = P2osSession(BaseSettings())
     session.link_up(0.0)
     for step in range(200):
@@ -601,7 +601,7 @@ def test_port_that_hears_itself_is_told() -> None:
     assert "echoes what is sent" in (session.trouble or "")
 
 
-def test_trouble_of_an_absent_robot_names_rates_and_last_bytes() -> None:
+def test_trouble_without_a_robot_contains_rates_and_last_bytes() -> None:
     session = P2osSession(BaseSettings())
     session.link_up(0.0)
     for step in range(200):

@@ -1,4 +1,4 @@
-"""Limits are set, read back and, where the robot keeps others, told."""
+"""Limits are set, read back and reported where the robot keeps others."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Desk:
         self.set_up = SetUp(SETTINGS, self.outbox)
 
     def run(self, *, resumed: bool = False, start: float = 0.0, limit: float = 10.0) -> float:
-        """Return when it was prepared."""
+        """Run until the robot is prepared; return that time, s."""
         self.outbox.restart(start)
         self.set_up.begin(start, resumed=resumed)
         for step in range(round(limit / 0.05)):
@@ -66,7 +66,7 @@ def test_commands_bring_limits_then_zero_motion() -> None:
     assert commands[-3:] == [STOP, *STAND_STILL]
 
 
-def test_robot_that_keeps_the_limits_is_prepared_without_trouble() -> None:
+def test_robot_with_the_limits_is_prepared_without_trouble() -> None:
     desk = Desk(AS_ASKED)
     desk.run()
     assert [what.number for what in desk.sent].count(N.CONFIG) == 2
@@ -77,13 +77,13 @@ def test_robot_that_keeps_the_limits_is_prepared_without_trouble() -> None:
     assert desk.outbox.period == P2OS_PERIOD
 
 
-def test_later_firmware_is_known_by_its_config_and_spoken_to_faster() -> None:
+def test_later_firmware_is_detected_by_config_and_gets_a_higher_rate() -> None:
     desk = Desk(replace(AS_ASKED, field_count=LATER_FIELD_COUNT))
     desk.run()
     assert desk.outbox.period == LATER_PERIOD
 
 
-def test_limits_that_did_not_take_are_sent_once_more_and_then_told() -> None:
+def test_limits_not_taken_are_sent_once_more_and_then_reported() -> None:
     desk = Desk(replace(AS_ASKED, speed_max=300))
     desk.run()
     assert [what.number for what in desk.sent].count(N.SETV) == 2
@@ -92,7 +92,7 @@ def test_limits_that_did_not_take_are_sent_once_more_and_then_told() -> None:
     assert "SETRV" not in trouble
 
 
-def test_robot_without_config_is_prepared_all_the_same() -> None:
+def test_robot_without_config_is_prepared() -> None:
     desk = Desk(None)
     assert 1.0 <= desk.run() < 2.5
     assert [what.number for what in desk.sent].count(N.CONFIG) == 3
@@ -101,7 +101,7 @@ def test_robot_without_config_is_prepared_all_the_same() -> None:
     assert desk.set_up.watchdog == 2.0
 
 
-def test_robot_that_falls_silent_about_its_limits_is_told() -> None:
+def test_missing_config_after_the_limits_is_reported() -> None:
     desk = Desk(AS_ASKED)
     desk.run()
     desk.answer = None
@@ -109,7 +109,7 @@ def test_robot_that_falls_silent_about_its_limits_is_told() -> None:
     assert "no longer answers CONFIG" in (desk.set_up.trouble or "")
 
 
-def test_resumed_session_is_set_up_again_without_being_asked_first() -> None:
+def test_resumed_session_gets_limits_without_a_first_config() -> None:
     desk = Desk(AS_ASKED)
     desk.run()
     desk.sent.clear()
@@ -134,5 +134,5 @@ def test_every_limit_is_compared(field: str, value: int, told: str) -> None:
     assert kept_otherwise(SETTINGS, rounded) == []
 
 
-def test_cut_config_tells_nothing_of_limits() -> None:
+def test_incomplete_config_is_not_compared() -> None:
     assert kept_otherwise(SETTINGS, replace(AS_ASKED, speed_max=1, field_count=20)) == []

@@ -15,6 +15,6 @@ def test_bad_settings_are_refused(line: str) -> None:
         msgspec.toml.decode(line, type=BaseSettings)
 
 
-def test_defaults_and_overrides() -> None:
+def test_settings_have_defaults_and_take_overrides() -> None:
     settings = msgspec.toml.decode('model = "p3dx"\nbaud = 38400', type=BaseSettings)
     assert (settings.model, settings.baud, settings.max_speed) == ("p3dx", 38400, 0.5)

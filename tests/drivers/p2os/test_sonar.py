@@ -9,7 +9,7 @@ from drivers.p2os.sonar import SonarRing
 FAR_AS_REPORTED = 18657 * 0.000268
 
 
-def test_empty_ring_sees_nothing() -> None:
+def test_ring_without_readings_has_no_points() -> None:
     ring = SonarRing(load_model("p2dx"))
     assert ring.points(0.0, 10.0).shape == (0, 2)
     assert np.all(np.isinf(ring.ages(0.0)))
@@ -37,7 +37,7 @@ def test_old_and_far_readings_are_left_out() -> None:
     assert ring.ages(1.6)[[0, 7]] == pytest.approx([0.6, 0.2])
 
 
-def test_last_reading_wins_and_unknown_numbers_are_ignored() -> None:
+def test_latest_reading_is_kept_and_unknown_numbers_are_ignored() -> None:
     ring = SonarRing(load_model("p2dx"))
     ring.update(0.0, [(0, 1.0), (0, 2.0), (16, 1.0), (31, 1.0)])
     assert ring.points(0.0, 1.0) == pytest.approx(np.array([(0.069, 2.136)]))

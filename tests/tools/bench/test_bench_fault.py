@@ -64,7 +64,7 @@ def test_robot_stands_while_the_fault_lasts_and_goes_on_after(
     assert fleet.world.contacts == 0
 
 
-def test_wheels_stuck_again_and_again_hold_the_robot_until_a_person_has_looked(
+def test_robot_with_repeatedly_stuck_wheels_is_held_until_reset_by_a_person(
     folder: MapFolder,
 ) -> None:
     fleet = one_robot(folder, FaultKind.STUCK, lasts=6.0)
@@ -95,7 +95,7 @@ def test_stuck_wheels_are_a_stall_to_the_gate(folder: MapFolder) -> None:
     assert (wreck.robot, wreck.since) == ("robot1", SETTLED + 0.005)
 
 
-def test_carried_robot_comes_back_to_the_border(folder: MapFolder) -> None:
+def test_carried_robot_returns_to_the_border(folder: MapFolder) -> None:
     fleet = one_robot(folder, FaultKind.CARRIED, lasts=1.0)
     assert folder.border is not None
     body = fleet.robots[0].rig.body
@@ -106,7 +106,7 @@ def test_carried_robot_comes_back_to_the_border(folder: MapFolder) -> None:
     assert fleet.world.contacts == 0
 
 
-def test_robot_that_is_put_elsewhere_is_lost_and_finds_itself(folder: MapFolder) -> None:
+def test_robot_moved_elsewhere_is_lost_and_relocalizes(folder: MapFolder) -> None:
     fleet = one_robot(folder, FaultKind.AWAY, lasts=1.0)
     body, agent = fleet.robots[0].rig.body, fleet.robots[0].agent
     before = body.pose
@@ -119,7 +119,7 @@ def test_robot_that_is_put_elsewhere_is_lost_and_finds_itself(folder: MapFolder)
     assert fleet.world.contacts == 0
 
 
-def test_dead_robot_counts_no_longer(folder: MapFolder) -> None:
+def test_dead_robot_is_listed_as_permanent_fault_and_not_hit(folder: MapFolder) -> None:
     faults = [parse_fault("robot1:dead@20")]
     figures = run_bench(Fleet(folder, 1, 3, faults=faults), 60.0)
     assert figures["faults"] == [{"robot": "robot1", "kind": "dead", "start": 20.0, "end": None}]
@@ -142,12 +142,12 @@ def test_the_border_beside_a_wreck_is_left_out(folder: MapFolder) -> None:
 @pytest.mark.parametrize(
     "text", ["", "robot1", "robot1:dead", "robot1:sleepy@3", "robot1:dead@x", "robot1:dead@5-5"]
 )
-def test_what_is_no_fault_is_refused(text: str) -> None:
+def test_invalid_faults_are_refused(text: str) -> None:
     with pytest.raises(BenchFaultError, match="write ROBOT:KIND@START"):
         parse_fault(text)
 
 
-def test_robots_and_times_are_drawn_by_the_seed() -> None:
+def test_robots_and_times_are_drawn_from_the_seed() -> None:
     team = [f"robot{number}" for number in range(1, 21)]
     texts = ["any5:dead@100..400", "any1:blind@10+5"]
     drawn = draw_faults(texts, team, seed=1)
@@ -155,18 +155,18 @@ def test_robots_and_times_are_drawn_by_the_seed() -> None:
     assert drawn != draw_faults(texts, team, seed=2)
     assert len({fault.robot for fault in drawn}) == 6
     assert len({fault.start for fault in drawn[:5]}) == 5
-    assert all(100.0 <= fault.start <= 400.0 and fault.makes_wreck for fault in drawn[:5])
+    assert all(100.0 <= fault.start <= 400.0 and fault.is_permanent for fault in drawn[:5])
     assert (drawn[5].start, drawn[5].end) == (10.0, 15.0)
     with pytest.raises(BenchFaultError, match="not so many robots"):
         draw_faults(["any3:dead@1"], team[:2], seed=1)
 
 
-def test_faults_are_read() -> None:
+def test_faults_are_parsed() -> None:
     assert parse_fault("robot2:blind@60-90.5") == BenchFault("robot2", FaultKind.BLIND, 60.0, 90.5)
-    assert parse_fault("robot2:dead@60").makes_wreck
-    assert not parse_fault("robot2:dead@60-70").makes_wreck
+    assert parse_fault("robot2:dead@60").is_permanent
+    assert not parse_fault("robot2:dead@60-70").is_permanent
 
 
-def test_fault_of_nobody_is_refused(folder: MapFolder) -> None:
+def test_fault_of_an_unknown_robot_is_refused(folder: MapFolder) -> None:
     with pytest.raises(BenchFaultError, match="fault of robot7: there is no such robot"):
         Fleet(folder, 1, 1, faults=[parse_fault("robot7:dead@1")])

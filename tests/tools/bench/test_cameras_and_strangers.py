@@ -1,4 +1,4 @@
-"""Robots with cameras in lockstep: who is a teammate, who a stranger, what is reported and kept."""
+"""Robots with cameras in lockstep: classification, reports and recordings."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def ahead_of(folder: MapFolder, s: float, ahead: float, aside: float, turned: fl
 
 @pytest.fixture(scope="module")
 def met(folder: MapFolder, tmp_path_factory: pytest.TempPathFactory) -> tuple[Fleet, Path]:
-    """Two robots that meet head on, a person beside the first one's way; all recorded."""
+    """Run two robots that meet head on, with a person beside the first one's path; recorded."""
     target = tmp_path_factory.mktemp("met")
     starts = [ahead_of(folder, 32.0, 0.0, 0.0, 0.0), ahead_of(folder, 32.0, 5.0, 0.0, 3.14159)]
     with closing(FleetRecorder(folder, target)) as recorder:
@@ -63,14 +63,14 @@ def effects(recording: Recording, stream: str) -> list[bytes]:
     ]
 
 
-def test_the_other_robot_is_a_teammate_by_its_band(met: tuple[Fleet, Path]) -> None:
+def test_robot_with_a_band_is_classified_as_teammate(met: tuple[Fleet, Path]) -> None:
     agent = met[0].robots[0].agent
     mates = [track for track in agent.perception.tracker.tracks if track.teammate]
     assert len(mates) == 1
     assert mates[0].by_color
 
 
-def test_the_person_is_a_stranger_reported_once_with_evidence(met: tuple[Fleet, Path]) -> None:
+def test_person_is_reported_once_as_stranger_with_evidence(met: tuple[Fleet, Path]) -> None:
     fleet, target = met
     recording = read_recording(target / "robot1.mcap")
     said = [payload for payload in effects(recording, "event") if b'"intruder"' in payload]
@@ -91,7 +91,7 @@ def test_the_person_is_a_stranger_reported_once_with_evidence(met: tuple[Fleet, 
     assert len(strangers) <= 1
 
 
-def test_the_operator_is_shown_the_reported_stranger_as_an_intruder(
+def test_reported_stranger_is_shown_as_intruder(
     met: tuple[Fleet, Path],
 ) -> None:
     recording = read_recording(met[1] / "robot1.mcap")
@@ -105,7 +105,7 @@ def test_the_operator_is_shown_the_reported_stranger_as_an_intruder(
     assert kinds <= {"intruder", *Kind}
 
 
-def test_the_recording_holds_bands_and_picture_and_replays_to_the_byte(
+def test_recording_contains_bands_and_picture_and_replays_identically(
     met: tuple[Fleet, Path],
 ) -> None:
     recording = read_recording(met[1] / "robot1.mcap")
@@ -116,7 +116,7 @@ def test_the_recording_holds_bands_and_picture_and_replays_to_the_byte(
     assert result.decisions > 50
 
 
-def test_status_tells_of_a_camera_that_is_unplugged_and_robots_go_on(folder: MapFolder) -> None:
+def test_unplugged_camera_is_in_the_status_and_patrol_goes_on(folder: MapFolder) -> None:
     starts = [ahead_of(folder, 32.0, 0.0, 0.0, 0.0)]
     fleet = Fleet(folder, 1, 5, AgentConfig(), starts, cameras=True)
     robot = fleet.robots[0]
@@ -129,7 +129,7 @@ def test_status_tells_of_a_camera_that_is_unplugged_and_robots_go_on(folder: Map
     assert "outline and motion" in words
 
 
-def test_a_dark_camera_is_blind_and_said_to_be(folder: MapFolder) -> None:
+def test_dark_camera_is_reported_blind(folder: MapFolder) -> None:
     starts = [ahead_of(folder, 32.0, 0.0, 0.0, 0.0)]
     fleet = Fleet(folder, 1, 5, AgentConfig(), starts, cameras=True)
     agent = fleet.robots[0].agent

@@ -30,7 +30,7 @@ def intel() -> MapFolder:
 
 
 def head_on(folder: MapFolder, gap: float) -> list[Pose]:
-    """Return two robots on the border's northern side that look at each other."""
+    """Return two robots on the border's northern side that face each other."""
     return [Pose(7.0, 13.75, 0.0), Pose(7.0 + gap, 13.75, math.pi)]
 
 
@@ -48,19 +48,19 @@ def test_figures_have_the_keys_of_the_byte_path(folder):
     assert (ideal["sensing"], byte_path["sensing"]) == ("ideal", "bytes")
 
 
-def test_robots_start_where_those_of_the_byte_path_do(folder):
+def test_start_poses_equal_those_of_the_byte_path(folder):
     ideal, byte_path = IdealFleet(folder, 3, 5), Fleet(folder, 3, 5)
     assert [robot.body.pose for robot in ideal.robots] == [
         robot.rig.body.pose for robot in byte_path.robots
     ]
 
 
-def test_same_seed_same_run(folder):
+def test_same_seed_gives_the_same_run(folder):
     one, other = (run_ideal_bench(IdealFleet(folder, 5, 2), 60.0) for _ in range(2))
     assert one | {"wall_s": 0.0} == other | {"wall_s": 0.0}
 
 
-def test_robots_that_meet_turn_back_and_part(folder):
+def test_meeting_robots_turn_back_and_separate(folder):
     figures = run_ideal_bench(IdealFleet(folder, 2, 1, starts=head_on(folder, 5.0)), 14.0)
     (meeting,) = figures["meetings"]
     assert set(meeting["actions"]) == {Action.PATROL_CLOCKWISE, Action.PATROL_COUNTER_CLOCKWISE}
@@ -70,7 +70,7 @@ def test_robots_that_meet_turn_back_and_part(folder):
     assert figures["action_share"][Action.AVOID_TEAMMATE] == 0.0
 
 
-def test_three_that_meet_at_one_place_all_get_away(folder):
+def test_three_robots_that_meet_at_one_place_all_separate(folder):
     starts = [Pose(7.0, 13.75, 0.0), Pose(9.4, 13.75, 0.0), Pose(12.0, 13.75, math.pi)]
     figures = run_ideal_bench(IdealFleet(folder, 3, 1, starts=starts), 40.0)
     assert len(figures["meetings"]) >= 2
@@ -79,7 +79,7 @@ def test_three_that_meet_at_one_place_all_get_away(folder):
     assert figures["longest_avoid_s"] < 5.0
 
 
-def test_one_that_overtakes_a_slow_one_turns_back(folder):
+def test_robot_behind_a_slow_one_turns_back(folder):
     starts = [Pose(7.0, 13.75, 0.0), Pose(10.0, 13.75, 0.0)]
     fleet = IdealFleet(folder, 2, 1, starts=starts)
     slow = msgspec.structs.replace(PatrolSettings(), patrol_speed=0.1, reversal_probability=0.0)
@@ -92,7 +92,7 @@ def test_one_that_overtakes_a_slow_one_turns_back(folder):
     assert figures["closest_m"] > 1.1
 
 
-def test_a_dead_robot_stands_and_is_turned_back_from(folder):
+def test_dead_robot_stands_and_teammates_turn_back(folder):
     fault = BenchFault("robot2", FaultKind.DEAD, 0.0)
     fleet = IdealFleet(folder, 2, 1, starts=head_on(folder, 5.0), faults=[fault])
     figures = run_ideal_bench(fleet, 20.0)
@@ -103,12 +103,12 @@ def test_a_dead_robot_stands_and_is_turned_back_from(folder):
     assert figures["faults"] == [{"robot": "robot2", "kind": "dead", "start": 0.0, "end": None}]
 
 
-def test_faults_of_devices_are_refused(folder):
+def test_device_faults_are_refused(folder):
     with pytest.raises(BenchFaultError, match=r"robot1 is one of devices.*use dead or stuck"):
         IdealFleet(folder, 1, 1, faults=[BenchFault("robot1", FaultKind.BLIND, 3.0)])
 
 
-def test_even_gaps_bring_the_worst_idleness_near_the_least_possible(folder):
+def test_even_gaps_bring_worst_idleness_near_the_minimum(folder):
     names = [*DEFAULT_MODIFIERS, "even_gaps"]
     content = f"[patrol]\nmodifiers = {names}\nreversal_probability = 0.0".encode()
     figures = run_ideal_bench(IdealFleet(folder, 3, 1, parse_config(content, "test")), 2000.0)
@@ -116,15 +116,15 @@ def test_even_gaps_bring_the_worst_idleness_near_the_least_possible(folder):
     assert figures["contacts"] == 0
 
 
-def test_the_gate_keeps_a_robot_off_walls_and_bodies_while_many_reach_one_border(intel):
+def test_gate_prevents_contacts_while_many_robots_reach_the_border(intel):
     figures = run_ideal_bench(IdealFleet(intel, 20, 1), 40.0)
     assert figures["contacts"] == 0
     assert figures["gate_stops"] > 0
     assert all(reached is not None for reached in figures["reach_s"][:10])
 
 
-def test_nobody_is_held_for_good_at_a_door_post(folder):
-    """A robot whom the gate does not let turn one way goes the other (once stuck: robot4)."""
+def test_no_robot_is_held_permanently_at_a_door_post(folder):
+    """A robot whose turn is blocked by the gate turns the other way (regression: robot4 stuck)."""
     fleet = IdealFleet(folder, 8, 1)
     while fleet.t < 60.0:
         fleet.step()

@@ -1,4 +1,4 @@
-"""Ideal sight: range, field of view, what hides, what is remembered."""
+"""Ideal sight: range, field of view, occlusion, prediction."""
 
 import math
 
@@ -33,7 +33,7 @@ def sight_of(occupancy: OccupancyMap, count: int = 2) -> IdealSight:
     return IdealSight(PerceptionSettings().detection_range, occupancy, count)
 
 
-def test_the_middle_of_a_body_ahead_is_seen_within_visibility():
+def test_body_ahead_within_visibility_is_at_its_centre():
     assert look(sight_of(room()), 0.0, (3.0, 5.0, 0.0), (5.4, 5.0, math.pi)) == [
         pytest.approx((5.4 - MIDDLE, 5.0)),
         pytest.approx((3.0 + MIDDLE, 5.0)),
@@ -41,18 +41,18 @@ def test_the_middle_of_a_body_ahead_is_seen_within_visibility():
     assert look(sight_of(room()), 0.0, (3.0, 5.0, 0.0), (5.6, 5.0, math.pi)) == [None, None]
 
 
-def test_nobody_is_seen_behind():
+def test_body_behind_is_not_in_view():
     seen = look(sight_of(room()), 0.0, (3.0, 5.0, math.pi), (5.0, 5.0, math.pi))
     assert seen == [None, pytest.approx((3.0 - MIDDLE, 5.0))]
 
 
 @pytest.mark.parametrize("y", [5.0, 5.02])
-def test_a_wall_of_one_cell_hides(y):
+def test_wall_of_one_cell_occludes(y):
     wall = room(*((4.0, row * 0.05 + 0.025) for row in range(60, 140)))
     assert look(sight_of(wall), 0.0, (3.0, y, 0.0), (5.0, y, math.pi)) == [None, None]
 
 
-def test_a_body_hides_what_is_behind_it():
+def test_body_occludes_what_is_behind_it():
     first, third = (3.0, 5.0, 0.0), (5.2, 5.0, math.pi)
     between = look(sight_of(room(), 3), 0.0, first, (4.1, 5.0, 0.0), third)
     assert between[0] == pytest.approx((4.1 + MIDDLE, 5.0))
@@ -63,7 +63,7 @@ def test_a_body_hides_what_is_behind_it():
     assert beside[0] == pytest.approx((5.2 - MIDDLE, 5.0))
 
 
-def test_a_teammate_out_of_view_is_remembered_for_a_while_where_it_must_have_got_to():
+def test_teammate_out_of_view_is_predicted_for_a_limited_time():
     sight = sight_of(room())
     look(sight, 0.0, (3.0, 5.0, 0.0), (4.5, 5.0, math.pi / 2), speed=0.3)
     remembered, _ = look(sight, 1.0, (3.0, 5.0, math.pi), (9.0, 9.0, 0.0))

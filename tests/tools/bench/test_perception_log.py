@@ -1,4 +1,4 @@
-"""What the bench counts of who was seen, with bodies and tracks put by hand."""
+"""The bench's perception figures, with bodies and tracks placed by hand."""
 
 from __future__ import annotations
 
@@ -52,13 +52,13 @@ class Stage:
         return body
 
     def report(self, number: int, x: float, y: float, last_seen: float | None = None) -> None:
-        """Have the robot know an intruder at a place, seen then or all the time."""
+        """Add an intruder at a place to the robot's known ones, seen at a time or always."""
         self.known.append(Intruder(number, number, x, y, 0.0, 0.0, 0.0, 0.0, last_seen or 0.0))
         if last_seen is None:
             self.watched.add(number)
 
     def run(self, since: float, until: float) -> dict[str, Any]:
-        """Sample ten times a second; return the figures so far."""
+        """Sample ten times a second from one time to another, s; return the figures so far."""
         for step in range(round((until - since) * 10)):
             t = since + 0.1 * step
             known = [
@@ -77,44 +77,44 @@ def place(body: RobotBody) -> tuple[float, float]:
     return body.pose.x, body.pose.y
 
 
-def test_a_stay_that_nobody_reports_is_told(folder: MapFolder) -> None:
+def test_unreported_stay_is_counted(folder: MapFolder) -> None:
     strangers = Stage(folder).run(0.0, 6.0)["strangers"]
     assert strangers["stays"] == strangers["stays_unreported"] == 1
     assert strangers["stays_reported_once"] == 0
 
 
-def test_a_stay_too_short_for_a_report_is_none(folder: MapFolder) -> None:
+def test_too_short_stay_is_not_counted(folder: MapFolder) -> None:
     assert Stage(folder).run(0.0, 3.0)["strangers"]["stays"] == 0
 
 
-def test_one_report_is_one_and_a_second_number_is_one_too_many(folder: MapFolder) -> None:
+def test_second_report_of_a_stay_is_not_counted_as_reported_once(folder: MapFolder) -> None:
     stage = Stage(folder)
     stage.report(1, *place(stage.near))
     assert stage.run(0.0, 6.0)["strangers"]["stays_reported_once"] == 1
     stage.report(2, *place(stage.near))
-    told = stage.run(6.0, 8.0)["strangers"]
-    assert told["stays"] == 1
-    assert told["stays_reported_once"] == told["stays_unreported"] == 0
+    figures = stage.run(6.0, 8.0)["strangers"]
+    assert figures["stays"] == 1
+    assert figures["stays_reported_once"] == figures["stays_unreported"] == 0
 
 
-def test_an_old_report_at_the_place_is_not_of_who_stands_there_now(folder: MapFolder) -> None:
+def test_old_report_at_the_place_does_not_count_for_a_new_stay(folder: MapFolder) -> None:
     stage = Stage(folder)
     stage.report(1, *place(stage.near), -20.0)
     assert stage.run(0.0, 6.0)["strangers"]["stays_unreported"] == 1
 
 
-def test_a_report_is_of_the_stranger_nearest_to_it(folder: MapFolder) -> None:
+def test_report_counts_for_the_nearest_stranger(folder: MapFolder) -> None:
     stage = Stage(folder)
     assert stage.world.place(stage.far, stage.here.compose(Pose(1.5, -0.5, 0.0)))
     between = stage.here.compose(Pose(1.5, -0.3, 0.0))
     stage.report(1, between.x, between.y)
-    told = stage.run(0.0, 6.0)["strangers"]
-    assert told["stays"] == 2
-    assert told["stays_reported_once"] == told["stays_unreported"] == 1
+    figures = stage.run(0.0, 6.0)["strangers"]
+    assert figures["stays"] == 2
+    assert figures["stays_reported_once"] == figures["stays_unreported"] == 1
 
 
 @pytest.mark.parametrize(("kind", "share"), [(Kind.TEAMMATE, 1.0), (Kind.STRANGER, 0.0)])
-def test_a_stranger_taken_for_a_teammate_is_counted(
+def test_stranger_classified_as_teammate_is_counted(
     folder: MapFolder, kind: Kind, share: float
 ) -> None:
     stage = Stage(folder)

@@ -1,4 +1,4 @@
-"""A share of a core is asked of the kernel in the way of either version of its control groups."""
+"""The CPU limit with either version of cgroups."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 from tools.campaign.cpu_limit import CpuLimit, CpuLimitError
 
 
-def test_second_version_is_told_quota_and_period(tmp_path: Path) -> None:
+def test_cgroups_v2_get_quota_and_period_in_one_file(tmp_path: Path) -> None:
     (tmp_path / "cgroup.controllers").write_text("cpu")
     limit = CpuLimit(0.2, tmp_path)
     limit.hold(4711)
@@ -18,7 +18,7 @@ def test_second_version_is_told_quota_and_period(tmp_path: Path) -> None:
     assert (group / "cgroup.procs").read_text() == "4711"
 
 
-def test_first_version_is_told_them_apart(tmp_path: Path) -> None:
+def test_cgroups_v1_get_quota_and_period_in_two_files(tmp_path: Path) -> None:
     (tmp_path / "cpu").mkdir()
     CpuLimit(0.5, tmp_path).hold(4711)
     (group,) = (tmp_path / "cpu").iterdir()
@@ -27,6 +27,6 @@ def test_first_version_is_told_them_apart(tmp_path: Path) -> None:
     assert (group / "cgroup.procs").read_text() == "4711"
 
 
-def test_where_no_group_can_be_made_it_says_what_to_do(tmp_path: Path) -> None:
+def test_missing_permission_gives_an_error_with_remedy(tmp_path: Path) -> None:
     with pytest.raises(CpuLimitError, match="systemd-run"):
         CpuLimit(0.2, tmp_path / "nowhere")

@@ -1,6 +1,6 @@
-"""Two faults done to a patrolling robot for real: emulators on pseudo-terminals, the agent process.
+"""Faults of a patrolling robot in real time: emulators on pseudo-terminals, the agent process.
 
-Times depend on the machine and are judged by `patrol faults`; here only what must happen on any.
+Times depend on the machine and are checked by `patrol faults`; here only the reactions are checked.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ def take(name: str, folder: Path) -> Reaction:
     return run_fault(fault, folder)
 
 
-def test_base_stops_by_itself_when_its_cable_is_pulled(tmp_path: Path) -> None:
+def test_base_stops_by_watchdog_when_its_cable_is_unplugged(tmp_path: Path) -> None:
     reaction = take("base-unplugged", tmp_path)
     assert reaction.ordered_by == "watchdog"
     assert reaction.detected_by == "event: base"
@@ -42,7 +42,7 @@ def test_agent_stops_when_the_scans_end(tmp_path: Path) -> None:
     assert reaction.contacts == 0
 
 
-def test_robot_patrols_on_when_the_cameras_thread_dies(tmp_path: Path) -> None:
+def test_patrol_goes_on_when_the_camera_thread_dies(tmp_path: Path) -> None:
     reaction = take("camera-thread", tmp_path)
     assert reaction.detected_by == "event: camera"
     assert reaction.recovered is not None

@@ -1,4 +1,4 @@
-"""Garbage for whoever dials."""
+"""The flood at an operator's endpoint."""
 
 import socket
 from contextlib import closing
@@ -7,7 +7,7 @@ from tools.campaign.flood import Flood
 from tools.monitor.endpoint import free_endpoint
 
 
-def test_floods_whoever_connects_and_ends() -> None:
+def test_every_client_is_flooded_until_close() -> None:
     endpoint = free_endpoint()
     host, _, port = endpoint.removeprefix("tcp/").rpartition(":")
     with (

@@ -1,4 +1,4 @@
-"""An agent killed at any time leaves a recording that is whole but for its last second."""
+"""An agent killed at any time leaves a recording complete but for its last second."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SOME_S = 1.5
     "number",
     [pytest.param(n, marks=() if n == 0 else pytest.mark.long) for n in range(20)],
 )
-def test_killed_agent_loses_a_second_at_most(tmp_path: Path, number: int) -> None:
+def test_killed_agent_loses_at_most_one_second_of_recording(tmp_path: Path, number: int) -> None:
     lives = random.Random(number).uniform(SOME_S, 7.5)
     with closing(AgentStage(tmp_path, seed=number)) as stage:
         stage.start_agent()

@@ -1,4 +1,4 @@
-"""Faulty lines, the tap that reads orders, and the cable that is pulled, on the emulated base."""
+"""Line faults, the order tap and the cable, on the emulated base."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ def base() -> P2osEmulator:
     return P2osEmulator(load_model("p2dx"))
 
 
-def test_sound_line_passes_everything_on(base: P2osEmulator) -> None:
+def test_line_without_faults_passes_everything(base: P2osEmulator) -> None:
     line = LineFaults(base, FaultPlan(), np.random.default_rng(1))
     line.feed(SYNC0, 0.0)
     assert b"".join(item.data for item in line.pop_output(1.0)) == SYNC0
     assert line.baud == 9600
 
 
-def test_deaf_line_takes_nothing_and_mute_line_gives_nothing(base: P2osEmulator) -> None:
+def test_deaf_line_drops_input_and_mute_line_drops_output(base: P2osEmulator) -> None:
     line = LineFaults(base, FaultPlan(), np.random.default_rng(1))
     line.deaf = True
     line.feed(SYNC0, 0.0)
@@ -52,7 +52,7 @@ def test_deaf_line_takes_nothing_and_mute_line_gives_nothing(base: P2osEmulator)
     assert line.pop_output(3.0) == [], "what was sent meanwhile is lost"
 
 
-def test_spoilt_packet_differs_in_one_byte(base: P2osEmulator) -> None:
+def test_corrupted_packet_differs_in_one_byte(base: P2osEmulator) -> None:
     line = LineFaults(base, FaultPlan(), np.random.default_rng(1))
     line.spoilt = 1.0
     line.feed(SYNC0, 0.0)
@@ -61,9 +61,9 @@ def test_spoilt_packet_differs_in_one_byte(base: P2osEmulator) -> None:
     assert sum(a != b for a, b in zip(received, SYNC0, strict=True)) == 1
 
 
-def test_tap_knows_whether_the_robot_is_to_stand(base: P2osEmulator) -> None:
+def test_tap_detects_orders_to_stand(base: P2osEmulator) -> None:
     tap = OrderTap(base)
-    assert tap.told_to_stand
+    assert tap.is_standing
     for t, (packet, stands) in enumerate(
         (
             (VEL_300, False),
@@ -78,7 +78,7 @@ def test_tap_knows_whether_the_robot_is_to_stand(base: P2osEmulator) -> None:
         )
     ):
         tap.feed(packet, float(t))
-        assert tap.told_to_stand is stands, packet.hex()
+        assert tap.is_standing is stands, packet.hex()
     assert (tap.first_order, tap.first_at) == ("VEL 300", 0.0)
     tap.forget()
     assert tap.first_order == ""
@@ -86,7 +86,7 @@ def test_tap_knows_whether_the_robot_is_to_stand(base: P2osEmulator) -> None:
     assert (tap.first_order, tap.first_at) == ("RVEL -20", 20.0)
 
 
-def test_tap_begins_anew_with_a_session(base: P2osEmulator) -> None:
+def test_new_session_clears_the_first_order(base: P2osEmulator) -> None:
     tap = OrderTap(base)
     tap.feed(VEL_300 + SYNC0 + SYNC1 + SYNC2 + OPEN, 1.0)
     assert base.session_open, "the tap passes on what it reads"
@@ -112,7 +112,7 @@ def test_cable_keeps_its_name_over_unplugging(base: P2osEmulator, tmp_path: Path
     cable.pull()
 
 
-def test_slow_line_gives_everything_late(base: P2osEmulator) -> None:
+def test_slow_line_delays_everything(base: P2osEmulator) -> None:
     line = LineFaults(base, FaultPlan(), np.random.default_rng(1))
     line.late = 0.5
     line.feed(SYNC0, 0.0)
@@ -122,7 +122,7 @@ def test_slow_line_gives_everything_late(base: P2osEmulator) -> None:
     assert all(item.t >= 0.5 for item in late)
 
 
-def test_frozen_line_repeats_what_was_last_sent(base: P2osEmulator) -> None:
+def test_frozen_line_repeats_the_last_packet(base: P2osEmulator) -> None:
     line = LineFaults(base, FaultPlan(), np.random.default_rng(1))
     line.feed(SYNC0, 0.0)
     line.pop_output(1.0)

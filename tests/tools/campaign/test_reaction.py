@@ -1,4 +1,4 @@
-"""How a robot's reaction is measured and judged, on moments written by hand."""
+"""Measurement of a robot's reaction and its limits, on moments written by hand."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def moments(*parts: tuple[float, float, str]) -> list[Moment]:
 
 
 def reaction(**changes: object) -> Reaction:
-    """Return a faultless reaction to a pulled cable, changed."""
+    """Return a reaction to an unplugged cable within all limits, with the given changes."""
     well: dict[str, object] = {
         "fault": "base-unplugged",
         "what": "base's cable unplugged",
@@ -52,7 +52,7 @@ def reaction(**changes: object) -> Reaction:
     return Reaction(**{**well, **changes})  # type: ignore[arg-type]
 
 
-def test_stop_is_the_order_and_then_the_wheels() -> None:
+def test_stop_is_measured_by_order_and_by_wheels() -> None:
     seen = reaction(ordered=None, stopped=None)
     measure_stop(seen, 100.0, moments((1.0, 0.3, ""), (0.5, 0.2, "watchdog"), (1.0, 0.0, "agent")))
     assert seen.ordered == pytest.approx(1.0)
@@ -97,11 +97,11 @@ def test_faultless_reaction_has_no_complaint() -> None:
         ({"expected": Expected.AGENT_STOPS, "stopped": 2.1}, "not at rest within 2.00 s"),
     ],
 )
-def test_each_shortcoming_is_named(changes: dict[str, object], words: str) -> None:
+def test_each_missed_limit_is_named(changes: dict[str, object], words: str) -> None:
     assert any(words in complaint for complaint in complaints(reaction(**changes)))
 
 
-def test_fault_that_may_be_lived_with_needs_no_stop() -> None:
+def test_fault_with_patrol_allowed_needs_no_stop() -> None:
     lived = {"expected": Expected.MAY_PATROL, "ordered": None, "stopped": None, "back": None}
     assert complaints(reaction(**lived, first_order="VEL 350")) == []
     assert complaints(reaction(**lived, contacts=2)) == ["2 contacts"]
@@ -114,19 +114,19 @@ def test_faults_are_chosen_by_name() -> None:
         chosen_faults(["fire"])
 
 
-def test_every_stop_that_a_cable_can_cause_has_a_limit_for_the_return() -> None:
+def test_every_fault_that_unplugs_a_cable_has_a_return_limit() -> None:
     own_pace = {"base-reset", "laser-power", "laser-absent"}
     without_cable = {"base-stuck", "laser-stuck", "laser-blind"}
     stopping = [fault for fault in LINE_FAULTS if fault.expected is not Expected.MAY_PATROL]
     assert {f.name for f in stopping if f.back_within is None} == own_pace | without_cable
 
 
-def test_faults_have_names_of_their_own() -> None:
+def test_fault_names_are_unique() -> None:
     names = [fault.name for fault in FAULTS]
     assert len(set(names)) == len(names)
 
 
-def test_fault_may_have_limits_of_its_own() -> None:
+def test_faults_own_limits_replace_the_usual_ones() -> None:
     slow = {"expected": Expected.AGENT_STOPS, "ordered": 2.4, "stopped": 3.5}
     assert complaints(reaction(**slow, order_within=2.5)) == []
     assert complaints(reaction(**slow)) == [
@@ -137,7 +137,7 @@ def test_fault_may_have_limits_of_its_own() -> None:
     assert complaints(reaction(recovered=50.0)) == ["not patrolling within 10 s"]
 
 
-def test_table() -> None:
+def test_table_has_a_row_for_each_reaction() -> None:
     poor = reaction(detected=0.1, detected_by="event: base", contacts=1)
     poor.complaints = complaints(poor)
     cells = row(poor)

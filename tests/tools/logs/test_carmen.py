@@ -54,7 +54,7 @@ def logs(data_folder: Path) -> dict[str, CarmenLog]:
     return {name: read_carmen(data_folder / "logs" / f"{name}-corrected.log.gz") for name in SCANS}
 
 
-def test_known_counts_and_beams(logs: dict[str, CarmenLog]) -> None:
+def test_known_logs_have_their_counts_and_beams(logs: dict[str, CarmenLog]) -> None:
     assert {name: len(log.scans) for name, log in logs.items()} == SCANS
     assert {scan.ranges.size for scan in logs["intel"].scans} == {180}
     assert {scan.ranges.size for scan in logs["seattle"].scans} == {361}
@@ -72,7 +72,7 @@ def test_first_scan_is_as_in_the_file(logs: dict[str, CarmenLog]) -> None:
     assert scan.angle_increment == pytest.approx(math.radians(1))
 
 
-def test_no_return_is_infinite_and_never_a_wall(logs: dict[str, CarmenLog]) -> None:
+def test_no_return_is_infinite(logs: dict[str, CarmenLog]) -> None:
     limits = {"intel": 80.0, "aces": 49.5, "seattle": 80.0}
     for name, log in logs.items():
         ranges = np.concatenate([scan.ranges for scan in log.scans])
@@ -113,7 +113,7 @@ def test_knots_increase_and_agree_with_the_scans(logs: dict[str, CarmenLog]) -> 
         assert np.percentile(steps, 99) < 0.5
 
 
-def test_composes_raw_steps_onto_the_first_odometry(tmp_path: Path) -> None:
+def test_raw_steps_are_composed_onto_the_first_odometry(tmp_path: Path) -> None:
     log = read_carmen(write(tmp_path, CORRECTED))
     first, second = log.scans
     assert first.reference == (10.0, 5.0, math.pi / 2)
@@ -147,7 +147,7 @@ def test_uncorrected_log_keeps_its_own_odometry(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("count", [180, 181, 360, 361])
-def test_beam_counts(tmp_path: Path, count: int) -> None:
+def test_known_beam_counts_have_their_geometry(tmp_path: Path, count: int) -> None:
     (scan,) = read_carmen(write(tmp_path, [flaser(1, 0, 0, 0, [2.0] * count)])).scans
     assert scan.angle_increment == pytest.approx(math.radians(1.0 if count < 200 else 0.5))
     points = scan.points()
@@ -155,7 +155,7 @@ def test_beam_counts(tmp_path: Path, count: int) -> None:
     assert points[0] == pytest.approx((0.0, -2.0))
 
 
-def test_robot_laser_line_brings_its_own_geometry(tmp_path: Path) -> None:
+def test_robot_laser_line_has_its_own_geometry(tmp_path: Path) -> None:
     line = (
         "ROBOTLASER1 0 -1.5 3.0 0.75 8.0 0.01 0 5 1.0 2.0 8.1 3.0 4.0 2 7 8 "
         "1.5 2.5 0.5 1.4 2.5 0.5 0.1 0.2 0.3 0.3 0.0 77.5 host 77.25"
@@ -168,7 +168,7 @@ def test_robot_laser_line_brings_its_own_geometry(tmp_path: Path) -> None:
     assert scan.odometry == Pose(1.4, 2.5, 0.5)
 
 
-def test_truncated_gzip_keeps_what_is_whole(tmp_path: Path, data_folder: Path) -> None:
+def test_truncated_gzip_keeps_complete_lines(tmp_path: Path, data_folder: Path) -> None:
     whole = (data_folder / "logs" / "aces-corrected.log.gz").read_bytes()
     path = tmp_path / "cut.log.gz"
     path.write_bytes(whole[: len(whole) // 2])
@@ -179,7 +179,7 @@ def test_truncated_gzip_keeps_what_is_whole(tmp_path: Path, data_folder: Path) -
     assert "line" in log.truncated
 
 
-def test_plain_log_cut_within_its_last_line(tmp_path: Path) -> None:
+def test_plain_log_truncated_in_its_last_line_is_read(tmp_path: Path) -> None:
     path = tmp_path / "cut.log"
     path.write_text("\n".join(CORRECTED[:11])[:-40])
     log = read_carmen(path)
@@ -201,7 +201,7 @@ def test_plain_log_cut_within_its_last_line(tmp_path: Path) -> None:
         (gzip.compress(b"hello\n" * 50, mtime=0)[:-20] + b"\xff" * 40, None),
     ],
 )
-def test_not_a_log_is_refused_with_file_line_and_remedy(
+def test_invalid_log_is_refused_with_file_line_and_remedy(
     tmp_path: Path, content: bytes, line: int | None
 ) -> None:
     path = tmp_path / "wrong.log"
@@ -214,6 +214,6 @@ def test_not_a_log_is_refused_with_file_line_and_remedy(
     assert message.count(":") >= 3
 
 
-def test_missing_file(tmp_path: Path) -> None:
+def test_missing_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(LogError, match=r"absent\.log"):
         read_carmen(tmp_path / "absent.log")

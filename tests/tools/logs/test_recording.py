@@ -34,7 +34,7 @@ CHUNK_ITEMS = 2
 
 
 def small_recording() -> bytes:
-    """Three chunks of two items each."""
+    """Write a recording of three chunks of two items each."""
     file = io.BytesIO()
     writer = RecordingWriter(file, HEADER)
     for index, item in enumerate(ITEMS):
@@ -50,7 +50,7 @@ def small_recording() -> bytes:
 
 
 def chunk_places(whole: bytes) -> list[int]:
-    """Where the chunk records begin."""
+    """Return the byte offsets of the chunk records."""
     places, place = [], 8
     while whole[place] != 0x0F:  # the record that ends the data
         if whole[place] == 0x06:
@@ -59,7 +59,7 @@ def chunk_places(whole: bytes) -> list[int]:
     return places
 
 
-def test_cut_anywhere_gives_a_clean_prefix(tmp_path: Path) -> None:
+def test_truncation_anywhere_gives_a_complete_prefix(tmp_path: Path) -> None:
     whole = small_recording()
     path = tmp_path / "cut.mcap"
     counts = []
@@ -81,7 +81,7 @@ def test_cut_anywhere_gives_a_clean_prefix(tmp_path: Path) -> None:
     assert set(counts) == {-1, 0, 2, 4, 6}
 
 
-def test_cut_is_named_by_the_byte_where_the_readable_part_ends(tmp_path: Path) -> None:
+def test_truncation_is_reported_with_the_end_of_the_readable_part(tmp_path: Path) -> None:
     whole = small_recording()
     path = tmp_path / "cut.mcap"
     second = chunk_places(whole)[1]
@@ -145,7 +145,7 @@ def test_recording_can_be_read_twice(tmp_path: Path) -> None:
     assert recording.truncated is None
 
 
-def test_long_recording_comes_in_many_chunks(tmp_path: Path) -> None:
+def test_long_recording_has_many_chunks(tmp_path: Path) -> None:
     path = tmp_path / "long.mcap"
     count = 20_000
     with path.open("wb") as file:

@@ -18,7 +18,7 @@ LAYOUT_1 = Path(__file__).parent / "recordings" / "layout_1.mcap"
 """4.6 s of an emulated robot in a room of 8 by 6 m."""
 
 
-def test_there_is_a_step_from_every_earlier_layout() -> None:
+def test_every_earlier_layout_has_an_upgrade() -> None:
     assert list(UPGRADES) == list(range(1, SCHEMA_VERSION))
 
 
@@ -43,7 +43,7 @@ def test_a_recording_of_layout_1_can_be_replayed() -> None:
     assert result.decisions > 10
 
 
-def test_settings_that_exist_no_more_are_left_out_and_named() -> None:
+def test_obsolete_settings_are_left_out_and_named() -> None:
     old = b"[gate]\nmax_speed = 0.3\nmagic = 1\n[oracle]\nurl = 'x'\n"
     old += b"[start]\nx=1\ny=2\ntheta=0\nq=1\n"
     config, left_out = parse_old_config(old, "old")
@@ -52,7 +52,7 @@ def test_settings_that_exist_no_more_are_left_out_and_named() -> None:
     assert left_out == ["gate.magic", "oracle", "start.q"]
 
 
-def test_former_keys_are_followed_and_constants_left_out_unless_they_differ() -> None:
+def test_renamed_keys_are_followed_and_constants_left_out_unless_different() -> None:
     old = b"[localization.samples]\nmaximum = 900\nbin_xy = 0.1\n"
     old += b"[localization.health]\nlost_below = 0.3\nfound_above = 0.5\n"
     old += b"[telemetry]\nqueue = 256\n[perception]\nleast_extent = 0.3\nmost_extent = 0.8\n"
@@ -62,7 +62,7 @@ def test_former_keys_are_followed_and_constants_left_out_unless_they_differ() ->
     assert changed_config(old, "old", ["localization.particles=700"]).localization.particles == 700
 
 
-def test_the_kept_recording_says_what_it_was_made_with() -> None:
+def test_kept_recordings_configuration_is_readable() -> None:
     config, _left_out = recorded_config(read_recording(LAYOUT_1))
     assert config.robot.name == "robot1"
 

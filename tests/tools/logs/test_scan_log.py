@@ -34,7 +34,7 @@ def recording(log: CarmenLog, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_a_recording_reads_as_the_log_it_was_made_of(log: CarmenLog, recording: Path) -> None:
+def test_recording_equals_the_log_it_was_converted_from(log: CarmenLog, recording: Path) -> None:
     read = read_scan_log(recording)
     assert read.referenced
     assert len(read.scans) == SCANS
@@ -50,7 +50,7 @@ def test_a_recording_reads_as_the_log_it_was_made_of(log: CarmenLog, recording: 
 
 
 @pytest.mark.parametrize("source", ["reference", "odometry"])
-def test_a_map_is_built_of_a_recording(
+def test_map_is_built_from_a_recording(
     recording: Path,
     log: CarmenLog,
     tmp_path: Path,
@@ -63,7 +63,7 @@ def test_a_map_is_built_of_a_recording(
     assert (tmp_path / "map.yaml").exists()
     assert (tmp_path / "map.png").exists()
     if source == "odometry":
-        # No place is seen twice so early in the log: the chain alone, against the odometry alone.
+        # No place is revisited so early in the log: compares the chain with the odometry.
         odometry = [scan.odometry for scan in log.scans]
         references = [scan.reference for scan in log.scans]
         frame = fit(odometry, references)
@@ -77,7 +77,7 @@ def test_a_map_is_built_of_a_recording(
         assert off < 0.25 * float(alone)
 
 
-def test_a_first_scan_beyond_the_end_is_refused(data_folder: Path) -> None:
+def test_first_scan_beyond_the_end_is_refused(data_folder: Path) -> None:
     log = read_scan_log(data_folder / "logs" / "seattle-corrected.log.gz")
     rest = log.from_scan(27)
     assert np.array_equal(rest.scans[0].points(), log.scans[27].points())

@@ -1,4 +1,4 @@
-"""Recordings by the standard reader, and by the schemas of the viewer's own library."""
+"""Recordings read by the standard reader and checked with the schemas of the viewer's library."""
 
 from __future__ import annotations
 
@@ -94,14 +94,14 @@ def test_a_track_is_the_viewers_own_entity() -> None:
     assert len(viewer_message("SceneUpdate", ours).encode()) > 50
 
 
-def test_a_payload_that_does_not_fit_is_refused() -> None:
+def test_invalid_payload_is_refused() -> None:
     with pytest.raises(TypeError):
         viewer_message("Log", {"message": "x", "nmae": "y"})
     with pytest.raises(TypeError):
         viewer_message("LaserScan", {"ranges": "far"})
 
 
-def test_viewer_takes_every_schema(recording: Path, tmp_path: Path) -> None:
+def test_viewer_accepts_every_schema(recording: Path, tmp_path: Path) -> None:
     foxglove = pytest.importorskip("foxglove", reason="the viewer's library is not here")
     with recording.open("rb") as file:
         summary = make_reader(file).get_summary()

@@ -32,7 +32,7 @@ radius = 0.3
 """
 
 
-def test_each_shape_is_where_the_plan_puts_it(tmp_path: Path) -> None:
+def test_each_shape_is_drawn_at_its_place(tmp_path: Path) -> None:
     plan = tmp_path / "plan.toml"
     plan.write_text(PLAN)
     occupancy = draw_floor_plan(plan, tmp_path / "drawn")

@@ -24,7 +24,7 @@ ROOM = (-3.0, 5.0, -2.0, 2.0)  # x from, x to, y from, y to
 
 
 def scan_of_room(t: float, laser: Pose) -> CarmenScan:
-    """What a laser sees in an empty rectangular room."""
+    """Return the scan of a laser in an empty rectangular room."""
     angles = math.radians(-90.0) + math.radians(1.0) * np.arange(180)
     ux, uy = np.cos(laser.theta + angles), np.sin(laser.theta + angles)
     with np.errstate(divide="ignore"):
@@ -65,7 +65,7 @@ def test_a_room_is_free_inside_with_walls_where_they_are() -> None:
     assert (outside == UNKNOWN).all()
 
 
-def test_the_numbers_add_up() -> None:
+def test_counts_add_up() -> None:
     calls: list[float] = []
     built = build_map(log_of_room(), 0.1, progress=calls.append)
     assert built.scans == 4
@@ -75,7 +75,7 @@ def test_the_numbers_add_up() -> None:
     assert "4 scans" in built.summary()
 
 
-def test_someone_who_walked_by_disappears() -> None:
+def test_person_who_walked_by_is_not_in_the_map() -> None:
     poses = [Pose(0.0, 0.0, 0.0)] * 6
     scans = [scan_of_room(float(t), pose) for t, pose in enumerate(poses)]
     scans[2].ranges[85:95] = 1.5
@@ -105,19 +105,19 @@ def test_even_and_odd_scans_are_those_of_the_log() -> None:
     assert not np.array_equal(even.map.cells, odd.map.cells)
 
 
-def test_no_scans_to_use_is_a_map_error() -> None:
+def test_missing_scans_are_a_map_error() -> None:
     log = log_of_room([scan_of_room(0.0, Pose(0.0, 0.0, 0.0))])
     with pytest.raises(MapError, match=r"room\.log: no odd scans"):
         build_map(log, scans="odd")
 
 
 @pytest.mark.parametrize("resolution", [0.0, -0.1, math.nan])
-def test_an_impossible_resolution_is_a_map_error(resolution: float) -> None:
+def test_invalid_resolution_is_a_map_error(resolution: float) -> None:
     with pytest.raises(MapError, match="positive number of metres"):
         build_map(log_of_room(), resolution)
 
 
-def test_a_wild_pose_is_a_map_error() -> None:
+def test_far_pose_is_a_map_error() -> None:
     log = log_of_room([scan_of_room(0.0, Pose(0.0, 0.0, 0.0))])
     far = CarmenScan(1.0, np.ones(180), -1.57, 0.0175, Pose(9e6, 5.0, 0.0), Pose(0.0, 0.0, 0.0))
     with pytest.raises(MapError, match=r"room\.log: the scans span 9000\d+ x \d+ m"):
@@ -212,10 +212,10 @@ def test_the_picture_shows_map_and_border(tmp_path: Path) -> None:
     (row,), (col,) = content.map.cells_at([(7.0, 13.75)])
     top = (content.map.cells.shape[0] - 1 - row) * scale
     across = picture[top - 3 * scale : top + 3 * scale, col * scale].tolist()
-    assert [60, 150, 0] in across  # green: enough room
+    assert [60, 150, 0] in across  # green: enough clearance
 
 
-def test_the_picture_needs_no_border(tmp_path: Path) -> None:
+def test_picture_without_a_border_is_drawn(tmp_path: Path) -> None:
     folder = tmp_path / "map"
     shutil.copytree(MAPS / "paper_lab", folder)
     (folder / "border.toml").unlink()

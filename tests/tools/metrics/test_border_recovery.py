@@ -1,4 +1,4 @@
-"""The border once robots stand on it."""
+"""Recovery of the patrol with wrecks on the border."""
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ def visits_of(
     return border_visits(border, places, T, [wreck[:2] for wreck in wrecks])
 
 
-def test_the_rest_is_driven_again(border: Border) -> None:
+def test_time_until_the_rest_is_driven_again_is_measured(border: Border) -> None:
     wreck = Wreck(20.0, 0.0, "robot2", 50.0)
     # From 17.5 at t = 50 to 0 and back at 0.35 m/s; another beyond the wreck.
     left = along(17.5 * np.abs(((T - 50.0) / 50.0) % 2.0 - 1.0))
@@ -44,7 +44,7 @@ def test_the_rest_is_driven_again(border: Border) -> None:
     assert told["stretch_m"] == pytest.approx([18.0, 22.0])
 
 
-def test_a_stretch_between_wrecks_with_nobody_left_is_abandoned(border: Border) -> None:
+def test_stretch_between_wrecks_without_robots_is_abandoned(border: Border) -> None:
     wrecks = [Wreck(8.0, 0.0, "robot2", 50.0), Wreck(20.0, 0.0, "robot3", 60.0)]
     left = along(3.0 + 3.0 * np.sin(T / 5.0))
     after = recovery_figures(border, [left], visits_of(border, [left], wrecks), wrecks)[
@@ -55,7 +55,7 @@ def test_a_stretch_between_wrecks_with_nobody_left_is_abandoned(border: Border) 
     assert after["abandoned_m"] == pytest.approx(8.0 + 8.0, abs=0.6)  # 10 to 18 m, 22 to 30 m
 
 
-def test_what_nobody_drives_again_is_told(border: Border) -> None:
+def test_undriven_stretch_gives_no_recovery_time(border: Border) -> None:
     wreck = Wreck(20.0, 0.0, "robot2", 50.0)
     standing = along(np.full_like(T, 10.0))
     after = recovery_figures(border, [standing], visits_of(border, [standing], [wreck]), [wreck])[
@@ -66,10 +66,10 @@ def test_what_nobody_drives_again_is_told(border: Border) -> None:
 
 
 @pytest.mark.parametrize(("robots", "crowded"), [(5, False), (12, True)])
-def test_what_is_undriven_since_there_is_no_room_is_told(
+def test_undriven_length_without_room_is_crowded(
     border: Border, robots: int, crowded: bool
 ) -> None:
-    """All stand between an end and a wreck at 16 m, evenly spaced."""
+    """All robots stand between an end and a wreck at 16 m, evenly spaced."""
     wreck = Wreck(16.0, 0.0, "robot20", 50.0)
     places = [along(np.full_like(T, 1.0 + 13.0 * k / (robots - 1))) for k in range(robots)]
     figures = recovery_figures(border, places, visits_of(border, places, [wreck]), [wreck])
@@ -78,5 +78,5 @@ def test_what_is_undriven_since_there_is_no_room_is_told(
     assert after["crowded_m"] == (after["undriven_m"] if crowded else 0.0)
 
 
-def test_no_wreck_no_figures(border: Border) -> None:
+def test_no_wreck_gives_no_figures(border: Border) -> None:
     assert recovery_figures(border, [], None, []) == {"wrecks": []}

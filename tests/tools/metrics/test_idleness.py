@@ -25,7 +25,7 @@ def lap_positions(border: Border, t: np.ndarray, start: float = 0.0) -> np.ndarr
     return np.array([(place.x, place.y) for place in places])
 
 
-def test_robots_evenly_spaced_one_way_reach_the_ideal(border: Border) -> None:
+def test_evenly_spaced_robots_reach_the_ideal_idleness(border: Border) -> None:
     robots = 3
     ideal = border.length / (robots * SPEED)
     t = np.arange(0.0, 10 * ideal, 0.1)
@@ -58,12 +58,12 @@ def test_a_standing_robot_leaves_the_rest_idle(border: Border) -> None:
     assert figures["return_entropy_bit"] is None
 
 
-def test_nobody_arrived_leaves_nothing_to_say() -> None:
+def test_no_arrival_gives_none() -> None:
     figures = idleness_figures(None)
     assert set(figures["idleness_s"].values()) == {None}
 
 
-def test_entropy_of_return_times() -> None:
+def test_entropy_of_return_times_matches_known_cases() -> None:
     assert return_entropy(np.array([])) is None
     assert return_entropy(np.full(8, 55.0)) == 0.0
     assert return_entropy(np.array([5.0, 15.0, 25.0, 35.0])) == pytest.approx(2.0)

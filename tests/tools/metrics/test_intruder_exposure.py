@@ -1,4 +1,4 @@
-"""Chances of an intruder at the border."""
+"""Probability that an intruder at the border is seen."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from tools.metrics.idleness import border_visits
 from tools.metrics.intruder_exposure import DWELL_S, intruder_figures
 
 
-def test_chances_follow_from_the_gaps_of_the_weakest_place() -> None:
+def test_probabilities_follow_from_the_gaps() -> None:
     border = Border([Segment((0.0, 0.0), (20.0, 0.0))], closed=False)
     t = np.arange(0.0, 400.0, 0.1)
     # To and fro between s = 0 and 20 at 0.5 m/s: the ends wait 80 s, the middle 40 s.
@@ -25,7 +25,7 @@ def test_chances_follow_from_the_gaps_of_the_weakest_place() -> None:
     assert anywhere[30.0] > at_end[30.0]
 
 
-def test_a_run_shorter_than_the_dwell_time_tells_nothing() -> None:
+def test_run_shorter_than_the_dwell_time_gives_none() -> None:
     border = Border([Segment((0.0, 0.0), (20.0, 0.0))], closed=False)
     t = np.arange(0.0, 20.0, 0.1)
     seen = intruder_figures(border_visits(border, [np.zeros((t.size, 2))], t))["intruder_seen"]

@@ -39,7 +39,7 @@ def run_along(
     action: str = Action.KEEP_GOING,
     direction: int = 1,
 ) -> RobotRun:
-    """A robot that stands at given abscissae, one per step, ``aside`` m left of the border."""
+    """Return a run at given abscissae, m, one per step, ``aside`` m left of the border."""
     places = [border.at(float(s % border.length)) for s in abscissae]
     return RobotRun(
         name=name,
@@ -72,7 +72,7 @@ def test_a_robot_that_never_arrives_has_no_distances(border: Border) -> None:
     assert patrolling_distances(run, distance).size == 0
 
 
-def test_other_actions_are_no_patrol(border: Border) -> None:
+def test_distances_outside_patrol_actions_are_left_out(border: Border) -> None:
     run = run_along(border, np.full(10, 3.0), action=Action.AVOID_TEAMMATE)
     assert patrolling_distances(run, distance_from_border(border, run)).size == 0
     assert longest_avoid([run]) == pytest.approx(0.9)
@@ -87,7 +87,7 @@ def test_interference_is_counted_once_in_ten_seconds(border: Border) -> None:
     assert interferences([still, far]) == 0
 
 
-def test_a_meeting_that_turns_both_back(border: Border) -> None:
+def test_approach_and_retreat_is_a_meeting_turned_back(border: Border) -> None:
     approach = np.concatenate([np.arange(0.0, 3.0, 0.035), np.arange(3.0, 0.0, -0.035)])
     a = run_along(border, 10.0 + approach, action=Action.PATROL_COUNTER_CLOCKWISE, direction=-1)
     b = run_along(
@@ -99,7 +99,7 @@ def test_a_meeting_that_turns_both_back(border: Border) -> None:
     assert meeting.closest_m == pytest.approx(1.6, abs=0.1)
 
 
-def test_a_meeting_cut_by_the_end_of_the_run_has_not_parted(border: Border) -> None:
+def test_meeting_at_the_end_of_the_run_has_not_parted(border: Border) -> None:
     a = run_along(border, np.full(5, 10.0), action=Action.AVOID_TEAMMATE)
     b = run_along(border, np.full(5, 12.0), name="robot2")
     (meeting,) = meetings([a, b])

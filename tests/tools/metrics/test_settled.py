@@ -9,7 +9,7 @@ from tools.metrics.settled import settled_figures
 LINE = Border([Segment((0.0, 0.0), (10.0, 0.0))], closed=False)
 
 
-def test_what_happened_in_the_first_half_does_not_count():
+def test_first_half_does_not_count():
     t = np.arange(0.0, 400.0, 0.1)
     # For 200 s it stands at the left end, then it drives to and fro within 40 s.
     phase = np.where(t < 200.0, 0.0, (t - 200.0) / 20.0 % 2.0)

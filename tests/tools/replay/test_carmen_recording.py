@@ -1,4 +1,4 @@
-"""Recordings, logs, captures and tables, from each to the other."""
+"""Conversions between recordings, logs, captures and tables."""
 
 from __future__ import annotations
 
@@ -24,7 +24,9 @@ CAPTURES = ("client-sim-tcp", "client-sim-serial", "client-laser", "client-laser
 
 
 @pytest.mark.parametrize("name", CAPTURES)
-def test_capture_to_recording_and_back(data_folder: Path, tmp_path: Path, name: str) -> None:
+def test_capture_survives_conversion_to_a_recording_and_back(
+    data_folder: Path, tmp_path: Path, name: str
+) -> None:
     source = data_folder / "captures" / f"{name}.jsonl"
     recording, back = tmp_path / "capture.mcap", tmp_path / "back.jsonl"
     assert main(["convert", str(source), "-o", str(recording)]) == 0
@@ -55,9 +57,7 @@ def test_capture_can_be_served(data_folder: Path, tmp_path: Path) -> None:
         ("ODOM 1 2 3\n", "line 1"),
     ],
 )
-def test_files_that_are_no_captures_are_refused(
-    tmp_path: Path, content: str, complaint: str
-) -> None:
+def test_invalid_captures_are_refused(tmp_path: Path, content: str, complaint: str) -> None:
     path = tmp_path / "odd.jsonl"
     path.write_text(content)
     with pytest.raises(CaptureError, match=complaint):
@@ -86,7 +86,7 @@ def test_recording_to_carmen_keeps_scans_and_odometry(tmp_path: Path) -> None:
         assert math.dist(scan.odometry[:2], odometry[:2]) < 1e-5
 
 
-def test_stream_to_table(tmp_path: Path) -> None:
+def test_stream_is_written_as_table(tmp_path: Path) -> None:
     path = tmp_path / "decisions.csv"
     assert main(["convert", str(KEPT), "-o", str(path), "--stream", "decision"]) == 0
     with path.open() as file:
@@ -99,7 +99,7 @@ def test_stream_to_table(tmp_path: Path) -> None:
     assert next(iter(rows[0])) == "t"
 
 
-def test_bytes_to_table(tmp_path: Path) -> None:
+def test_bytes_are_written_as_table(tmp_path: Path) -> None:
     path = tmp_path / "rx.csv"
     assert main(["convert", str(KEPT), "-o", str(path), "--stream", "base/rx"]) == 0
     rows = path.read_text().splitlines()
@@ -115,7 +115,7 @@ def test_bytes_to_table(tmp_path: Path) -> None:
         (["-o", "x.mcap"], "a .log, a .jsonl"),
     ],
 )
-def test_conversions_that_do_not_exist_name_those_that_do(
+def test_unknown_conversions_name_the_known_ones(
     arguments: list[str],
     complaint: str,
     capsys: pytest.CaptureFixture[str],

@@ -1,4 +1,4 @@
-"""Recordings made by an earlier program replay as they were, in what they knew."""
+"""Recordings of earlier programs replay identically in the fields they have."""
 
 from pathlib import Path
 
@@ -21,8 +21,8 @@ def payload(stream: str, **fields: object) -> Publish:
 
 
 @pytest.mark.parametrize("name", ["layout_2_meeting", "layout_2_strangers"])
-def test_a_recording_from_before_the_modifiers_replays_identically(name: str) -> None:
-    """18 s of two robots that meet; of one with a camera among two strangers."""
+def test_recording_of_layout_2_replays_identically(name: str) -> None:
+    """18 s of two robots that meet, and of one with a camera among two strangers."""
     recording = read_recording(RECORDINGS / f"{name}.mcap")
     result = Replay(recording).run()
     assert recording.layout == 2
@@ -42,14 +42,14 @@ def test_a_changed_byte_or_value_is_found_in_any_layout() -> None:
             )
 
 
-def test_an_earlier_layout_may_know_less_and_say_it_in_other_words() -> None:
+def test_earlier_layout_may_lack_fields_and_differ_in_texts() -> None:
     recorded: list[Effect] = [payload("event", message="a"), payload("decision", wish=1, x=2)]
     now: list[Effect] = [payload("decision", requested=1, x=2, turn="chance")]
     assert same_effects(recorded, now, OLD, complete=True)
     assert not same_effects(recorded, now, SCHEMA_VERSION, complete=True)
 
 
-def test_what_an_override_changed_the_meaning_of_is_not_compared() -> None:
+def test_fields_changed_in_meaning_by_an_override_are_not_compared() -> None:
     recorded = payload("decision", action="keep_going", degrees={"keep_going": 0.9})
     overridden = payload(
         "decision", action="keep_going", degrees={"keep_going": 0.1}, override="closing_in"
@@ -59,7 +59,7 @@ def test_what_an_override_changed_the_meaning_of_is_not_compared() -> None:
     assert not same_effects([recorded], [plain], OLD, complete=True)
 
 
-def test_effects_cut_off_at_a_files_end_may_be_fewer_but_not_more() -> None:
+def test_truncated_effects_may_be_fewer_but_not_more() -> None:
     assert same_effects([SENT], [SENT, SENT], SCHEMA_VERSION, complete=False)
     assert not same_effects([SENT], [SENT, SENT], SCHEMA_VERSION, complete=True)
     assert not same_effects([SENT, SENT], [SENT], SCHEMA_VERSION, complete=False)

@@ -1,4 +1,4 @@
-"""A recording's devices against the unmodified agent, and on ports."""
+"""A recording's devices with the unmodified agent, and on ports."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Decisions:
             self.times.append(t)
 
 
-def test_unmodified_agent_runs_on_a_recording_as_on_a_robot(recording: Recording) -> None:
+def test_agent_on_recorded_devices_decides_as_recorded(recording: Recording) -> None:
     config, _ = recorded_config(recording)
     folder = map_folder_from_files("room", recording.header.map_files)
     devices = recorded_devices(recording)
@@ -57,7 +57,7 @@ def test_unmodified_agent_runs_on_a_recording_as_on_a_robot(recording: Recording
     assert seen.times[0] == pytest.approx(recorded[0], abs=0.2)
 
 
-def test_nothing_is_said_before_the_driver_speaks(recording: Recording) -> None:
+def test_devices_send_nothing_before_the_drivers_first_byte(recording: Recording) -> None:
     base = recorded_devices(recording)["base"]
     assert base.pop_output(100.0) == []
     base.feed(b"\xfa\xfb", 200.0)
@@ -68,7 +68,7 @@ def test_nothing_is_said_before_the_driver_speaks(recording: Recording) -> None:
 
 
 class Listener:
-    """Collects what a link hears."""
+    """Collects a link's bytes."""
 
     def __init__(self) -> None:
         self.heard = bytearray()
@@ -84,7 +84,7 @@ class Listener:
 
 
 @pytest.mark.parametrize("place", ["pty", "tcp:0"])
-def test_a_driver_finds_the_devices_on_ports(recording: Recording, place: str) -> None:
+def test_driver_connects_to_the_devices_on_ports(recording: Recording, place: str) -> None:
     urls: dict[str, str] = {}
     done = threading.Event()
     worker = threading.Thread(

@@ -1,4 +1,4 @@
-"""Convert, record, replay: the same agent, the same effects, whatever fed it."""
+"""Convert, record, replay: the same events give the same effects."""
 
 import gzip
 from pathlib import Path
@@ -48,12 +48,12 @@ def converted(
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Twenty seconds of a robot patrolling the bench."""
+    """Record twenty seconds of a patrolling robot on the bench."""
     folder = load_map_folder(find_map("paper_lab", Path()))
     return record_lockstep(folder, 20.0, tmp_path_factory.mktemp("recording"))
 
 
-def test_moments_keep_every_scan_and_leave_no_gap(log: CarmenLog) -> None:
+def test_moments_contain_every_scan_without_gaps(log: CarmenLog) -> None:
     found = moments(log)
     scans = [moment.scan for moment in found if moment.scan is not None]
     assert scans == log.scans
@@ -65,7 +65,7 @@ def test_moments_keep_every_scan_and_leave_no_gap(log: CarmenLog) -> None:
     assert first.odometry == log.scans[0].odometry
 
 
-def test_a_logged_scan_gets_the_beam_its_logger_left_out(log: CarmenLog) -> None:
+def test_missing_last_beam_is_padded(log: CarmenLog) -> None:
     padded = padded_ranges(log.scans[0])
     assert padded.size == 181
     assert padded[-1] == np.inf
@@ -108,7 +108,7 @@ def test_replay_is_identical(which: str, request: pytest.FixtureRequest) -> None
     assert any("replayed" in line for line in report_lines(result))
 
 
-def test_a_bench_on_another_border_records_which(tmp_path: Path) -> None:
+def test_border_of_a_bench_is_recorded(tmp_path: Path) -> None:
     folder = load_map_folder(find_map("intel_lab", Path()), "open")
     result = Replay(read_recording(record_lockstep(folder, 6.0, tmp_path))).run()
     assert result.difference is None
@@ -121,12 +121,12 @@ def test_replay_compares_with_the_reference(converted: Path) -> None:
     assert np.median(result.position_errors) < 0.05
 
 
-def test_replay_ends_where_told(recorded: Path) -> None:
+def test_replay_ends_at_until(recorded: Path) -> None:
     assert Replay(read_recording(recorded)).run(until=5.0).duration <= 5.0
 
 
 def rewrite(source: Path, target: Path, change: dict[int, object]) -> None:
-    """Copy a recording with some of its items replaced by number; None leaves one out."""
+    """Copy a recording with items replaced by their number; None leaves one out."""
     recording = read_recording(source)
     t = 0.0
     with target.open("wb") as file:
@@ -176,9 +176,7 @@ def test_a_gap_ends_the_comparison(recorded: Path, tmp_path: Path) -> None:
     assert "lost 3 records" in difference
 
 
-def test_a_recording_cut_in_the_middle_replays_its_whole_part(
-    recorded: Path, tmp_path: Path
-) -> None:
+def test_truncated_recording_replays_its_complete_part(recorded: Path, tmp_path: Path) -> None:
     cut = tmp_path / "cut.mcap"
     cut.write_bytes(recorded.read_bytes()[: recorded.stat().st_size * 4 // 5])
     recording = read_recording(cut)

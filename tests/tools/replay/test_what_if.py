@@ -1,4 +1,4 @@
-"""What would have been decided differently, on a kept recording."""
+"""Comparison of decisions under other settings, on a kept recording."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def recording() -> Recording:
 
 
 def replayed(recording: Recording, changes: list[str], since: float = 0.0) -> WhatIf:
-    """Decisions now with the changes, beside decisions now without."""
+    """Compare decisions with the changes to decisions without."""
     config = changed_config(recording.header.configuration, str(KEPT), changes)
     what_if = WhatIf()
     Replay(recording, config=config).run(check=False, since=since, what_if=what_if)
@@ -48,7 +48,7 @@ def test_the_same_decisions_do_not_differ(recording: Recording) -> None:
     assert what_if.other_command == what_if.other_action == what_if.one_sided == 0
 
 
-def test_decisions_of_one_side_only_are_told(recording: Recording) -> None:
+def test_one_sided_decisions_are_counted(recording: Recording) -> None:
     decision = next(
         item
         for item in recording.items()
@@ -63,14 +63,14 @@ def test_decisions_of_one_side_only_are_told(recording: Recording) -> None:
     assert what_if.episodes[0].now == "no decision"
 
 
-def test_what_is_before_from_is_not_counted(recording: Recording) -> None:
+def test_decisions_before_since_are_not_counted(recording: Recording) -> None:
     whole = replayed(recording, ["gate.max_speed=0.05"])
     late = replayed(recording, ["gate.max_speed=0.05"], since=3.5)
     assert 0 < late.decisions < whole.decisions
     assert min(episode.start for episode in late.episodes) >= 3.5
 
 
-def test_command_line(capsys: pytest.CaptureFixture[str]) -> None:
+def test_command_line_prints_the_comparison(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["replay", str(KEPT), "--set", "gate.max_speed=0.05", "--from", "3"]) == 0
     assert "decisions compared on the recorded inputs" in capsys.readouterr().out
     assert main(["replay", str(KEPT), "--check", "--set", "gate.max_speed=0.05"]) == 2

@@ -1,5 +1,7 @@
-"""The emulated robot as its clients meet it: byte strings of the manuals over TCP and a pty, none
-of our own codecs."""
+"""The emulated robot against clients that send byte strings of the manuals over TCP and a pty.
+
+The product's codecs are not used.
+"""
 
 from __future__ import annotations
 
@@ -58,7 +60,7 @@ def folder() -> MapFolder:
 
 @contextmanager
 def emulated(folder: MapFolder, options: EmulateOptions) -> Iterator[dict[str, str]]:
-    """Run an emulated robot on a thread; give its URLs."""
+    """Run an emulated robot on a thread; yield its URLs."""
     ended = threading.Event()
     with closing(Emulation(folder, options)) as emulation:
         thread = threading.Thread(target=emulation.run, args=(lambda: not ended.is_set(),))
@@ -105,7 +107,7 @@ class ManualClient:
         self.socket.sendall(packet)
 
     def packet(self, wanted: Callable[[bytes], bool] = lambda _: True) -> bytes:
-        """Return the data of the next packet that is wanted."""
+        """Return the data of the next packet that satisfies the condition."""
         give_up = time.monotonic() + LIMIT
         while time.monotonic() < give_up:
             while (data := self._take()) is not None:
@@ -132,7 +134,7 @@ class ManualClient:
         return data
 
     def shake_hands(self) -> list[bytes]:
-        """Connect as the manual says; return the robot's name, class and subclass."""
+        """Connect as in the manual; return the robot's name, class and subclass."""
         self.send(SYNC0)
         assert self.packet() == b"\x00"
         self.send(SYNC1)
@@ -154,7 +156,7 @@ class ManualClient:
         return self.packet(lambda data: data[0] in (0x32, 0x33) and wanted(data))
 
     def drive_until(self, wanted: Callable[[bytes], bool]) -> bytes:
-        """Ask for 0.3 m/s on every report, until one is wanted."""
+        """Command 0.3 m/s on every report, until one satisfies the condition."""
 
         def there(sip: bytes) -> bool:
             self.send(VEL_300)
@@ -163,7 +165,7 @@ class ManualClient:
         return self.sip(there)
 
 
-def test_independent_client_over_tcp(folder: MapFolder) -> None:
+def test_independent_client_drives_over_tcp(folder: MapFolder) -> None:
     with emulated(folder, EmulateOptions(p2os="tcp:0", pose=OPEN_PLACE)) as urls:
         with closing(ManualClient(urls["p2os"])) as client:
             client.send(JUNK)
@@ -198,7 +200,7 @@ def test_independent_client_over_tcp(folder: MapFolder) -> None:
             assert x_counts(again.sip()) == 0, "a new session starts at zero"
 
 
-# What a client of the makers' own lineage sends, byte by byte.
+# Bytes sent by a client based on the makers' own library.
 VEL_MINUS_150 = bytes.fromhex("FAFB 06 0B 1B9600 A11B")
 RVEL_MINUS_15 = bytes.fromhex("FAFB 06 15 1B0F00 241B")
 VEL2_TURN_LEFT = bytes.fromhex("FAFB 06 20 1BFD02 1D1D")  # left -60, right +60 mm/s: -765 in all
@@ -235,10 +237,10 @@ def distance(before: bytes, after: bytes) -> float:
 
 
 def set_up(client: ManualClient) -> None:
-    """Do what such a client does after OPEN: CONFIG at once, limits at the first report."""
+    """Send what such a client sends after OPEN: CONFIG at once, limits at the first report."""
     client.send(CONFIG)
     client.packet(lambda data: data[0] == 0x20)
-    client.send(BATTERY_INFO)  # of later firmware: no answer is fine
+    client.send(BATTERY_INFO)  # of later firmware: a missing reply is accepted
     client.sip()
     for number, value in LIMITS:
         client.send_int(number, value)
@@ -253,7 +255,7 @@ def come_to_rest(client: ManualClient) -> None:
     client.sip(lambda sip: speeds(sip) == (0, 0) and sip[0] == 0x32)
 
 
-def test_client_of_the_makers_lineage(folder: MapFolder) -> None:
+def test_bytes_of_an_aria_client_are_accepted(folder: MapFolder) -> None:
     with emulated(folder, EmulateOptions(p2os="tcp:0", pose=OPEN_PLACE)) as urls:
         with closing(ManualClient(urls["p2os"])) as client:
             client.shake_hands()
@@ -297,9 +299,9 @@ def test_client_of_the_makers_lineage(folder: MapFolder) -> None:
             assert speeds(again.sip()) == (0, 0)
 
 
-def test_serial_client_changes_the_rate_and_comes_back(folder: MapFolder) -> None:
+def test_serial_client_changes_the_rate_and_reconnects(folder: MapFolder) -> None:
     with emulated(folder, EmulateOptions(pose=OPEN_PLACE)) as urls:
-        for _ in range(2):  # closing puts the robot back to the rate it starts with
+        for _ in range(2):  # CLOSE resets the robot to its start rate
             with closing(ManualClient(urls["p2os"])) as client:
                 client.send(JUNK)
                 time.sleep(0.07)
@@ -307,7 +309,7 @@ def test_serial_client_changes_the_rate_and_comes_back(folder: MapFolder) -> Non
                 client.send(CONFIG)
                 client.packet(lambda data: data[0] == 0x20)
                 client.send(HOSTBAUD_38400)
-                time.sleep(0.2)  # the robot must have heard it before the port changes
+                time.sleep(0.2)  # the robot must have received it before the port changes
                 client.socket.device.baudrate = 38400
                 client.buffer = b""
                 client.send(SYNC0)
@@ -318,7 +320,7 @@ def test_serial_client_changes_the_rate_and_comes_back(folder: MapFolder) -> Non
 
 
 @pytest.mark.parametrize("place", ["pty", "tcp:0"])
-def test_cut_line_goes_away_and_comes_back(folder: MapFolder, place: str) -> None:
+def test_cut_line_disappears_and_returns(folder: MapFolder, place: str) -> None:
     options = EmulateOptions(p2os=place, p2os_faults="cut=1:1.5", pose=OPEN_PLACE)
     with emulated(folder, options) as urls:
         url = urls["p2os"]
@@ -328,23 +330,23 @@ def test_cut_line_goes_away_and_comes_back(folder: MapFolder, place: str) -> Non
             # Hung up on: a socket ends or breaks, a serial port fails.
             with pytest.raises((AssertionError, OSError)):
                 client.packet(lambda _: False)
-        # A cable is no power switch: the session is still open.
+        # The robot stays powered without a cable: the session is still open.
         assert first_report_again(url)[0] in (0x32, 0x33)
 
 
 def first_report_again(url: str) -> bytes:
-    """Try a port that was taken away until it gives a report."""
+    """Try a port that was removed until it gives a report."""
     give_up = time.monotonic() + LIMIT
     while True:
         try:
             with closing(ManualClient(url)) as client:
                 return client.sip()
-        except (AssertionError, OSError):  # not there yet, or still being taken away
+        except (AssertionError, OSError):  # not there yet, or still being removed
             assert time.monotonic() < give_up, "never came back"
             time.sleep(0.02)
 
 
-def test_reset_on_request(folder: MapFolder) -> None:
+def test_fault_plan_resets_the_base(folder: MapFolder) -> None:
     options = EmulateOptions(p2os="tcp:0", p2os_faults="reset=1", pose=OPEN_PLACE)
     with emulated(folder, options) as urls, closing(ManualClient(urls["p2os"])) as client:
         client.shake_hands()
@@ -354,7 +356,7 @@ def test_reset_on_request(folder: MapFolder) -> None:
             client.packet(lambda _: False)
         client.socket.settimeout(LIMIT)
         give_up = time.monotonic() + LIMIT
-        while True:  # deaf while it starts up
+        while True:  # ignores bytes while it starts up
             assert time.monotonic() < give_up
             client.send(SYNC0)
             client.socket.settimeout(0.3)
@@ -365,12 +367,12 @@ def test_reset_on_request(folder: MapFolder) -> None:
                 continue
 
 
-def test_unusable_faults(folder: MapFolder) -> None:
+def test_invalid_faults_are_refused(folder: MapFolder) -> None:
     with pytest.raises(FaultSpecError, match="melt"):
         Emulation(folder, EmulateOptions(lms200_faults="melt=1"))
 
 
-def test_view_of_the_camera(folder: MapFolder) -> None:
+def test_camera_stream_shows_the_view(folder: MapFolder) -> None:
     with emulated(folder, EmulateOptions(camera=0, pose=OPEN_PLACE)) as urls:
         camera = Camera(CameraSettings(url=urls["camera"]))
         camera.start()
@@ -399,7 +401,7 @@ def test_view_shows_walls_by_their_distance(folder: MapFolder) -> None:
     assert near > far, "the side wall is nearer, so brighter, than the corridor's end"
 
 
-def test_taken_camera_port(folder: MapFolder) -> None:
+def test_camera_port_in_use_is_refused(folder: MapFolder) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         number = taken.getsockname()[1]
         with pytest.raises(EmulateError, match=f"--camera {number}"):
@@ -407,7 +409,7 @@ def test_taken_camera_port(folder: MapFolder) -> None:
 
 
 def reconnected(url: str) -> ManualClient:
-    """Connect again right after leaving; refused while the first connection is being buried."""
+    """Connect again right after disconnecting; refused until the first connection is closed."""
     give_up = time.monotonic() + LIMIT
     while True:
         client = ManualClient(url)
@@ -433,7 +435,7 @@ def sonar_numbers(sip: bytes) -> set[int]:
 
 
 def telegram(payload: bytes) -> bytes:
-    """Frame a command to a laser as the listing says: STX, address 0, length, data, CRC."""
+    """Frame a command to a laser by the listing: STX, address 0, length, data, CRC."""
     frame = b"\x02\x00" + struct.pack("<H", len(payload)) + payload
     crc, previous = 0, 0
     for octet in frame:
@@ -443,7 +445,7 @@ def telegram(payload: bytes) -> bytes:
     return frame + struct.pack("<H", crc)
 
 
-def test_laser_client_on_the_pty(folder: MapFolder) -> None:
+def test_laser_client_gets_scans_on_the_pty(folder: MapFolder) -> None:
     with (
         emulated(folder, EmulateOptions(pose=OPEN_PLACE)) as urls,
         serial.Serial(urls["lms200"], 9600, timeout=LIMIT) as line,
@@ -507,24 +509,26 @@ def test_free_place_is_chosen_by_seed(folder: MapFolder) -> None:
         (EmulateOptions(pose=Pose(0.0, 0.0, 0.0)), "--pose: robot 0 at .* stands in a wall"),
     ],
 )
-def test_what_cannot_be_emulated(folder: MapFolder, options: EmulateOptions, words: str) -> None:
+def test_invalid_options_are_refused(
+    folder: MapFolder, options: EmulateOptions, words: str
+) -> None:
     with pytest.raises(EmulateError, match=words):
         Emulation(folder, options)
 
 
-def test_taken_tcp_port(folder: MapFolder) -> None:
+def test_tcp_port_in_use_is_refused(folder: MapFolder) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         number = taken.getsockname()[1]
         with pytest.raises(EmulateError, match="choose another port"):
             Emulation(folder, EmulateOptions(p2os=f"tcp:{number}"))
 
 
-def test_unknown_model(folder: MapFolder) -> None:
+def test_unknown_model_is_refused(folder: MapFolder) -> None:
     with pytest.raises(UnknownModelError, match="p2dx"):
         Emulation(folder, EmulateOptions(model="r2d2"))
 
 
-def test_pose_option() -> None:
+def test_pose_option_is_parsed() -> None:
     pose = parse_pose("4.0,3.7,90")
     assert pose == pytest.approx((4.0, 3.7, 1.5708), abs=1e-4)
     for text in ("4.0,3.7", "a,b,c", "nan,0,0"):

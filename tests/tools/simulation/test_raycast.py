@@ -39,7 +39,7 @@ def walked(occupancy: OccupancyMap, x: float, y: float, angle: float, max_range:
     return float(ways[met.argmax()]) if met.any() else math.inf
 
 
-def test_ranges_are_those_of_a_walk_along_the_ray(clutter: OccupancyMap) -> None:
+def test_ranges_equal_a_fine_walk_along_the_ray(clutter: OccupancyMap) -> None:
     rng = np.random.default_rng(2)
     caster = RayCaster(clutter)
     for _ in range(12):
@@ -54,12 +54,12 @@ def test_ranges_are_those_of_a_walk_along_the_ray(clutter: OccupancyMap) -> None
 
 
 @pytest.mark.parametrize("angle", [0.0, math.pi / 2, math.pi, -math.pi / 2])
-def test_rays_along_the_axes(clutter: OccupancyMap, angle: float) -> None:
+def test_rays_along_the_axes_hit_walls(clutter: OccupancyMap, angle: float) -> None:
     [distance] = RayCaster(clutter).cast(4.0, 2.0, np.array([angle]), 30.0)
     assert distance == pytest.approx(walked(clutter, 4.0, 2.0, angle, 30.0), abs=3e-4)
 
 
-def test_nothing_is_met_beyond_the_range_or_outside_the_map() -> None:
+def test_ranges_are_infinite_beyond_the_limit_and_outside_the_map() -> None:
     cells = np.full((20, 20), FREE, dtype=np.uint8)
     cells[:, 15] = OCCUPIED
     cells[:, 10] = UNKNOWN
@@ -91,7 +91,7 @@ def rectangle(x: float, y: float, theta: float) -> NDArray[np.float64]:
     return np.array([(x, y, theta, 0.3, 0.2)])
 
 
-def test_rectangles_are_met_on_their_sides() -> None:
+def test_rays_hit_rectangles_on_their_sides() -> None:
     rays = np.radians([0.0, 180.0, 20.0])
     assert cast_bodies(0.0, 0.0, rays, rectangle(2.0, 0.0, 0.0), 10.0) == pytest.approx(
         [1.7, math.inf, math.inf]
@@ -101,7 +101,7 @@ def test_rectangles_are_met_on_their_sides() -> None:
     )
 
 
-def test_a_turned_rectangle_is_met_at_its_corner() -> None:
+def test_ray_hits_a_turned_rectangle_at_its_corner() -> None:
     half = math.sqrt(0.5)
     corner_x, corner_y = 2.0 - half * (0.3 + 0.2), -half * (0.3 - 0.2)
     towards = np.array([math.atan2(corner_y, corner_x)])
@@ -118,14 +118,14 @@ def test_the_nearest_rectangle_counts_and_the_range_ends() -> None:
     assert cast_bodies(0.0, 0.0, ahead, both[:0], 10.0) == [math.inf]
 
 
-def test_rays_along_a_rectangle_pass_or_meet_it() -> None:
+def test_rays_along_a_side_pass_or_hit_the_rectangle() -> None:
     ahead = np.array([0.0])
     assert cast_bodies(0.0, 0.199, ahead, rectangle(2.0, 0.0, 0.0), 10.0) == pytest.approx([1.7])
     assert cast_bodies(0.0, 0.201, ahead, rectangle(2.0, 0.0, 0.0), 10.0) == [math.inf]
 
 
 @pytest.mark.parametrize("angle", [0.0, math.pi / 2, math.pi, -math.pi, -math.pi / 2, 1e-12])
-def test_rays_along_the_sides_of_cells_end(angle: float) -> None:
+def test_rays_along_cell_sides_terminate(angle: float) -> None:
     cells = np.full((64, 64), FREE, dtype=np.uint8)
     cells[[0, -1], :] = OCCUPIED
     cells[:, [0, -1]] = OCCUPIED

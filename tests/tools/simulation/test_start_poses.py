@@ -38,7 +38,7 @@ def test_poses_are_clear_near_the_border_and_apart(
     poses = free_start_poses(divided_hall, border, 4, np.random.default_rng(seed))
     assert len(poses) == 4
     for pose in poses:
-        # Those beyond the dividing wall are near enough, but have no way to the border.
+        # Cells beyond the dividing wall are near enough, but have no path to the border.
         assert 0.05 + 0.5 <= pose.y <= 5.0 - 0.5
         assert 0.5 <= pose.x <= 19.5
         assert 1.0 <= border.project(pose.x, pose.y).distance <= 3.0
@@ -55,7 +55,7 @@ def test_poses_depend_on_the_seed_alone(divided_hall: OccupancyMap, border: Bord
     assert poses(7) != poses(8)
 
 
-def test_many_robots_stand_as_far_apart_as_there_is_room(
+def test_many_robots_stand_closer_where_room_is_short(
     divided_hall: OccupancyMap, border: Border
 ) -> None:
     poses = free_start_poses(divided_hall, border, 12, np.random.default_rng(1))

@@ -1,4 +1,4 @@
-"""People and carts walk, near the border, and run into nobody."""
+"""Strangers move near the border without contacts."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tools.simulation.stranger import StrangerError, make_strangers
 from tools.simulation.world import World
 
 
-def test_strangers_walk_beside_the_border_and_touch_nothing() -> None:
+def test_strangers_move_near_the_border_without_contacts() -> None:
     folder = load_map_folder(find_map("paper_lab", Path.cwd()))
     assert folder.border is not None
     world = World(folder.map, np.random.default_rng(2))
@@ -40,7 +40,7 @@ def test_strangers_walk_beside_the_border_and_touch_nothing() -> None:
     assert world.contacts == 0
 
 
-def test_the_same_seed_gives_the_same_walks_and_a_full_world_is_refused() -> None:
+def test_same_seed_gives_same_motion_and_full_world_is_refused() -> None:
     folder = load_map_folder(find_map("paper_lab", Path.cwd()))
     assert folder.border is not None
     places = []

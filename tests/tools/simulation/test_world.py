@@ -30,7 +30,7 @@ def world_of(hall: OccupancyMap, noise: WorldNoise = NO_NOISE, seed: int = 1) ->
     return World(hall, np.random.default_rng(seed), noise)
 
 
-def test_a_free_body_moves_as_its_wheels_and_its_odometer_tell(hall: OccupancyMap) -> None:
+def test_free_body_moves_as_its_wheels_and_odometer(hall: OccupancyMap) -> None:
     world = world_of(hall)
     body = world.add_body(Pose(3.0, 3.0, 0.0))
     radius, steps = 1.0, 50
@@ -98,7 +98,7 @@ def test_a_corner_presses_the_bumper_of_its_side(hall: OccupancyMap) -> None:
     assert not motion.front_bumpers & (LEFT_MOST | LEFT_MOST << 1)
 
 
-def test_two_robots_meet_once_and_both_feel_it(hall: OccupancyMap) -> None:
+def test_collision_is_one_contact_and_presses_both_bumpers(hall: OccupancyMap) -> None:
     world = world_of(hall)
     left, right = world.add_body(Pose(4.0, 3.0, 0.0)), world.add_body(Pose(6.0, 3.0, math.pi))
     for _ in range(60):
@@ -111,7 +111,7 @@ def test_two_robots_meet_once_and_both_feel_it(hall: OccupancyMap) -> None:
     assert world.contact_log == [Contact(0, 1)]
 
 
-def test_a_standing_robot_feels_who_drives_into_its_back(hall: OccupancyMap) -> None:
+def test_standing_robot_hit_from_behind_has_rear_bumpers_pressed(hall: OccupancyMap) -> None:
     world = world_of(hall)
     standing, driving = world.add_body(Pose(5.0, 3.0, 0.0)), world.add_body(Pose(3.5, 3.0, 0.0))
     for _ in range(60):
@@ -134,7 +134,7 @@ def test_a_robot_cannot_start_in_a_wall_or_in_another(hall: OccupancyMap) -> Non
     assert len(world.bodies) == 1
 
 
-def test_the_way_out_of_the_map_is_blocked() -> None:
+def test_edge_of_the_map_is_blocked() -> None:
     cells = np.full((100, 100), FREE, dtype=np.uint8)
     world = world_of(OccupancyMap(cells=cells, resolution=0.05, origin=Pose(0.0, 0.0, 0.0)))
     body = world.add_body(Pose(4.0, 2.5, 0.0))
@@ -154,7 +154,7 @@ def odometer_errors(world: World, body: RobotBody) -> tuple[float, float]:
     return distance / 4.0 - 1.0, rotation / 4.0
 
 
-def test_the_odometer_errs_by_each_wheels_scale(hall: OccupancyMap) -> None:
+def test_odometer_error_follows_each_wheels_scale(hall: OccupancyMap) -> None:
     noise = WorldNoise(
         slip_distance=0.0, slip_rotation=0.0, slip_heading=0.0, wheel_scale=0.02, odometer=0.0
     )
@@ -171,7 +171,7 @@ def test_the_odometer_errs_by_each_wheels_scale(hall: OccupancyMap) -> None:
 
 
 @pytest.mark.parametrize("step", [0.01, 0.05])
-def test_slip_does_not_depend_on_the_steps(hall: OccupancyMap, step: float) -> None:
+def test_slip_is_independent_of_the_step_size(hall: OccupancyMap, step: float) -> None:
     ways = []
     for seed in range(120):
         world = world_of(hall, WorldNoise(slip_distance=0.05, slip_heading=0.0), seed)
@@ -183,7 +183,7 @@ def test_slip_does_not_depend_on_the_steps(hall: OccupancyMap, step: float) -> N
     assert np.std(ways) == pytest.approx(0.05, rel=0.3)
 
 
-def test_the_laser_sees_walls_and_other_robots_from_its_mount(hall: OccupancyMap) -> None:
+def test_laser_ranges_walls_and_robots_from_its_mount(hall: OccupancyMap) -> None:
     world = world_of(hall)
     body = world.add_body(Pose(3.0, 2.0, math.pi / 2))
     world.add_body(Pose(3.0, 4.0, math.pi / 2))
@@ -198,7 +198,7 @@ def test_the_laser_sees_walls_and_other_robots_from_its_mount(hall: OccupancyMap
     )
 
 
-def test_the_lasers_noise_and_range(hall: OccupancyMap) -> None:
+def test_laser_noise_and_range_limit_match_the_settings(hall: OccupancyMap) -> None:
     exact = world_of(hall)
     noisy = world_of(hall, WorldNoise(laser_dropouts=0.05))
     pose = Pose(3.0, 2.0, 0.4)
@@ -214,7 +214,7 @@ def test_the_lasers_noise_and_range(hall: OccupancyMap) -> None:
     assert np.isfinite(far[truth <= 4.0]).all()
 
 
-def test_the_sonars_hear_the_nearest_thing_in_their_cones(hall: OccupancyMap) -> None:
+def test_sonar_returns_the_nearest_object_in_its_cone(hall: OccupancyMap) -> None:
     ring = load_model("p2dx").sonar
     world = world_of(hall)
     body = world.add_body(Pose(8.5, 3.0, 0.0))
@@ -229,7 +229,7 @@ def test_the_sonars_hear_the_nearest_thing_in_their_cones(hall: OccupancyMap) ->
     assert world.sonar(body, ring)[11] == pytest.approx(1.5 - 0.255 - 0.210, abs=0.05)
 
 
-def test_equal_seeds_give_equal_worlds(hall: OccupancyMap) -> None:
+def test_same_seed_gives_the_same_world(hall: OccupancyMap) -> None:
     def outcome() -> list[float]:
         world = world_of(hall, WorldNoise(), seed=5)
         body, _ = world.add_body(Pose(3.0, 3.0, 0.3)), world.add_body(Pose(5.0, 3.0, 2.0))

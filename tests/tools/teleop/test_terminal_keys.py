@@ -22,11 +22,11 @@ from tools.teleop.terminal_keys import KeysError, drive_of, terminal_keys
         (b"q", (1, 1)),
     ],
 )
-def test_last_key_counts(typed: bytes, drive: tuple[int, int]) -> None:
+def test_last_key_is_used(typed: bytes, drive: tuple[int, int]) -> None:
     assert drive_of(typed) == drive
 
 
-def test_keys_are_heard_and_the_terminal_is_put_back() -> None:
+def test_keys_are_reported_and_the_terminal_is_restored() -> None:
     master, slave = os.openpty()
     before = termios.tcgetattr(slave)
     heard: list[tuple[int, int]] = []
@@ -47,7 +47,7 @@ def test_keys_are_heard_and_the_terminal_is_put_back() -> None:
     os.close(slave)
 
 
-def test_a_file_is_no_terminal(tmp_path: Path) -> None:
+def test_file_instead_of_terminal_is_refused(tmp_path: Path) -> None:
     with (
         (tmp_path / "keys").open("wb") as file,
         pytest.raises(KeysError, match="ssh -t"),

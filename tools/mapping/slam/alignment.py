@@ -1,7 +1,7 @@
 """Point-to-line alignment of a scan with a cloud (Censi, ICRA 2008), with its information matrix.
 
-A corridor's walls say nothing about the place along it; the information matrix says so, and the
-pose graph then takes that from elsewhere.
+A corridor's walls do not determine the position along it: the information matrix is singular in
+that direction, and the pose graph determines it by other edges.
 """
 
 from __future__ import annotations
@@ -15,28 +15,28 @@ from maps.pose import Pose, wrap_angle
 from tools.mapping.slam.cloud import Cloud, rotation_of
 
 _SIGMA = 0.03  # m; of a laser point from the line through its neighbours
-_REACHES = (0.6, 0.4, 0.25)  # m; how far apart the same surface is taken for, shrinking
+_REACHES = (0.6, 0.4, 0.25)  # m; correspondence distances of successive steps
 _LAST_REACH = 0.15
 _MAX_STEPS = 20
 _CONVERGED = 1e-4  # m and rad
-_ARM = 3.0  # m; a turn of a radian moves the points about this far
-_TOLD = 0.03  # a direction with less than this share of the best one's information is not told
+_ARM = 3.0  # m; weight of a radian in metres: typical distance of the points
+_MIN_INFORMATION = 0.03  # share of the best direction's; less is not observable
 _MIN_PAIRS = 20
-# What is left when the points' noise has averaged out: a scan taken while moving, a cloud not
-# quite in its place. Standard deviations, m, m, rad.
+# Errors that do not average out over the points: motion during the scan, errors of the cloud's
+# poses. Standard deviations, m, m, rad.
 _FLOOR = np.diag([0.015, 0.015, 0.004])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Alignment:
-    """Where a scan lies in a cloud's frame."""
+    """Pose of a scan in a cloud's frame."""
 
     pose: Pose
     """cloud_from_scan."""
     information: NDArray[np.float64]
     """(3, 3) inverse covariance of x, y, theta in the cloud's frame: 1/m^2, 1/rad^2."""
     share: float
-    """Share of the scan's points that lie on the cloud's surfaces."""
+    """Share of the scan's points with a counterpart on the cloud's surfaces."""
 
 
 def align(points: NDArray[np.float64], cloud: Cloud, guess: Pose) -> Alignment | None:
@@ -51,7 +51,7 @@ def align(points: NDArray[np.float64], cloud: Cloud, guess: Pose) -> Alignment |
         if equations is None:
             return None
         hessian, gradient, _ = equations
-        change = -np.linalg.pinv(_told(hessian), rcond=1e-9, hermitian=True) @ gradient
+        change = -np.linalg.pinv(_observable(hessian), rcond=1e-9, hermitian=True) @ gradient
         pose = Pose(
             pose.x + float(change[0]),
             pose.y + float(change[1]),
@@ -62,22 +62,22 @@ def align(points: NDArray[np.float64], cloud: Cloud, guess: Pose) -> Alignment |
     equations = _linearize(points, cloud, pose, _LAST_REACH)
     if equations is None:
         return None
-    return Alignment(pose, _floored(_told(equations[0])), equations[2] / len(points))
+    return Alignment(pose, _floored(_observable(equations[0])), equations[2] / len(points))
 
 
-def _told(hessian: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Leave out of a Hessian what only the noise of the normals tells: the way along a corridor."""
+def _observable(hessian: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Zero the weak eigenvalues of a Hessian: they are noise, as along a corridor."""
     scale = np.array([1.0, 1.0, 1.0 / _ARM])
     values, vectors = np.linalg.eigh(hessian * np.outer(scale, scale))
-    values[values < _TOLD * values[-1]] = 0.0
-    told = (vectors * values) @ vectors.T
-    return np.asarray(told / np.outer(scale, scale))
+    values[values < _MIN_INFORMATION * values[-1]] = 0.0
+    observable = (vectors * values) @ vectors.T
+    return np.asarray(observable / np.outer(scale, scale))
 
 
 def _linearize(
     points: NDArray[np.float64], cloud: Cloud, pose: Pose, reach: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], float] | None:
-    """Return Hessian and gradient of the weighted squares, and the number of pairs."""
+    """Return Hessian, gradient of the weighted squares and number of pairs; None: too few."""
     rotated = points @ rotation_of(pose.theta).T
     distance, index = cloud.nearest(rotated + pose[:2], reach)
     paired = np.isfinite(distance)

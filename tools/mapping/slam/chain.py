@@ -1,4 +1,4 @@
-"""The chain: each keyframe placed by matching it with those just before it."""
+"""The chain: each keyframe's pose by matching it with those just before it."""
 
 from __future__ import annotations
 
@@ -16,15 +16,18 @@ from tools.mapping.slam.keyframe import Keyframe
 from tools.mapping.slam.pose_graph import Edge
 
 _BEFORE = 8  # keyframes matched with together
-_MIN_SCORE = 0.4  # of a search worth following
-_MIN_SHARE = 0.25  # of points on surfaces, for an alignment worth believing
-_NEAR_PEAK = (0.3, math.radians(5.0))  # m, rad; farther from the search's peak it has slid away
+_MIN_SCORE = 0.4  # least score of a search to be refined
+_MIN_SHARE = 0.25  # least share of points on surfaces of an accepted alignment
+_NEAR_PEAK = (
+    0.3,
+    math.radians(5.0),
+)  # m, rad; an alignment farther off the peak has slid
 _LARGEST_TURN = math.radians(45.0)
 _LARGEST_STEP = 1.5  # m
 
 
 def odometry_edge(start: int, end: int, frames: Sequence[Keyframe]) -> Edge:
-    """Return what the odometry says of two successive keyframes, with room for slipping wheels."""
+    """Return the odometry's edge between two keyframes, with a covariance for slipping wheels."""
     pose = frames[start].odometry.between(frames[end].odometry)
     way, turn = math.hypot(pose.x, pose.y), abs(pose.theta)
     return Edge(start, end, pose, _information(way, turn), robust=False)
@@ -54,7 +57,7 @@ def build_chain(
 
 
 def _match(frames: Sequence[Keyframe], poses: Sequence[Pose], guess: Pose) -> Edge | None:
-    """Match the keyframe after the last pose with those before; None if nothing fits."""
+    """Match the keyframe after the last pose with those before; None if no match is accepted."""
     index = len(poses)
     points = frames[index].points
     if not len(points):
@@ -75,6 +78,6 @@ def _match(frames: Sequence[Keyframe], poses: Sequence[Pose], guess: Pose) -> Ed
 
 
 def close(one: Pose, other: Pose, limits: tuple[float, float]) -> bool:
-    """Tell whether two poses are at most so many m and rad apart."""
+    """Whether two poses differ by no more than ``limits``, m and rad."""
     off = one.between(other)
     return math.hypot(off.x, off.y) <= limits[0] and abs(off.theta) <= limits[1]

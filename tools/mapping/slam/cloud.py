@@ -1,4 +1,4 @@
-"""Point clouds to match scans with: one keyframe's points, or several keyframes' together."""
+"""Point clouds for scan matching: points of one or several keyframes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Cloud:
     def nearest(
         self, points: NDArray[np.float64], reach: float
     ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-        """Return distance, m, and index of the nearest surface point; inf where none in reach."""
+        """Return distance, m, and index of the nearest surface point; inf beyond ``reach``, m."""
         if self._tree is None:
             return np.full(len(points), np.inf), np.zeros(len(points), dtype=np.intp)
         distance, index = self._tree.query(points, distance_upper_bound=reach)
@@ -33,7 +33,7 @@ class Cloud:
 
 
 def join(frames: Iterable[tuple[Pose, Keyframe]]) -> Cloud:
-    """Put keyframes' points into one frame; each pose is frame_from_laser."""
+    """Return keyframes' points in one frame; each pose is frame_from_laser."""
     points, normals = [], []
     for pose, frame in frames:
         rotation = rotation_of(pose.theta)

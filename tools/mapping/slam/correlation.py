@@ -1,4 +1,4 @@
-"""Exhaustive search for a scan's place in a cloud (after Olson, "Real-time correlative scan
+"""Exhaustive search for a scan's pose in a cloud (after Olson, "Real-time correlative scan
 matching", ICRA 2009): every shift of a grid at once, rotation by rotation."""
 
 from __future__ import annotations
@@ -14,23 +14,23 @@ from maps.pose import Pose, wrap_angle
 from tools.mapping.slam.cloud import rotation_of
 
 _CELL = 0.1  # m
-_SIGMA = 0.1  # m; of a point's distance from the surface it belongs to
+_SIGMA = 0.1  # m; of a point's distance from its surface
 _REACH = 10.0  # m; points of the scan farther away are left out
 _TURN = math.radians(1.5)  # rad between two rotations tried
-_RELUCTANCE = 0.1  # of score, at the edge of the window
+_PRIOR = 0.1  # of score, subtracted at the edge of the window
 _SAME_PLACE = 0.7  # m; two peaks nearer than this are one
 
 
 @dataclass(frozen=True, slots=True)
 class Peak:
-    """The best place found."""
+    """The best pose found."""
 
     pose: Pose
     """cloud_from_scan."""
     score: float
     """Mean likelihood of the scan's points, 0 to 1."""
-    rival: float
-    """The score of the best other place, 0 to 1."""
+    runner_up: float
+    """The score of the best other peak, 0 to 1."""
 
 
 def search(
@@ -40,10 +40,10 @@ def search(
     window: float,
     turn_window: float,
 ) -> Peak:
-    """Try all shifts up to ``window`` m and turns up to ``turn_window`` rad off a guess.
+    """Score all shifts up to ``window`` m and turns up to ``turn_window`` rad off a guess.
 
-    Of places that fit as well the one nearer to the guess is preferred: along a corridor all do.
-    points: (n, 2) m, scan frame. target: (m, 2) m, cloud frame.
+    Of equal scores the one nearer to the guess is preferred, as along a corridor. guess:
+    cloud_from_scan. points: (n, 2) m, scan frame. target: (m, 2) m, cloud frame.
     """
     points = points[np.hypot(points[:, 0], points[:, 1]) < _REACH]
     half = round(_REACH / _CELL) + 1
@@ -52,7 +52,7 @@ def search(
     many = math.ceil(turn_window / _TURN)
     turns = np.arange(-many, many + 1) * np.float64(_TURN)
     scores = np.stack([_scores(points, guess.theta + turn, field, half) for turn in turns])
-    likely = scores - _reluctance(shifts, turns)
+    likely = scores - _prior(shifts, turns)
     best = np.unravel_index(int(np.argmax(likely)), scores.shape)
     turn, row, col = (int(index) for index in best)
     over_turns = scores.max(axis=0)
@@ -67,16 +67,16 @@ def search(
     return Peak(pose, score, float(over_turns.max()))
 
 
-def _reluctance(shifts: int, turns: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Return what a shift and turn away from the guess costs, (turns, rows, cols) of score."""
+def _prior(shifts: int, turns: NDArray[np.float64]) -> NDArray[np.float32]:
+    """Return the score, (turns, rows, cols), to subtract for the distance from the guess."""
     off = (np.arange(-shifts, shifts + 1) / max(shifts, 1)) ** 2
     turned = (turns / max(turns[-1], _TURN)) ** 2
     cost = turned[:, None, None] + off[None, :, None] + off[None, None, :]
-    return np.asarray(_RELUCTANCE * cost, dtype=np.float32)
+    return np.asarray(_PRIOR * cost, dtype=np.float32)
 
 
 def _likelihood(target: NDArray[np.float64], half: int) -> NDArray[np.float32]:
-    """Likelihood of a point in each cell of a square grid round the origin, 0 to 1."""
+    """Return the likelihood of a point in each cell of a square grid round the origin, 0 to 1."""
     empty = np.full((2 * half + 1, 2 * half + 1), 255, dtype=np.uint8)
     cells = np.rint(target / _CELL).astype(int) + half
     cells = cells[((cells >= 0) & (cells <= 2 * half)).all(axis=1)]

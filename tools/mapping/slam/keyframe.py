@@ -1,4 +1,4 @@
-"""Keyframes: the scans worth matching, with the direction of the surface at each point."""
+"""Keyframes: the scans selected for matching, with the surface normal at each point."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from maps.pose import Pose
 
-_STEP = 0.25  # m; a scan nearer than this to the last keyframe
-_TURN = math.radians(10.0)  # rad; and turned less than this shows nothing new
-_REACH = 20.0  # m; beyond, beams are too far apart to tell a surface
-_NEIGHBOURS = 8  # beams to each side looked at for the direction of the surface
-_NEAR = 0.3  # m; those farther away are another surface
-_MIN_POINTS = 3  # that tell a surface
+_STEP = 0.25  # m; a scan becomes a keyframe this far from the last one
+_TURN = math.radians(10.0)  # rad; or turned by this
+_REACH = 20.0  # m; beyond, beams are too far apart for normals
+_NEIGHBOURS = 8  # beams to each side used for the normal
+_NEAR = 0.3  # m; neighbours farther away belong to another surface
+_MIN_POINTS = 3  # needed for a normal
 _FLATNESS = 0.05  # largest ratio of the variances across and along a surface
 
 
@@ -26,7 +26,7 @@ class Measurement(Protocol):
 
     @property
     def t(self) -> float:
-        """Time, s."""
+        """Time of the scan."""
 
     @property
     def odometry(self) -> Pose:
@@ -38,7 +38,7 @@ class Measurement(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Keyframe:
-    """A scan to match others with."""
+    """A scan prepared for matching."""
 
     t: float
     odometry: Pose
@@ -46,7 +46,7 @@ class Keyframe:
     points: NDArray[np.float64]
     """(n, 2) m, laser frame."""
     normals: NDArray[np.float64]
-    """(n, 2) unit vectors across the surface at each point; nan where the scan shows none."""
+    """(n, 2) unit surface normals at each point; nan where unknown."""
 
 
 def choose_keyframes(scans: Sequence[Measurement]) -> list[int]:
@@ -62,7 +62,7 @@ def choose_keyframes(scans: Sequence[Measurement]) -> list[int]:
 
 
 def make_keyframe(scan: Measurement) -> Keyframe:
-    """Prepare a scan for matching."""
+    """Return a scan prepared for matching."""
     points = scan.points()
     points = points[np.hypot(points[:, 0], points[:, 1]) < _REACH]
     return Keyframe(scan.t, scan.odometry, points, surface_normals(points))
@@ -93,7 +93,7 @@ def surface_normals(points: NDArray[np.float64]) -> NDArray[np.float64]:
     # Principal axis of a 2 x 2 covariance; the normal is a quarter turn from it.
     along = 0.5 * np.arctan2(2.0 * xy, xx - yy)
     spread = np.hypot(0.5 * (xx - yy), xy)
-    largest, least = 0.5 * (xx + yy) + spread, 0.5 * (xx + yy) - spread
+    largest, smallest = 0.5 * (xx + yy) + spread, 0.5 * (xx + yy) - spread
     normals = np.column_stack((-np.sin(along), np.cos(along)))
-    normals[(count < _MIN_POINTS) | (least > _FLATNESS * largest)] = np.nan
+    normals[(count < _MIN_POINTS) | (smallest > _FLATNESS * largest)] = np.nan
     return normals

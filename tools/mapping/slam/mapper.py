@@ -1,9 +1,9 @@
 """Poses of a log's scans from raw odometry and the scans alone.
 
 1. Each keyframe is matched with those before it (``chain``).
-2. Places seen again are found and close loops (``loop_closer``).
+2. Revisited places are found and close loops (``loop_closer``).
 3. All scans near each other are aligned pairwise, in one graph (``refinement``).
-4. The odometry carries the keyframes' poses to all scans (``trajectory``).
+4. The odometry interpolates the keyframes' poses for all scans (``trajectory``).
 """
 
 from __future__ import annotations
@@ -27,27 +27,27 @@ from tools.progress import progress_line
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mapping:
-    """Where the scans were taken, and how well that is known."""
+    """The poses of a log's scans and their quality."""
 
     log: ScanLog
-    """The log, its references the poses found."""
+    """The log with the poses found as references."""
     trajectory: Trajectory
     keyframes: int
     loops: int
     """Loops closed."""
     loop_correction: float
-    """The farthest that closing the loops moved a keyframe, m."""
+    """Largest distance by which loop closing moved a keyframe, m."""
     pairs: int
-    """Pairs of scans that the poses rest on."""
+    """Number of aligned pairs of scans."""
     disagreement: float
-    """Median distance between a pair's own measure and the poses, m."""
+    """Median distance between pairs' measured relative poses and the result, m."""
     off_references: float | None
     """Mean distance from the log's own reference poses, m; None if it has none."""
     seconds: float
-    """Time it took."""
+    """Time of the computation, s."""
 
     def summary(self) -> str:
-        """Return two lines: what was done, how well it fits."""
+        """Return two lines for people: loops and time; pairs and their residual."""
         off = (
             ""
             if self.off_references is None
@@ -60,11 +60,11 @@ class Mapping:
         )
 
 
-def map_odometry(log: ScanLog) -> Mapping:
-    """Find the poses of all scans from raw odometry; the log's references are not used.
+def map_from_odometry(log: ScanLog) -> Mapping:
+    """Return the poses of all scans from raw odometry, without the log's references.
 
-    The frame is then laid over the log's references, if it has any, so that the two can be
-    compared: the map is moved as a whole, its shape is its own.
+    The result is then moved as a whole to fit the log's references, if there are any, for
+    comparison.
     """
     started = time.perf_counter()
     chosen = choose_keyframes(log.scans)

@@ -1,8 +1,8 @@
-"""Pose graph: the poses that agree best with measured differences of poses, outliers discounted.
+"""Pose graph optimization with robust edges.
 
 Gauss-Newton on sparse normal equations (Grisetti et al., "A tutorial on graph-based SLAM", 2010),
-with Geman-McClure weights on the edges that may be wrong: a wrong loop pulls less the more it
-disagrees.
+with Geman-McClure weights on the edges that may be wrong: the larger the residual of a wrong loop
+the less its weight.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ _ANCHOR = 1e8  # information that holds the first pose
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Edge:
-    """A measured pose of one node as seen from another."""
+    """A measured relative pose of two nodes."""
 
     start: int
     end: int
@@ -36,18 +36,18 @@ class Edge:
     information: NDArray[np.float64]
     """(3, 3) inverse covariance of x, y, theta, in the frame of ``start``."""
     robust: bool = True
-    """Whether it may be wrong."""
+    """Whether it is weighted robustly, because it may be wrong."""
 
 
 def optimize(poses: Sequence[Pose], edges: Sequence[Edge], scale: float = 3.0) -> list[Pose]:
-    """Return the poses that agree best with the edges; the first one stays where it is.
+    """Return the poses with the least weighted squared errors of the edges; the first is fixed.
 
-    scale: the disagreement, in standard deviations, at which a robust edge counts a quarter.
+    scale: the residual, in standard deviations, at which a robust edge has a quarter of its weight.
     """
     state = np.array(poses, dtype=np.float64)
     graph = _Arrays(edges)
-    # All edges pull at first, then those that still disagree lose their say by and by (Yang et
-    # al., "Graduated non-convexity", 2020): a right loop after much drift must not start as wrong.
+    # All edges have full weight at first, then outliers lose theirs gradually (Yang et al.,
+    # "Graduated non-convexity", 2020): a right loop after much drift has a large first residual.
     at = max(scale, 2.0 * float(np.sqrt(graph.squares(graph.errors(state)[0]).max())))
     while True:
         for _ in range(_MAX_STEPS if at == scale else _ROUGH_STEPS):
@@ -62,7 +62,7 @@ def optimize(poses: Sequence[Pose], edges: Sequence[Edge], scale: float = 3.0) -
 
 
 class _Arrays:
-    """Edges as arrays: all are linearized at once."""
+    """Edges as arrays, linearized together."""
 
     def __init__(self, edges: Sequence[Edge]) -> None:
         self._start = np.array([edge.start for edge in edges])

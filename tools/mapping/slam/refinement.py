@@ -1,7 +1,7 @@
-"""Refinement: all scans near each other aligned pairwise, and one graph of all of it.
+"""Refinement: pairwise alignment of all near scans, and one pose graph of all pairs.
 
 After Lu and Milios, "Globally consistent range scan alignment" (1997): once the loops are closed,
-every pair of scans that see the same surfaces is a measurement of their relative pose.
+every pair of scans of the same surfaces gives a measurement of their relative pose.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ _CORRECTION = (0.3, math.radians(4.0))  # m, rad; more is a wrong match
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Refinement:
-    """Poses, and the pairs of scans that they rest on."""
+    """Poses, and the pairs of scans from which they were computed."""
 
     poses: list[Pose]
     pairs: list[Edge]
 
     def disagreement(self) -> float:
-        """Return the median distance between a pair's own measure and the poses, m."""
+        """Return the median distance between pairs' measured relative poses and the poses, m."""
         off = [
             math.dist(pair.pose[:2], self.poses[pair.start].between(self.poses[pair.end])[:2])
             for pair in self.pairs
@@ -48,10 +48,10 @@ def refine(
     edges: Sequence[Edge],
     progress: Callable[[float], None],
 ) -> Refinement:
-    """Return better poses.
+    """Return the poses refined by all pairs.
 
-    edges: those of the chain and the loops, which hold scans that match no other. progress: called
-    with the number of scans done.
+    edges: those of the chain and the loops, for scans without a pair. progress: called with the
+    number of scans done.
     """
     clouds = [Cloud(frame.points, frame.normals) for frame in frames]
     pairs: list[Edge] = []
@@ -80,7 +80,7 @@ def _pairs(
     index: int,
     partners: Sequence[int],
 ) -> list[Edge]:
-    """Align one scan with each of its partners; keep what fits."""
+    """Align one scan with each of its partners; return the accepted edges."""
     edges = []
     for partner in partners:
         guess = poses[partner].between(poses[index])

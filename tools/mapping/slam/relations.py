@@ -1,7 +1,7 @@
 """Reference relations between poses, and a trajectory's error against them.
 
 After Kümmerle et al., "On measuring the accuracy of SLAM algorithms" (Autonomous Robots, 2009):
-errors of relative poses do not depend on where a map's origin lies.
+errors of relative poses do not depend on the map's origin.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ PUBLISHED_M = {"scan matching": 0.220, "particle filter": 0.070, "graph mapping"
 """Mean translational errors in the paper's table for the Intel Research Lab, m."""
 
 
-_CLOCK_ERROR = 0.01  # s; of the relations' epoch, that the stamps set right
+_CLOCK_ERROR = 0.01  # s; largest error of the relations' epoch that is corrected
 
 
 class RelationsError(ValueError):
-    """A file is no list of relations; the message names file, line and remedy."""
+    """The file is no list of relations; the message names file, line and remedy."""
 
 
 @dataclass(frozen=True, slots=True)
 class Relation:
-    """A true displacement."""
+    """A true relative pose between two times."""
 
     start: float
-    """Log time, s."""
+    """Start, log time, s."""
     end: float
     pose: Pose
     """start_from_end."""
@@ -102,11 +102,11 @@ def _relation(words: list[str], offset: float) -> Relation:
     return Relation(start - offset, end - offset, Pose(x, y, wrap_angle(yaw)))
 
 
-def line_up(relations: Sequence[Relation], stamps: Sequence[float]) -> list[Relation]:
-    """Return the relations with their clock set by the log's stamps.
+def synchronize(relations: Sequence[Relation], stamps: Sequence[float]) -> list[Relation]:
+    """Return the relations with their times corrected by the log's stamps.
 
     Relations are between scans, whose stamps the log has: an epoch known to a few milliseconds is
-    set right by the median way to the nearest stamp. Unchanged if most times have none so near.
+    corrected by the median offset to the nearest stamp. Unchanged if most times have no near stamp.
     stamps: log times, s, sorted.
     """
     times = np.array([t for relation in relations for t in (relation.start, relation.end)])

@@ -1,4 +1,4 @@
-"""The rigid motion that lays one list of places over another."""
+"""Least-squares rigid transform between two lists of positions."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from tools.mapping.slam.cloud import rotation_of
 
 
 def fit(poses: Sequence[Pose], onto: Sequence[Pose]) -> Pose:
-    """Return the motion that brings ``poses`` nearest ``onto``: least squares of the places.
+    """Return the transform that moves the positions of ``poses`` onto those of ``onto``.
 
-    Closed form in the plane (Lu and Milios, "Robot pose estimation in unknown environments by
-    matching 2D range scans", 1997, appendix).
+    Least squares, closed form in the plane (Lu and Milios, "Robot pose estimation in unknown
+    environments by matching 2D range scans", 1997, appendix).
     """
     here, there = (np.array([pose[:2] for pose in side]) for side in (poses, onto))
     a, b = here - here.mean(axis=0), there - there.mean(axis=0)

@@ -1,4 +1,4 @@
-"""A trajectory: poses at some of the odometry's readings, carried to all others by the odometry."""
+"""A trajectory: fixed poses, interpolated by the odometry."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from collections.abc import Mapping, Sequence
 
 from maps.pose import Pose, wrap_angle
 
-_TURN_ARM = 0.5  # m; a turn of one radian makes as much odometry error as this way
+_TURN_ARM = 0.5  # m; a radian counts as this distance for the odometry's error
 
 
 class Trajectory:
     """Poses at any time between the first and the last fixed one.
 
-    Between two fixed poses the raw odometry gives the shape; what it is off at the second one is
-    spread over the way in proportion to the motion.
+    Between two fixed poses the raw odometry gives the shape; its error at the second one is
+    distributed in proportion to the motion.
     """
 
     def __init__(self, odometry: Sequence[tuple[float, Pose]], fixed: Mapping[int, Pose]) -> None:
@@ -39,7 +39,7 @@ class Trajectory:
         self._stamped = [self.poses[index] for _, index in stamped]
 
     def at(self, t: float) -> Pose | None:
-        """Return map_from_laser at a time; None outside the fixed poses."""
+        """Return map_from_laser at ``t``; None outside the fixed poses."""
         if not self.times[0] <= t <= self.times[-1]:
             return None
         right = bisect.bisect_left(self.times, t)
@@ -52,7 +52,7 @@ class Trajectory:
 
 
 def _carry(raw: Sequence[Pose], start: Pose, end: Pose) -> list[Pose]:
-    """Lay a stretch of odometry so that it begins and ends where it should."""
+    """Return a stretch of odometry fitted to its fixed start and end."""
     way = [0.0]
     for last, pose in itertools.pairwise(raw):
         turn = abs(wrap_angle(pose.theta - last.theta))

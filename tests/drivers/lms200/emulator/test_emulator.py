@@ -1,4 +1,4 @@
-"""The emulated laser, as a client that knows only the listing would see it."""
+"""The emulated laser against commands built from the listing alone."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_bad_crc_is_answered_with_nak() -> None:
     assert [item.data for item in emulator.pop_output(1.0)] == [b"\x15"]
 
 
-def test_telegram_that_stalls_half_way_is_forgotten() -> None:
+def test_incomplete_telegram_is_discarded_after_a_gap() -> None:
     emulator = Lms200Emulator()
     emulator.feed(bytes.fromhex("02 00 80 00 31"), 0.0)
     assert ask(emulator, b"\x32", 1.0) == ["Ack", "b210"]
@@ -65,11 +65,11 @@ def test_other_addresses_are_not_answered() -> None:
 
 
 @pytest.mark.parametrize("unknown", [b"\x99", b"\x20\x2c", b"\x20", b"\x66\x02", b"\x3b\xb4"])
-def test_commands_it_does_not_know(unknown: bytes) -> None:
+def test_unknown_commands_are_refused(unknown: bytes) -> None:
     assert ask(Lms200Emulator(), unknown) == ["Ack", "9210"]
 
 
-def test_type_status_errors_and_configuration() -> None:
+def test_type_status_errors_and_configuration_are_answered() -> None:
     emulator = Lms200Emulator()
     assert ask(emulator, b"\x3a") == ["Ack", "ba" + b"LMS200;30106;V02.10".hex() + "10"]
     assert ask(emulator, b"\x32", 2.0) == ["Ack", "b210"]
@@ -123,7 +123,7 @@ def test_unusable_configurations_are_refused(block: str) -> None:
         ("B4 00 00 00", "bb01b400320010"),  # resolution 0 keeps the present
     ],
 )
-def test_variants(wanted: str, reply: str) -> None:
+def test_variants_are_set_or_refused(wanted: str, reply: str) -> None:
     assert ask(Lms200Emulator(), b"\x3b" + bytes.fromhex(wanted)) == ["Ack", reply]
 
 
@@ -154,7 +154,7 @@ def test_reset_confirms_then_starts_at_9600() -> None:
     output = emulator.pop_output(1.0)
     assert [item.data for item in output] == [b"\x06", bytes.fromhex("02 80 02 00 91 10 79 30")]
     assert emulator.baud == 9600
-    emulator.feed(encode_telegram(b"\x31"), 1.5)  # still booting: not heard
+    emulator.feed(encode_telegram(b"\x31"), 1.5)  # still booting: ignored
     (power_on,) = emulator.pop_output(3.0)
     assert power_on.data[4] == 0x90
     assert power_on.t == pytest.approx(2.0 + (9 * 10) / 38400 + len(power_on.data) * 10 / 9600)
@@ -182,7 +182,7 @@ def test_stream_is_paced_by_wire_and_whole_mirror_scans(
     assert (times[0] - wire_time) / TURN == pytest.approx(round((times[0] - wire_time) / TURN))
 
 
-def test_source_is_asked_in_the_middle_of_each_turn() -> None:
+def test_source_is_called_at_the_middle_of_each_turn() -> None:
     asked: list[tuple[float, int, float]] = []
 
     def source(t: float, n: int, increment: float) -> NDArray[np.float64]:
@@ -198,7 +198,7 @@ def test_source_is_asked_in_the_middle_of_each_turn() -> None:
     assert asked[0][1:] == (361, pytest.approx(np.radians(0.5)))
 
 
-def test_scan_is_asked_for_as_soon_as_it_is_measured() -> None:
+def test_source_is_called_once_the_turn_is_due() -> None:
     asked: list[float] = []
 
     def source(t: float, n: int, increment: float) -> NDArray[np.float64]:
@@ -216,7 +216,7 @@ def test_scan_is_asked_for_as_soon_as_it_is_measured() -> None:
     assert len(asked) == 10
 
 
-def test_stop_ends_the_stream_after_the_scan_under_way() -> None:
+def test_stop_ends_the_stream_after_the_scan_in_progress() -> None:
     emulator = Lms200Emulator(baud=38400, scan_source=flat)
     stream(emulator, until=1.0)
     emulator.feed(encode_telegram(b"\x20\x25"), 1.0)
@@ -240,7 +240,7 @@ def test_other_requests_are_answered_between_scans() -> None:
     assert [len(item.data) for item in rest][:5] == [732, 1, 8, 732, 732]
 
 
-def test_one_scan_on_request() -> None:
+def test_request_gives_one_scan() -> None:
     emulator = Lms200Emulator(baud=38400, scan_source=flat, variant=Variant(180, 100))
     emulator.feed(encode_telegram(b"\x30\x01"), 0.0)
     assert [len(item.data) for item in emulator.pop_output(3.0)] == [1, 372]
@@ -262,7 +262,7 @@ def test_playback_keeps_the_time_of_a_scan() -> None:
     np.testing.assert_allclose(measurement.ranges, ranges, atol=0.00051)
 
 
-def test_playback_of_one_beam_less_and_of_another_count() -> None:
+def test_playback_accepts_one_beam_less_and_refuses_other_counts() -> None:
     emulator = Lms200Emulator(baud=38400, variant=Variant(180, 100))
     stream(emulator, until=0.9)
     assert emulator.send_scan(np.full(180, 1.0), 1.0)
@@ -272,7 +272,7 @@ def test_playback_of_one_beam_less_and_of_another_count() -> None:
         emulator.send_scan(np.full(361, 1.0), 3.0)
 
 
-def test_power_off_is_silence() -> None:
+def test_powered_off_laser_sends_nothing() -> None:
     emulator = Lms200Emulator(baud=38400, scan_source=flat)
     stream(emulator, until=1.0)
     emulator.power_off(1.0)
@@ -281,7 +281,7 @@ def test_power_off_is_silence() -> None:
 
 
 @given(st.lists(st.binary(max_size=50), max_size=20))
-def test_any_bytes_never_raise(chunks: list[bytes]) -> None:
+def test_arbitrary_bytes_do_not_raise(chunks: list[bytes]) -> None:
     emulator = Lms200Emulator(scan_source=flat)
     for step, chunk in enumerate(chunks):
         emulator.feed(chunk, step * 0.01)

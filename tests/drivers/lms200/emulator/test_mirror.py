@@ -12,7 +12,7 @@ from drivers.lms200.telegrams import VARIANTS, Variant
 
 
 class Clock:
-    """A scene in which every beam reads the time at which it was asked for."""
+    """A scan source whose ranges are the time of the call."""
 
     def __init__(self) -> None:
         self.asked: list[float] = []
@@ -39,7 +39,7 @@ def test_idle_mirror_measures_nothing() -> None:
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
-def test_whole_sweeps_follow_one_another_each_turn_at_its_own_time(variant: Variant) -> None:
+def test_whole_sweeps_are_consecutive_with_each_turn_at_its_own_time(variant: Variant) -> None:
     clock = Clock()
     mirror = EmulatedMirror(clock)
     mirror.start(0.0)
@@ -66,7 +66,7 @@ def test_sweep_that_would_end_while_the_wire_is_busy_is_not_measured() -> None:
 
 
 @pytest.mark.parametrize("variant", [Variant(180, 50), Variant(100, 25)])
-def test_partial_scans_go_through_the_offsets(variant: Variant) -> None:
+def test_partial_scans_cycle_through_the_offsets(variant: Variant) -> None:
     mirror = EmulatedMirror(Clock())
     mirror.start(0.0, partial=True)
     found = sweeps(mirror, variant, 8.6 * TURN)
@@ -78,7 +78,7 @@ def test_partial_scans_go_through_the_offsets(variant: Variant) -> None:
     assert sizes == [variant.angle_deg + 1] + [variant.angle_deg] * (turns - 1)
 
 
-def test_next_multiple() -> None:
+def test_next_multiple_is_the_first_at_or_after_t() -> None:
     assert next_multiple(0.0, 0.5) == 0.0
     assert next_multiple(0.4, 0.5) == 0.5
     assert next_multiple(1.5 + 1e-9, 0.5) == 1.5

@@ -13,7 +13,7 @@ N = CommandNumber
 
 
 def base(*commands: Command) -> EmulatedBase:
-    """A base with its motors on that has been told ``commands`` at t = 0."""
+    """Return a base with its motors on after ``commands`` at t = 0."""
     made = EmulatedBase(load_model("p2dx"))
     made.run_to(0.0)
     made.heard_at = 0.0
@@ -48,7 +48,7 @@ def test_without_motors_motion_is_refused_and_setpoints_are_not_kept() -> None:
     assert robot.velocity == (0.0, 0.0)
 
 
-def test_stop_button_stands_the_robot_still_at_once() -> None:
+def test_stop_button_stops_the_wheels_at_once() -> None:
     robot = base(Command(N.VEL, 300), Command(N.RVEL, 20))
     robot.run_to(1.5)
     assert robot.velocity[0] == pytest.approx(0.3)
@@ -69,7 +69,7 @@ def test_watchdog_halts_and_the_next_packet_resumes() -> None:
     assert robot.velocity[0] == pytest.approx(0.3)
 
 
-def test_the_watchdog_is_what_the_flash_says() -> None:
+def test_watchdog_has_the_value_of_the_flash() -> None:
     robot = EmulatedBase(load_model("p2dx"), watchdog=1.2)
     robot.run_to(0.0)
     robot.heard_at = 0.0
@@ -79,7 +79,7 @@ def test_the_watchdog_is_what_the_flash_says() -> None:
     assert robot.watchdog_expired
 
 
-def test_motion_is_what_the_profile_says_and_is_fetched_once() -> None:
+def test_motion_follows_the_profile_and_is_fetched_once() -> None:
     robot = base(Command(N.VEL, 300))
     robot.run_to(1.0)
     distance, rotation = robot.pop_motion()
@@ -87,7 +87,7 @@ def test_motion_is_what_the_profile_says_and_is_fetched_once() -> None:
     assert robot.pop_motion() == (0.0, 0.0)
 
 
-def test_stall_cuts_power_for_its_pause() -> None:
+def test_stall_cuts_power_for_the_stall_pause() -> None:
     robot = base(Command(N.VEL, 300))
     robot.run_to(1.0)
     robot.set_contact(stalled=True, front_bumpers=0, rear_bumpers=0)

@@ -12,7 +12,7 @@ def test_full_battery_is_empty_after_its_energy_is_used() -> None:
     assert battery.volts == pytest.approx(FULL - 2.0)
 
 
-def test_driving_drains_more_than_standing_whichever_way() -> None:
+def test_driving_either_way_drains_more_than_standing() -> None:
     standing, forward, backward = EmulatedBattery(), EmulatedBattery(), EmulatedBattery()
     standing.drain(60.0, 0.0)
     forward.drain(60.0, 30.0)

@@ -9,7 +9,7 @@ from drivers.p2os.model import load_model
 from drivers.p2os.robot_identity import RobotIdentity
 
 
-def test_config_tells_identity_limits_in_force_and_that_the_rate_can_change() -> None:
+def test_config_contains_identity_limits_and_autobaud() -> None:
     model = load_model("p2de")
     limits = limits_of(model)
     limits.speed, limits.deceleration = 0.4, 0.55

@@ -59,7 +59,7 @@ class Robot:
 PULSE = Command(0)
 
 
-def test_handshake_replies() -> None:
+def test_handshake_gets_its_replies() -> None:
     robot = Robot()
     robot.emulator.feed(b"WMS2\r", 0.0)
     robot.send(Command(0), Command(1), Command(2))
@@ -90,7 +90,7 @@ def test_sync_out_of_order_starts_over(wrong: list[int]) -> None:
 
 
 @pytest.mark.parametrize("argument", [None, 1])
-def test_open_and_close_with_or_without_argument(argument: int | None) -> None:
+def test_open_and_close_are_accepted_with_or_without_argument(argument: int | None) -> None:
     robot = Robot()
     for session in (1, 2):
         robot.send(Command(0), Command(1), Command(2), Command(1, argument))
@@ -220,7 +220,7 @@ def test_watchdog_stops_motion_and_a_pulse_resumes_it() -> None:
     assert robot.emulator.velocity[0] == pytest.approx(0.3)
 
 
-def test_stop_ramps_and_e_stop_does_not() -> None:
+def test_stop_ramps_down_and_e_stop_stops_at_once() -> None:
     robot = Robot().open()
     robot.send(command(N.VEL, 300))
     robot.run(1.5)
@@ -239,7 +239,7 @@ def test_stop_ramps_and_e_stop_does_not() -> None:
 
 
 @pytest.mark.parametrize("distance", [500, -300])
-def test_move_covers_its_distance(distance: int) -> None:
+def test_move_travels_its_distance(distance: int) -> None:
     robot = Robot().open()
     robot.send(command(N.SETV, 400), command(N.MOVE, distance))
     robot.run(6.0, PULSE)
@@ -259,7 +259,7 @@ def test_head_and_dhead_turn_the_shorter_way() -> None:
     assert math.degrees(robot.rotation) == pytest.approx(30, abs=0.2)
 
 
-def test_vel2_drives_wheels_and_leaves_with_the_next_command() -> None:
+def test_vel2_sets_wheels_until_the_next_command() -> None:
     robot = Robot().open()
     robot.send(Command(N.VEL2, -0x02FD))  # left -60, right +60 mm/s by sign and magnitude
     robot.run(1.0)
@@ -275,7 +275,7 @@ def test_vel2_drives_wheels_and_leaves_with_the_next_command() -> None:
     assert robot.emulator.velocity == pytest.approx((0.1, 0.0))
 
 
-def test_sip_type_tells_motion() -> None:
+def test_sip_type_depends_on_motion() -> None:
     robot = Robot().open()
     assert robot.sips[-1].packet_type == 0x32
     robot.send(command(N.VEL, 100))
@@ -295,7 +295,7 @@ def test_position_wraps_at_15_bits_and_heading_at_4096() -> None:
 
 
 @pytest.mark.parametrize("data", [b"\x07", b"\x07\x3b"])
-def test_seto_with_or_without_dangling_type(data: bytes) -> None:
+def test_seto_is_accepted_with_or_without_argument_type(data: bytes) -> None:
     robot = Robot().open()
     robot.emulator.set_odometry(1.0, 2.0, 0.5)
     robot.emulator.feed(encode_packet(data), robot.t)
@@ -305,7 +305,7 @@ def test_seto_with_or_without_dangling_type(data: bytes) -> None:
 
 
 @pytest.mark.parametrize("argument", [None, 1])
-def test_config_reflects_the_limits(argument: int | None) -> None:
+def test_config_contains_the_limits_in_force(argument: int | None) -> None:
     robot = Robot().open()
     robot.send(command(N.SETV, 400), command(N.SETA, -500), Command(N.CONFIG, argument))
     robot.run(0.5)
@@ -335,7 +335,7 @@ def test_battery_is_reported() -> None:
     assert robot.sips[-1].battery_decivolts == 117
 
 
-def test_stall_cuts_the_power_for_a_moment() -> None:
+def test_stall_cuts_the_power_temporarily() -> None:
     robot = Robot().open()
     robot.send(command(N.VEL, 300))
     robot.run(1.0)

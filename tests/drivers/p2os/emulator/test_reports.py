@@ -35,7 +35,7 @@ def test_counters_and_heading_wrap_as_on_the_wire() -> None:
     assert sip.heading_counts == round((math.pi - 0.1) / math.tau * 4096)
 
 
-def test_wheel_speeds_sonar_and_contacts_are_told() -> None:
+def test_wheel_speeds_sonar_and_contacts_are_reported() -> None:
     robot = base()
     robot.controller.v, robot.controller.w = 0.2, 0.56
     robot.set_contact(stalled=False, front_bumpers=0b10001, rear_bumpers=0b100)
@@ -50,7 +50,7 @@ def test_wheel_speeds_sonar_and_contacts_are_told() -> None:
     assert (stalled.left_stall_byte, stalled.right_stall_byte) == (1, 1)
 
 
-def test_later_firmware_tells_more() -> None:
+def test_later_firmware_reports_more_fields() -> None:
     robot = base()
     robot.controller.w = math.radians(30.0)
     robot.press_stop_button()

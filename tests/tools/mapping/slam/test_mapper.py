@@ -19,7 +19,7 @@ from tools.logs.carmen import CarmenLog, CarmenScan, read_carmen
 from tools.logs.log_step import LogStep
 from tools.logs.scan_log import ScanLog, read_scan_log
 from tools.mapping.map_build import build_map
-from tools.mapping.slam.mapper import Mapping, map_odometry
+from tools.mapping.slam.mapper import Mapping, map_from_odometry
 from tools.simulation.raycast import RayCaster
 
 PAPER_LAB = Path(__file__).resolve().parents[4] / "maps" / "paper_lab"
@@ -29,7 +29,7 @@ REACH = 15.0  # m of the simulated laser
 
 
 def true_poses(folder: MapFolder) -> list[Pose]:
-    """Once round the border and on over the first part of it again."""
+    """Return poses once round the border and again over its first part."""
     assert folder.border is not None
     way = np.arange(0.0, folder.border.length + 8.0, STEP)
     points = [folder.border.at(float(s % folder.border.length)) for s in way]
@@ -37,7 +37,7 @@ def true_poses(folder: MapFolder) -> list[Pose]:
 
 
 def drifted(truth: list[Pose], rng: np.random.Generator) -> list[Pose]:
-    """An odometry that turns 2 degrees too far per metre, and is 2 % long."""
+    """Return odometry that turns 2 degrees too far per metre and is 2 % too long."""
     poses = [Pose(0.0, 0.0, 0.0)]
     for last, pose in itertools.pairwise(truth):
         step = last.between(pose)
@@ -56,7 +56,7 @@ def drifted(truth: list[Pose], rng: np.random.Generator) -> list[Pose]:
 
 @pytest.fixture(scope="module")
 def drive() -> ScanLog:
-    """A drive round the shipped floor plan; its references are the true poses."""
+    """Return a drive round the shipped floor plan; its references are the true poses."""
     folder = load_map_folder(PAPER_LAB)
     rng = np.random.default_rng(4)
     caster = RayCaster(folder.map)
@@ -80,18 +80,18 @@ def drive() -> ScanLog:
 
 @pytest.fixture(scope="module")
 def mapped(drive: ScanLog) -> Mapping:
-    return map_odometry(drive)
+    return map_from_odometry(drive)
 
 
 def distances(poses: list[Pose], truth: list[Pose]) -> list[float]:
-    """How far each pose is from where it was, both seen from the first."""
+    """Return each pose's distance from the true one, m, both relative to the first."""
     return [
         math.dist(poses[0].between(a)[:2], truth[0].between(b)[:2])
         for a, b in zip(poses, truth, strict=True)
     ]
 
 
-def test_a_loop_is_closed_and_the_drift_taken_out(drive: ScanLog, mapped: Mapping) -> None:
+def test_loop_closing_removes_the_drift(drive: ScanLog, mapped: Mapping) -> None:
     truth = [scan.reference for scan in drive.scans]
     before = distances([scan.odometry for scan in drive.scans], truth)
     after = distances([scan.reference for scan in mapped.log.scans], truth)
@@ -105,9 +105,9 @@ def test_a_loop_is_closed_and_the_drift_taken_out(drive: ScanLog, mapped: Mappin
     assert f"{mapped.loops} loops closed" in mapped.summary()
 
 
-def test_the_references_are_not_used(drive: ScanLog, mapped: Mapping) -> None:
+def test_references_are_not_used(drive: ScanLog, mapped: Mapping) -> None:
     elsewhere = [Pose(float(i), 0.0, 0.0) for i in range(len(drive.scans))]
-    blind = map_odometry(replace(drive.with_references(elsewhere), referenced=False))
+    blind = map_from_odometry(replace(drive.with_references(elsewhere), referenced=False))
     assert blind.off_references is None
     found = [scan.reference for scan in blind.log.scans]
     assert found[0] == pytest.approx(drive.scans[0].odometry), "the odometry's own frame"
@@ -123,7 +123,7 @@ def localized(log: ScanLog, folder: Path) -> dict[str, object]:
     return localize_steps("odd", steps, load_map_folder(folder), LocalizeOptions()).summary
 
 
-def test_localization_holds_on_the_map_it_made(mapped: Mapping, tmp_path: Path) -> None:
+def test_localization_works_on_the_built_map(mapped: Mapping, tmp_path: Path) -> None:
     summary = localized(mapped.log, tmp_path / "made")
     assert summary["lost_share"] == 0.0
     position = summary["position_m"]
@@ -133,16 +133,16 @@ def test_localization_holds_on_the_map_it_made(mapped: Mapping, tmp_path: Path) 
 
 @pytest.fixture(scope="module")
 def short_log(data_folder: Path) -> ScanLog:
-    """The first loops of a real log."""
+    """Return the first loops of a real log."""
     log = read_scan_log(data_folder / "logs" / "intel-corrected.log.gz")
     return replace(log, scans=log.scans[:150], scan_lines=log.scan_lines[:150])
 
 
-def test_a_real_log_maps_without_its_references(short_log: ScanLog, tmp_path: Path) -> None:
+def test_real_log_is_mapped_without_its_references(short_log: ScanLog, tmp_path: Path) -> None:
     odometry = distances(
         [scan.odometry for scan in short_log.scans], [scan.reference for scan in short_log.scans]
     )
-    mapped = map_odometry(short_log)
+    mapped = map_from_odometry(short_log)
     assert max(odometry) > 5.0
     assert mapped.off_references is not None
     assert mapped.off_references < 0.15
@@ -151,7 +151,7 @@ def test_a_real_log_maps_without_its_references(short_log: ScanLog, tmp_path: Pa
 
 
 def write_carmen(log: ScanLog, path: Path) -> None:
-    """Write a log that was not corrected: every pose in it is the raw odometry."""
+    """Write an uncorrected log: every pose in it is the raw odometry."""
     lines = []
     for scan in log.scans:
         assert isinstance(scan, CarmenScan)
@@ -189,7 +189,7 @@ def mean_error(out: str) -> float:
     return float(out.split("log): mean ")[1].split(" m")[0])
 
 
-def test_command_names_what_is_wrong(
+def test_command_reports_errors(
     tmp_path: Path, drive: ScanLog, capsys: pytest.CaptureFixture[str]
 ) -> None:
     write_carmen(drive, tmp_path / "raw.log")

@@ -1,4 +1,4 @@
-"""Surface directions, point-to-line alignment and the exhaustive search."""
+"""Surface normals, point-to-line alignment and exhaustive search."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tools.mapping.slam.keyframe import surface_normals
 
 
 def wall(start: tuple[float, float], end: tuple[float, float]) -> NDArray[np.float64]:
-    """Points each 0.1 m, 5 mm off at random."""
+    """Return points each 0.1 m with noise of 5 mm."""
     n = round(math.dist(start, end) / 0.1)
     points = np.linspace(start, end, n, endpoint=False)
     return points + np.random.default_rng(n).normal(0.0, 0.005, points.shape)
@@ -42,7 +42,7 @@ def seen_from(points: NDArray[np.float64], pose: Pose) -> NDArray[np.float64]:
     return move_points(points, pose.inverse())
 
 
-def test_normals_stand_on_walls_and_corners_have_none() -> None:
+def test_normals_are_perpendicular_to_walls_and_missing_at_corners() -> None:
     normals = surface_normals(ROOM)
     along_x = (abs(ROOM[:, 1] + 2.0) < 0.1) & (ROOM[:, 0] < 3.5)
     assert np.abs(normals[along_x, 1]).min() > 0.98
@@ -61,7 +61,7 @@ def test_alignment_finds_the_pose_in_a_room() -> None:
     assert np.linalg.eigvalsh(found.information).min() > 1000.0
 
 
-def test_a_corridor_says_nothing_about_the_way_along_it() -> None:
+def test_corridor_gives_no_information_along_it() -> None:
     truth = Pose(0.3, 0.1, math.radians(2.0))
     found = align(seen_from(CORRIDOR, truth), cloud(CORRIDOR), Pose(0.0, 0.0, 0.0))
     assert found is not None
@@ -73,22 +73,22 @@ def test_a_corridor_says_nothing_about_the_way_along_it() -> None:
     assert found.information[1, 1] > 1000.0
 
 
-def test_alignment_with_nothing_there_is_none() -> None:
+def test_alignment_without_counterparts_is_none() -> None:
     assert align(ROOM + 50.0, cloud(ROOM), Pose(0.0, 0.0, 0.0)) is None
     assert align(ROOM, cloud(np.zeros((3, 2))), Pose(0.0, 0.0, 0.0)) is None
 
 
-def test_search_finds_what_alignment_could_not() -> None:
+def test_search_finds_a_pose_beyond_the_reach_of_alignment() -> None:
     truth = Pose(1.7, -1.2, math.radians(25.0))
     scan = seen_from(ROOM, truth)
     peak = search(scan, ROOM, Pose(0.0, 0.0, 0.0), 2.0, math.radians(30.0))
     assert math.dist(peak.pose[:2], truth[:2]) < 0.15
     assert abs(peak.pose.theta - truth.theta) < math.radians(2.0)
     assert peak.score > 0.8
-    assert peak.rival < 0.9 * peak.score
+    assert peak.runner_up < 0.9 * peak.score
 
 
-def test_search_knows_when_places_look_alike() -> None:
+def test_runner_up_score_is_high_when_places_are_alike() -> None:
     peak = search(CORRIDOR, CORRIDOR, Pose(0.0, 0.0, 0.0), 2.0, math.radians(10.0))
-    assert peak.rival > 0.85 * peak.score
+    assert peak.runner_up > 0.85 * peak.score
     assert peak.pose == pytest.approx((0.0, 0.0, 0.0), abs=0.11), "the nearest is preferred"

@@ -12,16 +12,16 @@ from maps.pose import Pose
 from tools.mapping.slam.relations import (
     Relation,
     RelationsError,
-    line_up,
     read_relations,
     relation_error,
+    synchronize,
 )
 
 LINES = "# t1 t2 x y z roll pitch yaw\n100.5 102.0 1.0 -0.5 0 0 0 1.5\n\n103 101 2 0 0 0 0 -7\n"
 
 
 @pytest.mark.parametrize("packed", [False, True])
-def test_relations_are_read_with_their_times_moved(tmp_path: Path, packed: bool) -> None:
+def test_relations_are_read_with_the_time_offset(tmp_path: Path, packed: bool) -> None:
     path = tmp_path / "place.relations"
     data = LINES.encode()
     path.write_bytes(gzip.compress(data) if packed else data)
@@ -39,7 +39,7 @@ def test_relations_are_read_with_their_times_moved(tmp_path: Path, packed: bool)
         ("# nothing\n", "no relation in the file"),
     ],
 )
-def test_a_bad_file_is_named_with_the_place(tmp_path: Path, text: str, said: str) -> None:
+def test_invalid_file_is_named_with_the_line(tmp_path: Path, text: str, said: str) -> None:
     path = tmp_path / "bad.relations"
     path.write_text(text)
     with pytest.raises(RelationsError, match=said) as caught:
@@ -47,7 +47,7 @@ def test_a_bad_file_is_named_with_the_place(tmp_path: Path, text: str, said: str
     assert str(path) in str(caught.value)
 
 
-def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
+def test_unreadable_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(RelationsError, match=r"absent.relations: cannot be read"):
         read_relations(tmp_path / "absent.relations")
     cut = tmp_path / "cut.gz"
@@ -56,7 +56,7 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
         read_relations(cut)
 
 
-def test_the_error_does_not_depend_on_the_maps_frame() -> None:
+def test_error_is_independent_of_the_maps_frame() -> None:
     frame = Pose(10.0, -3.0, 2.0)
     relations = [
         Relation(0.0, 1.0, Pose(1.0, 0.0, 0.0)),
@@ -74,15 +74,15 @@ def test_the_error_does_not_depend_on_the_maps_frame() -> None:
     assert "mean 0.0500 m" in exact.table()
 
 
-def test_the_clock_is_set_by_the_stamps() -> None:
+def test_relations_are_synchronized_by_the_stamps() -> None:
     stamps = [0.3 * n for n in range(100)]
     still = Pose(0.0, 0.0, 0.0)
     exact = [Relation(stamps[n], stamps[n + 3], still) for n in range(50)]
     late = [Relation(r.start + 0.004, r.end + 0.004, still) for r in exact]
-    for moved, true in zip(line_up(late, stamps), exact, strict=True):
+    for moved, true in zip(synchronize(late, stamps), exact, strict=True):
         assert (moved.start, moved.end) == pytest.approx((true.start, true.end), abs=1e-9)
     far = [Relation(r.start + 0.1, r.end + 0.1, still) for r in exact]
-    assert line_up(far, stamps) == far
+    assert synchronize(far, stamps) == far
 
 
 def test_relations_of_another_time_are_refused() -> None:

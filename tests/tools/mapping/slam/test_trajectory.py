@@ -1,4 +1,4 @@
-"""Poses between those that are fixed."""
+"""Interpolation between fixed poses."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from maps.pose import Pose
 from tools.mapping.slam.rigid_fit import fit
 from tools.mapping.slam.trajectory import Trajectory
 
-# Straight on, but the robot turned all the while unknown to its odometer; stamps out of order.
+# Straight by the odometry, while the robot turned; stamps out of order.
 ODOMETRY = [
     (0.0, Pose(5.0, 5.0, 0.0)),
     (1.0, Pose(6.0, 5.0, 0.0)),
@@ -19,7 +19,7 @@ ODOMETRY = [
 FIXED = {0: Pose(0.0, 0.0, 0.0), 4: Pose(4.0, 0.8, 0.4)}
 
 
-def test_what_the_odometry_is_off_is_spread_over_the_way() -> None:
+def test_odometry_error_is_distributed_over_the_distance() -> None:
     poses = Trajectory(ODOMETRY, FIXED).poses
     assert poses[0] == FIXED[0]
     assert poses[1] == pytest.approx((1.0, 0.2, 0.1))
@@ -27,7 +27,7 @@ def test_what_the_odometry_is_off_is_spread_over_the_way() -> None:
     assert poses[4] == FIXED[4]
 
 
-def test_a_pose_is_found_by_its_stamp_whatever_the_order() -> None:
+def test_pose_is_found_by_stamp_in_any_order() -> None:
     trajectory = Trajectory(ODOMETRY, FIXED)
     assert trajectory.at(2.0) == trajectory.poses[3]
     assert trajectory.at(3.0) == trajectory.poses[2]
@@ -36,7 +36,7 @@ def test_a_pose_is_found_by_its_stamp_whatever_the_order() -> None:
     assert trajectory.at(4.1) is None
 
 
-def test_a_robot_that_stood_still_has_one_pose() -> None:
+def test_standing_robot_has_one_pose() -> None:
     still = [(float(t), Pose(1.0, 1.0, 1.0)) for t in range(3)]
     trajectory = Trajectory(still, {0: Pose(2.0, 0.0, 0.0), 2: Pose(2.0, 0.0, 0.0)})
     assert trajectory.at(1.0) == pytest.approx((2.0, 0.0, 0.0))
