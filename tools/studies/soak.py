@@ -30,6 +30,7 @@ from robot_agent.recording.run_header import RunHeader, header_of_run
 from tools.bench.bench_fault import BenchFault, FaultKind
 from tools.bench.fleet import Fleet, FleetRobot
 from tools.metrics.idleness import border_visits, idleness_figures
+from tools.simulation.world import Contact
 
 HOUR_S = 3600.0
 SAMPLE_S = 0.5
@@ -231,7 +232,7 @@ class Soak:
         return times, places
 
     def _count_contacts(self) -> None:
-        """Count new contacts, separately those within BLIND_DRIVE_S of an agent's death."""
+        """Count new contacts, separately those of a robot whose agent died BLIND_DRIVE_S ago."""
         fleet = self.fleet
         for number, robot in enumerate(fleet.robots):
             if robot.injector is not None and robot.injector.agent_dead:
@@ -242,8 +243,14 @@ class Soak:
             for contact in fleet.world.contact_log[-new:]:
                 other = "a wall" if contact.other is None else self._name(contact.other)
                 self._touched.append(f"{fleet.t:.1f} s: {self._name(contact.body)}, {other}")
-            if any(until >= fleet.t for until in self._dead_until):
-                self._contacts_blind += new
+                self._contacts_blind += self._is_blind(contact)
+
+    def _is_blind(self, contact: Contact) -> bool:
+        """Return whether a robot of a contact has, or just had, no agent to stop it."""
+        return any(
+            until >= self.fleet.t and robot.rig.body.index in (contact.body, contact.other)
+            for robot, until in zip(self.fleet.robots, self._dead_until, strict=True)
+        )
 
     def _name(self, body: int) -> str:
         robots = {robot.rig.body.index: robot.rig.name for robot in self.fleet.robots}

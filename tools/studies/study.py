@@ -85,9 +85,8 @@ class Case:
 
     @property
     def robots(self) -> int:
-        """Number of robots; 0 if the value is not an integer."""
-        robots = self.get(ROBOTS, 3)
-        return robots if isinstance(robots, int) else 0
+        """Number of robots. Raises ValueError for what is no number."""
+        return int(str(self.get(ROBOTS, 3)))
 
     @property
     def faults(self) -> list[str]:
@@ -196,6 +195,11 @@ def read_study(path: Path, changes: Sequence[str] = ()) -> Study:
 
 def _check(case: Case, path: Path, changes: tuple[str, ...]) -> None:
     configuration(case, str(path), changes)
+    robots = case.get(ROBOTS, 3)
+    if not isinstance(robots, int) or isinstance(robots, bool):
+        raise StudyError(
+            f"{path}: vary.{ROBOTS}: {robots!r} is no number of robots; give 1 or more"
+        )
     if case.robots < 1:
         raise StudyError(f"{path}: vary.{ROBOTS}: {case.robots} robots; give 1 or more")
     try:

@@ -8,6 +8,7 @@ import pytest
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.bench.bench_fault import BenchFault, FaultKind
+from tools.simulation.world import Contact
 from tools.studies import soak
 from tools.studies.soak import Soak, SoakHour, SoakLog, random_faults, slope
 
@@ -80,3 +81,16 @@ def test_rows_and_summary_are_on_disk_after_each_hour(tmp_path: Path) -> None:
 def row(hour: float, **changed: object) -> SoakHour:
     values: dict[str, object] = dict.fromkeys(SoakHour.__dataclass_fields__, 0)
     return SoakHour(**values | {"hour": hour, "wall_s": 250.0 * hour, "touched": ()} | changed)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("dead", "blind"), [(0, 1), (1, 1), (2, 0)])
+def test_contact_counts_as_blind_only_if_an_agent_of_its_robots_is_dead(
+    tmp_path: Path, dead: int, blind: int
+) -> None:
+    folder = load_map_folder(find_map("paper_lab", Path.cwd()))
+    run = Soak(folder, 3, 1, 1.0, 600.0, tmp_path)
+    bodies = [robot.rig.body.index for robot in run.fleet.robots]
+    run._dead_until[dead] = run.fleet.t + 1.0
+    run.fleet.world.contact_log.append(Contact(bodies[0], bodies[1]))
+    run._count_contacts()
+    assert (run._contacts_seen, run._contacts_blind) == (1, blind)
