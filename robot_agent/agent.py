@@ -235,7 +235,7 @@ class Agent:
     def _track_by_sonar(self, t: float, odometry: Pose) -> None:
         """Update teammate tracks outside the laser's view by sonar; odometry: odom_from_base."""
         pose = self.pose_tracker.localized_pose_at(t)
-        if pose is not None and self.perception.tracker.awaits_echo(t):
+        if pose is not None and self.perception.tracker.needs_echoes(t):
             self.perception.tracker.on_echoes(t, pose, self.surroundings.echoes(t, odometry))
 
     def _on_laser_bytes(self, t: float, data: bytes) -> None:
@@ -281,7 +281,7 @@ class Agent:
             self.outbox.log(t, "intruder", _intruder_words(each.intruder), LogLevel.WARNING)
             if self.publishes:
                 self._publish(self.telemetry.on_intruder(t, each.intruder, scan=each.scan))
-            if each.wants_picture:
+            if each.needs_picture:
                 self.outbox.add(TakePicture())
         if self.publishes and self.perception.intruders is not None:
             self._publish(self.telemetry.on_intruders(t, self.perception.intruders.known))

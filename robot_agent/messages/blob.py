@@ -1,4 +1,4 @@
-"""What one picture shows of the bands that teammates wear."""
+"""Detections of teammates' colour bands in one picture."""
 
 from __future__ import annotations
 
@@ -6,16 +6,16 @@ from dataclasses import dataclass
 from typing import Literal
 
 Sight = Literal["clear", "dark", "glare", "covered"]
-"""Whether a picture can tell anything: dark, glare and covered ones are blind."""
+"""Whether a picture is usable: only "clear" ones are evaluated."""
 
 
 @dataclass(frozen=True, slots=True)
 class Blob:
     """One patch of the team's colour in the shape of a band.
 
-    bearing: rad from the optical axis to its middle, left positive. elevation: rad, up positive.
-    width, height: rad it fills. range: m from the camera to its surface, by its apparent height;
-    range_sigma: m. confidence: 0 to 1, how well colour, shape and place fit a band at that range.
+    bearing: of its middle from the optical axis, rad, left positive. elevation: rad, up positive.
+    width, height: apparent size, rad. range: from the camera to its surface by the apparent height,
+    m; range_sigma: m. confidence: 0 to 1, that it is a band at that range.
     """
 
     bearing: float

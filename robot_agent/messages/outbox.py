@@ -1,4 +1,4 @@
-"""Everything one event brings about, in order: effects, and notices for people."""
+"""Queue of one event's outputs, in order: effects, and notices for people."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ class Outbox:
         self._items += effects
 
     def log(self, t: float, part: str, words: str, level: LogLevel) -> None:
-        """Append a notice of a part of the agent."""
+        """Append a notice of a part of the agent at t."""
         self._items.append(Notice(t, part, words, level))
 
     def pop_all(self) -> list[Effect | Notice]:
-        """Return what has been collected, in order, and forget it."""
+        """Return all items, in order, and empty the outbox."""
         items, self._items = self._items, []
         return items

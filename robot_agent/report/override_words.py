@@ -1,4 +1,4 @@
-"""What a decision's override means, in words for people."""
+"""Log messages for people about overrides of the paper's choice."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _PART = "patrol"
 def override_notice(
     decision: PatrolDecision, before: PatrolDecision | None
 ) -> tuple[str, str, LogLevel] | None:
-    """Return part, words and level when an override begins that people should hear of."""
+    """Return (part, text, level) of the log message if an override begins; None if none is due."""
     reason = decision.override
     if reason is None or (before is not None and before.override is reason):
         return None

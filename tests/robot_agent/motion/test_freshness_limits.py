@@ -52,10 +52,10 @@ def test_every_stream_may_miss_one_of_its_own():
 def test_a_stream_is_missed_once_and_comes_back_once():
     watch = FreshnessWatch()
     assert watch.changes(0.0) == []
-    watch.well(BASE, 1.0)
+    watch.mark_valid(BASE, 1.0)
     assert watch.changes(0.99 + BASE.max_age) == []
     assert watch.changes(1.01 + BASE.max_age) == [(BASE, False)]
     assert watch.changes(2.0) == []
-    watch.well(BASE, 2.1)
+    watch.mark_valid(BASE, 2.1)
     assert watch.changes(2.1) == [(BASE, True)]
     assert watch.changes(2.2) == []

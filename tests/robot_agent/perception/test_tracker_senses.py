@@ -88,7 +88,7 @@ def test_a_sonar_keeps_up_a_teammate_behind_for_a_while(room: Room) -> None:
     for step in range(120):
         t = last + PERIOD * (step + 1)
         tracker.update(t, turned, room.scan(turned, [], np.random.default_rng(step)))
-        if tracker.awaits_echo(t):
+        if tracker.needs_echoes(t):
             tracker.on_echoes(t, turned, np.array([[echo.x, echo.y]]))
         if tracker.closest(t, turned) is not None:
             remembered = t - last

@@ -33,7 +33,7 @@ def test_oldest_runs_make_room(tmp_path: Path) -> None:
     current = make_run(tmp_path, 9, 400_000)
     (tmp_path / "other.mcap").write_bytes(bytes(9_000_000))
     room = RecordingRetention(current, RecorderSettings(keep_mb=1.0, leave_free_mb=0.0), "r-*.mcap")
-    assert room.make() == ""
+    assert room.free_space() == ""
     assert names(tmp_path) == ["other.mcap", "r-3.mcap", "r-9.mcap"]
 
 
@@ -41,7 +41,7 @@ def test_a_run_that_is_too_large_alone_has_to_end(tmp_path: Path) -> None:
     make_run(tmp_path, 1, 10)
     current = make_run(tmp_path, 9, 1_000_001)
     room = RecordingRetention(current, RecorderSettings(keep_mb=1.0, leave_free_mb=0.0), "r-*.mcap")
-    assert "keep_mb = 1" in room.make()
+    assert "keep_mb = 1" in room.free_space()
     assert names(tmp_path) == ["r-9.mcap"]
 
 
@@ -49,7 +49,8 @@ def test_without_a_pattern_nothing_is_deleted(tmp_path: Path) -> None:
     make_run(tmp_path, 1, 2_000_000)
     current = make_run(tmp_path, 9, 10)
     assert (
-        RecordingRetention(current, RecorderSettings(keep_mb=1.0, leave_free_mb=0.0)).make() == ""
+        RecordingRetention(current, RecorderSettings(keep_mb=1.0, leave_free_mb=0.0)).free_space()
+        == ""
     )
     assert names(tmp_path) == ["r-1.mcap", "r-9.mcap"]
 
