@@ -13,9 +13,9 @@ Sight = Literal["clear", "dark", "glare", "covered"]
 class Blob:
     """One patch of the team's colour in the shape of a band.
 
-    bearing: of its middle from the optical axis, rad, left positive. elevation: rad, up positive.
-    width, height: apparent size, rad. range: from the camera to its surface by the apparent height,
-    m; range_sigma: m. confidence: 0 to 1, that it is a band at that range.
+    bearing: rad from the optical axis to its middle, left positive. elevation: rad, up positive.
+    width, height: rad it fills. range: m from the camera to its surface, by its apparent height;
+    range_sigma: m. confidence: 0 to 1, how well colour, shape and place fit a band at that range.
     """
 
     bearing: float

@@ -20,7 +20,7 @@ from maps.pose import Pose
 
 
 class Timestamp(msgspec.Struct, frozen=True, kw_only=True):
-    """A time, split as the Foxglove schemas require."""
+    """A time, split as the Foxglove schemas want it."""
 
     sec: Annotated[int, Meta(ge=0, description="whole seconds")]
     nsec: Annotated[int, Meta(ge=0, le=999_999_999, description="nanoseconds")]
@@ -54,7 +54,7 @@ class Quaternion(msgspec.Struct, frozen=True):
 
 
 class Pose3(msgspec.Struct, frozen=True):
-    """A position and an orientation in space; those published lie in the plane z = 0."""
+    """A position and an orientation in space; ours lie in the plane z = 0."""
 
     position: Vector3
     orientation: Quaternion
@@ -189,11 +189,11 @@ class ArrowPrimitive(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class UnusedPrimitive(msgspec.Struct, frozen=True):
-    """Item of the primitive lists that a scene must have and that stay empty here."""
+    """Item of the primitive lists that a scene must name and that we leave empty."""
 
 
 class SceneEntity(msgspec.Struct, frozen=True, kw_only=True):
-    """``foxglove.SceneEntity``: primitives drawn under one id until its lifetime ends."""
+    """``foxglove.SceneEntity``: what is drawn under one id until its lifetime ends."""
 
     timestamp: Timestamp
     frame_id: str

@@ -48,9 +48,9 @@ class MemorySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
 
 
 class RememberedPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A localized pose (map_from_base, m and rad) and the odometer's reading there, in counts.
+    """A sure pose (map_from_base, m and rad) and what the odometer read there, in counts.
 
-    Part of a recording's configuration, if the agent found one at its start; not for hand-written
+    In a recording's configuration, where the agent found it at its start; not for hand-written
     files.
     """
 

@@ -85,7 +85,7 @@ class BaudMessage(msgspec.Struct, frozen=True):
 
 
 class GapMessage(msgspec.Struct, frozen=True):
-    """Number of records lost at this place."""
+    """How many records were lost at this place."""
 
     lost: int
 
@@ -99,7 +99,7 @@ class ReferenceMessage(msgspec.Struct, frozen=True):
 
 
 class EmptyMessage(msgspec.Struct, frozen=True):
-    """A message without content besides its topic and time."""
+    """A message whose topic and time say all."""
 
 
 MESSAGES: dict[str, tuple[type[msgspec.Struct], str]] = {

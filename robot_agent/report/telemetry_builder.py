@@ -107,8 +107,11 @@ class TelemetryBuilder:
         health: HealthSummary,
         start_wall_ns: int,
     ) -> None:
-        """robot, team: names in the payloads. border: None on a map without one. start_wall_ns:
-        wall clock at agent time 0, ns since 1970."""
+        """Start with all links down.
+
+        robot, team: names in the payloads. border: None on a map without one. start_wall_ns: wall
+        clock at agent time 0, ns since 1970.
+        """
         self._robot = robot
         self._team = team
         self._border = border

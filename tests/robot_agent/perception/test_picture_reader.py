@@ -45,7 +45,7 @@ def next_of(inbox: SimpleQueue[Event], kind: type, server: CameraServer | None =
     raise AssertionError(f"no {kind.__name__} within {LIMIT_S:g} s")
 
 
-def test_a_band_arrives_as_an_event_and_an_unplugged_camera_too() -> None:
+def test_band_and_lost_camera_arrive_as_events() -> None:
     scene = world()
     own = scene.add_body(Pose(3.0, 3.0, 0.0))
     scene.add_body(Pose(5.0, 3.4, 2.0))
@@ -78,7 +78,7 @@ def test_a_band_arrives_as_an_event_and_an_unplugged_camera_too() -> None:
         server.close()
 
 
-def test_the_watch_tells_what_the_camera_is_worth() -> None:
+def test_watch_reports_the_state_of_the_camera() -> None:
     watch = CameraWatch(CameraSettings())
     assert watch.state(0.0) == "off"
     assert watch.trouble(0.0) == ""
