@@ -1,9 +1,9 @@
-"""The check before a search ends: does an alternative hypothesis explain the way as well?
+"""The check before a global search ends: is there an alternative hypothesis as likely?
 
-A search draws so few particles per place that there may be none near the true pose, and one near a
-look-alike. So the way since the search began is searched once more, from its start and with fresh
-particles, everywhere but along the pose found; then the way is traced back from both places, and
-the likelihoods of its scans are compared.
+A search draws so few particles per area that there may be none near the true pose, but one near an
+ambiguous place. So the scans since the search began are processed once more with fresh particles
+everywhere but along the pose found; then both hypotheses are traced back by odometry, and the
+likelihoods of the scans along them are compared.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ from localization.refinement import Refinement
 from localization.settings import MotionSettings
 from maps.pose import Pose
 
-STOPS = 16  # scans of the way remembered
+STOPS = 16  # scans kept
 STOP_XY = 0.4  # m between two of them
 STOP_THETA = 0.4  # rad; likewise
-_MAX_PLACES = 8  # other places compared
+_MAX_PLACES = 8  # alternative clusters compared
 _ODDS_LIMIT = 700.0  # exp() of more is infinite
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stop:
-    """One scan of the way since the search began."""
+    """One scan kept since the search began."""
 
     increment: Pose
     """base_then_from_base_now since the stop before."""
@@ -48,21 +48,21 @@ class Stop:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class AlternativeHypothesis:
-    """The best other pose."""
+    """The best alternative to the pose found."""
 
     belief: Belief
-    """Particles round it."""
+    """Particles of the alternatives."""
     odds: float
-    """Log of how much likelier the scans are at the pose found than here."""
+    """Log of the likelihood ratio of the scans, pose found over alternative."""
 
     @property
     def share(self) -> float:
-        """Share of the belief left to the pose found, 0..1."""
+        """Probability of the pose found against the alternative, 0..1."""
         return 1.0 / (1.0 + math.exp(min(-self.odds, _ODDS_LIMIT)))
 
 
 class AlternativeSearch:
-    """Keeps the scans since a search began and finds the best other pose that explains them."""
+    """Keeps the scans since a search began and finds the best alternative pose for them."""
 
     def __init__(
         self,
@@ -84,16 +84,16 @@ class AlternativeSearch:
 
     @property
     def stops(self) -> int:
-        """Number of scans remembered."""
+        """Number of scans kept."""
         return len(self._way)
 
     def forget(self) -> None:
-        """Forget all scans."""
+        """Drop all scans."""
         self._way.clear()
         self._since = Pose(0.0, 0.0, 0.0)
 
     def remember(self, increment: Pose | None, points: NDArray[np.float64]) -> None:
-        """Keep a scan, (m, 2) end points in base_link, if the last one kept is far enough away.
+        """Keep a scan, (m, 2) end points, m, base_link, if far enough from the last one kept.
 
         increment: base_then_from_base_now since the last call; None at the first scan.
         """
@@ -106,7 +106,7 @@ class AlternativeSearch:
             self._since = Pose(0.0, 0.0, 0.0)
 
     def find(self, pose: Pose) -> AlternativeHypothesis | None:
-        """Return the best place other than ``pose`` (map_from_base now); None: there is none."""
+        """Return the best alternative to ``pose`` (map_from_base now); None if there is none."""
         at_last_stop = pose.compose(self._since.inverse())
         found = self._trace(at_last_stop)
         alternatives = self._replay(found)
@@ -119,7 +119,10 @@ class AlternativeSearch:
         return AlternativeHypothesis(alternatives.belief, odds)
 
     def _replay(self, avoided: list[Pose]) -> ParticleFilter | None:
-        """Search the way anew but for the poses avoided (one a stop); None if nothing is left."""
+        """Process the scans again without particles near the poses avoided, one per scan.
+
+        None if no particles are left.
+        """
         particles = ParticleFilter(self._motion, self._field, self._rng)
         particles.restart(self._search.sample(self._rng))
         for number, (stop, pose) in enumerate(zip(self._way, avoided, strict=True)):
@@ -135,9 +138,9 @@ class AlternativeSearch:
         return particles
 
     def _trace(self, pose: Pose) -> list[Pose]:
-        """Return where the robot was at each stop if it was at ``pose`` at the last one.
+        """Return the pose at each scan kept, given ``pose`` at the last one.
 
-        Each step of the odometry is taken back and the scan slid to where it fits best.
+        Each step of the odometry is reversed and the pose refined by the scan.
         """
         stops, poses = list(self._way), []
         covariance = step_covariance(Pose(0.0, 0.0, 0.0), self._motion)
@@ -150,14 +153,14 @@ class AlternativeSearch:
         return poses[::-1]
 
     def _log_likelihood(self, poses: list[Pose]) -> float:
-        """Return how likely the scans of the way are, one from each of poses.
+        """Return the log-likelihood of the scans kept, one from each of poses.
 
-        Where people hide the map a scan fits nowhere, better or worse by chance: each scan counts
-        no less than ``HIDDEN_LOG_LIKELIHOOD`` a beam.
+        Where people occlude the map a scan fits nowhere, by chance better or worse: each scan
+        counts at least ``HIDDEN_LOG_LIKELIHOOD`` a beam.
         """
-        least = INDEPENDENT_BEAMS * HIDDEN_LOG_LIKELIHOOD
+        floor = INDEPENDENT_BEAMS * HIDDEN_LOG_LIKELIHOOD
         return sum(
-            max(least, self._log_likelihood_at(pose, stop.points))
+            max(floor, self._log_likelihood_at(pose, stop.points))
             for stop, pose in zip(self._way, poses, strict=True)
         )
 

@@ -1,4 +1,4 @@
-"""The best cluster of a weighted particle set: where most of the belief is."""
+"""Clusters of a weighted particle set; the heaviest one gives the pose estimate."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from maps.pose import Pose
 
 _BIN_XY = 0.5  # m
 _BIN_THETA = math.radians(30.0)
-_REACH_XY = 1.0  # m; particles this near to the cluster's middle belong to it
+_REACH_XY = 1.0  # m; particles this near to the cluster's mean belong to it
 _REACH_THETA = math.radians(45.0)
 _CANDIDATES = 4  # bins to grow a cluster from
 _TIGHT = 0.25  # m; a set with a smaller spread is one cluster
@@ -23,7 +23,7 @@ _TIGHT = 0.25  # m; a set with a smaller spread is one cluster
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cluster:
-    """Particles that agree on roughly one pose."""
+    """Particles near one pose."""
 
     mean: Pose
     """Weighted mean (map_from_base)."""
@@ -55,18 +55,18 @@ def best_cluster(particles: NDArray[np.float64], weights: NDArray[np.float64]) -
 
 
 def heavy_clusters(
-    particles: NDArray[np.float64], weights: NDArray[np.float64], most: int
+    particles: NDArray[np.float64], weights: NDArray[np.float64], limit: int
 ) -> list[Cluster]:
-    """Return at most that many heavy clusters of particles (n, 3); weights (n,) sum to 1."""
-    return [cluster for cluster, _ in islice(_clusters(particles, weights), most)]
+    """Return at most ``limit`` heavy clusters of particles (n, 3); weights (n,) sum to 1."""
+    return [cluster for cluster, _ in islice(_clusters(particles, weights), limit)]
 
 
 def _clusters(
     particles: NDArray[np.float64], weights: NDArray[np.float64]
 ) -> Iterator[tuple[Cluster, float]]:
-    """Yield a cluster round each of the heaviest bins, and the weight left outside of all so far.
+    """Yield a cluster round each of the heaviest bins, with the weight outside of all so far.
 
-    The heaviest bin need not be of the heaviest cluster: one across an edge fills several.
+    The heaviest bin need not be of the heaviest cluster, which may extend over several bins.
     """
     _, members = np.unique(bin_keys(particles, _BIN_XY, _BIN_THETA), return_inverse=True)
     outside = weights.copy()
@@ -82,7 +82,7 @@ def _clusters(
 def _grown(
     particles: NDArray[np.float64], weights: NDArray[np.float64], seed: NDArray[np.bool_]
 ) -> Cluster:
-    """Return the cluster round the particles of one bin, which may be its edge."""
+    """Return the cluster grown from the particles of one bin, which may be at its edge."""
     cluster = _members_of(particles, weights, seed)
     for _ in range(2):
         members = near(particles, cluster.mean)
@@ -93,7 +93,7 @@ def _grown(
 
 
 def near(particles: NDArray[np.float64], middle: Pose) -> NDArray[np.bool_]:
-    """Return (n,) which of particles (n, 3) are of the same place and heading as ``middle``."""
+    """Return (n,) which of particles (n, 3) are within a cluster's reach of ``middle``."""
     distance = np.hypot(particles[:, 0] - middle.x, particles[:, 1] - middle.y)
     turn = np.abs(_wrap(particles[:, 2] - middle.theta))
     within: NDArray[np.bool_] = (distance < _REACH_XY) & (turn < _REACH_THETA)
@@ -109,7 +109,7 @@ def _members_of(
 
 def _moments(particles: NDArray[np.float64], weights: NDArray[np.float64], share: float) -> Cluster:
     """Return weighted mean and covariance; weights sum to 1. The mean heading is circular."""
-    heading = particles[:, 2].astype(np.float32)  # ample for a first guess, and much faster
+    heading = particles[:, 2].astype(np.float32)  # precise enough here, and much faster
     middle = math.atan2(weights @ np.sin(heading), weights @ np.cos(heading))
     away = np.empty((3, len(particles)))
     x, y = float(weights @ particles[:, 0]), float(weights @ particles[:, 1])

@@ -1,4 +1,4 @@
-"""Distance to the mapped surface as a continuous function of place, with its exact slope."""
+"""Distance to the mapped surface as a continuous function of position, with its exact gradient."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from maps.pose import Pose
 class DistanceSurface:
     """The map's distance field, interpolated bilinearly between the cells' centres.
 
-    The slope is the interpolation's own: one taken over neighbouring cells would vanish on a wall,
-    where Gauss-Newton needs it most, and let its steps overshoot.
+    The gradient is that of the interpolation: differences of neighbouring cells would vanish on a
+    wall, where Gauss-Newton needs the gradient most, and make its steps overshoot.
     """
 
     def __init__(self, occupancy: OccupancyMap, far: float) -> None:
@@ -33,9 +33,9 @@ class DistanceSurface:
     def sample(
         self, pose: Pose, arms: NDArray[np.complex64]
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
-        """Return (m,) slope along x, slope along y, m/m, and distance, m, at places in the map.
+        """Return (m,) gradient along x, gradient along y, m/m, and distance, m, at map positions.
 
-        The places are ``arms`` (m,), x + iy along the map's axes, m, away from a pose.
+        The positions are ``arms`` (m,), x + iy along the map's axes, m, relative to a pose.
         """
         pixels = (arms + np.complex64(complex(pose.x, pose.y) - self._corner)) * self._scale
         across = np.minimum(np.maximum(pixels.real, 0.0), self._last[0])

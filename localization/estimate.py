@@ -1,4 +1,4 @@
-"""What the localizer tells the rest of the robot after a scan."""
+"""The pose estimate, result of the localizer after a scan."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from maps.pose import Pose
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Estimate:
-    """The pose at a scan, with how sure it is."""
+    """The pose at a scan, with covariance and health."""
 
     t: float
-    """Time the scan was measured, s."""
+    """When the scan was measured."""
     pose: Pose
     """map_from_base at the scan."""
     odometry: Pose
@@ -27,10 +27,10 @@ class Estimate:
     particle_count: int
     effective_sample_size: float
     likelihood: float
-    """Mean fit of the scan's beams to the map at the pose, 0..1; 0 if it has too few to tell."""
+    """Mean fit of the scan's beams to the map at the pose, 0..1; 0 if it has too few beams."""
     refined: bool
     """Whether the scan-to-map refinement was accepted."""
 
     def pose_at(self, odometry: Pose) -> Pose:
-        """Carry the pose forward by odometry: map_from_base where odometry is odom_from_base."""
+        """Return map_from_base at odometry, odom_from_base: the pose carried forward by it."""
         return self.pose.compose(self.odometry.between(odometry))

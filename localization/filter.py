@@ -1,4 +1,4 @@
-"""Particle filter over poses: predict with odometry, weigh with scans, resample when needed."""
+"""Particle filter over poses: predict by odometry, weight by scans, resample when needed."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from localization.settings import MotionSettings
 from maps.pose import Pose
 
 RESAMPLE_BELOW = 0.5  # effective share of the particles
-_TEMPERED = 0.8  # of a scan's information is left, each time it would decide too much
-_MUCH_LARGER = 2.0  # times the needed number of particles: then the set is thinned
+_TEMPERED = 0.8  # factor on a scan's information, until enough particles stay effective
+_MUCH_LARGER = 2.0  # times the needed number of particles, above which the set is reduced
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,25 +25,25 @@ class Belief:
     """A weighted set of poses."""
 
     particles: NDArray[np.float64]
-    """(n, 3) map_from_base, column by column in memory: each is worked on as a whole."""
+    """(n, 3) map_from_base, column-major in memory, as computations are by column."""
     weights: NDArray[np.float64]
     """(n,) summing to 1."""
     slips: NDArray[np.float32]
     """(n,) share of the last counted translation that each particle did not move."""
 
     @classmethod
-    def in_each_of(cls, particles: NDArray[np.float64]) -> Belief:
-        """Return particles (n, 3) of equal weight."""
+    def uniform(cls, particles: NDArray[np.float64]) -> Belief:
+        """Return the belief of particles (n, 3) of equal weight."""
         count = len(particles)
         return cls(particles, np.full(count, 1.0 / count), np.zeros(count, np.float32))
 
     def drawn(self, chosen: NDArray[np.intp]) -> Belief:
-        """Return the chosen particles (m,) with equal weight."""
+        """Return the belief of the particles with the chosen indices (m,), of equal weight."""
         count = len(chosen)
         return Belief(self.particles[chosen], np.full(count, 1.0 / count), self.slips[chosen])
 
     def mixed_with(self, other: Belief, share: float = 0.5) -> Belief:
-        """Return this belief with a share, 0..1, of the weight and another with the rest."""
+        """Return the mixture of this belief, with a share of the weight, 0..1, and another."""
         return Belief(
             np.vstack((self.particles, other.particles)),
             np.concatenate((share * self.weights, (1.0 - share) * other.weights)),
@@ -52,7 +52,7 @@ class Belief:
 
 
 class ParticleFilter:
-    """A weighted set of poses (map_from_base)."""
+    """Particle filter of map_from_base against one likelihood field."""
 
     def __init__(
         self,
@@ -67,11 +67,11 @@ class ParticleFilter:
 
     def restart(self, particles: NDArray[np.float64]) -> None:
         """Replace the belief by particles (n, 3) of equal weight."""
-        self.belief = Belief.in_each_of(particles)
+        self.belief = Belief.uniform(particles)
 
     @property
     def belief(self) -> Belief:
-        """The present belief; setting it restores one from before."""
+        """The present belief; can be set."""
         return Belief(self.particles, self.weights, self._slips)
 
     @belief.setter
@@ -81,11 +81,14 @@ class ParticleFilter:
         self.effective_sample_size = effective_sample_size(self.weights)
 
     def drawn(self, count: int) -> Belief:
-        """Return the belief in ``count`` particles drawn by their weights."""
+        """Return a belief of ``count`` particles drawn by their weights."""
         return self.belief.drawn(self._draw(count))
 
     def rule_out(self, impossible: NDArray[np.bool_]) -> bool:
-        """Set the weight of some particles (n,) to 0; return False, changing nothing, if of all."""
+        """Set the weights of ``impossible`` particles (n,) to 0.
+
+        Returns False, and changes nothing, if no weight would be left.
+        """
         left = np.where(impossible, 0.0, self.weights)
         total = float(left.sum())
         if total <= 0.0:
@@ -95,7 +98,7 @@ class ParticleFilter:
         return True
 
     def scatter(self, sigma_xy: float, sigma_theta: float) -> None:
-        """Move every particle a little way at random; standard deviations in m and rad."""
+        """Add Gaussian noise to every particle; standard deviations in m and rad."""
         sigmas = (sigma_xy, sigma_xy, sigma_theta)
         self.particles = self.particles + self._rng.standard_normal(self.particles.shape) * sigmas
 
@@ -114,31 +117,32 @@ class ParticleFilter:
     ) -> None:
         """Multiply the weights by the likelihood of a scan's end points (m, 2) in base_link.
 
-        independent_beams: how many independent beams the scan counts as (its information weight).
-        min_effective: share of the particles that must stay effective; the scan is weighted less
-        until they do, so that one particle that happens to lie well does not outweigh a place
+        independent_beams: number of independent beams the scan counts as (its information weight).
+        min_effective: share of the particles that must stay effective; the scan's information is
+        reduced until they do, so that one particle that fits by chance does not outweigh a place
         where none does.
-        min_log_likelihood: of the scan; where it fits worse, people are assumed to hide the map.
+        min_log_likelihood: lower bound of the scan's; below it people are assumed to occlude the
+        map.
         """
         with np.errstate(divide="ignore"):
             prior = np.log(self.weights)
         evidence = self._field.log_weights(self.particles, points, independent_beams)
         np.maximum(evidence, min_log_likelihood, out=evidence)
         before = effective_sample_size(self.weights)
-        least = min(min_effective * len(self.weights), _TEMPERED * before)
+        required = min(min_effective * len(self.weights), _TEMPERED * before)
         while True:
             log_weights = prior + evidence
             weights = np.exp(log_weights - log_weights.max())
             self.weights = weights / weights.sum()
             self.effective_sample_size = effective_sample_size(self.weights)
-            if self.effective_sample_size >= least:
+            if self.effective_sample_size >= required:
                 return
             evidence *= _TEMPERED
 
     def resample(self, limits: SampleLimits) -> None:
-        """Draw the particles anew if few of them carry the weight or many are superfluous.
+        """Resample if the effective sample size is small or there are far too many particles.
 
-        limits: of how many there are then.
+        limits: of the number of particles after that.
         """
         count = len(self.weights)
         if self.effective_sample_size < RESAMPLE_BELOW * count:
@@ -159,5 +163,5 @@ class ParticleFilter:
 
 
 def _rows(particles: NDArray[np.float64], chosen: NDArray[np.intp]) -> NDArray[np.float64]:
-    """Return the chosen (m,) of particles (n, 3), which stay column by column in memory."""
+    """Return the particles (n, 3) with the chosen indices (m,), column-major in memory."""
     return particles.T.take(chosen, axis=1).T

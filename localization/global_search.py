@@ -1,4 +1,4 @@
-"""Particles over the whole map: for a start at an unknown pose, and to be found again."""
+"""Global localization: particles over the whole map, for an unknown start and relocalization."""
 
 from __future__ import annotations
 
@@ -13,27 +13,27 @@ from maps.occupancy_map import FREE, MapError, OccupancyMap
 
 PARTICLES_PER_AREA = 300.0  # 1/m^2 of free floor
 MAX_PARTICLES = 200_000  # of a fresh sample
-CLOSER_XY = 0.1  # m; scatter round particles that fit, for the second look: half their spacing
+CLOSER_XY = 0.1  # m; scatter round particles that fit, for the second pass: half their spacing
 CLOSER_THETA = 0.09  # rad; likewise
-INDEPENDENT_BEAMS = 6.0  # a scan counts as so few that no place is given up on one scan
-MIN_EFFECTIVE = 0.05  # share of the particles that one scan leaves effective at least
-HIDDEN_LOG_LIKELIHOOD = -1.0  # mean of the beams of a scan that fits too badly to decide
+INDEPENDENT_BEAMS = 6.0  # of a scan: so few that one scan rules out no place
+MIN_EFFECTIVE = 0.05  # minimum share of the particles that one scan leaves effective
+HIDDEN_LOG_LIKELIHOOD = -1.0  # per beam; lower bound for a scan that fits too badly to decide
 CLEARANCE = 0.2  # m between a particle and a wall
 
 
 class GlobalSearch:
-    """Samples poses on the free floor clear of walls, and weighs them with care."""
+    """Samples poses on the free floor clear of walls, and weights them with low information."""
 
     def __init__(self, occupancy: OccupancyMap) -> None:
         self._occupancy = occupancy
         standable = (occupancy.cells == FREE) & (occupancy.distance_field() >= CLEARANCE)
-        # One bit a cell: searches are rare, large maps are not.
+        # One bit per cell saves memory on large maps; unpacking is rare.
         self._standable = np.packbits(standable)
         self._count = int(np.count_nonzero(standable))
 
     @property
     def possible(self) -> bool:
-        """Whether there is such floor on the map."""
+        """Whether there is free floor clear of walls on the map."""
         return self._count > 0
 
     def sample(self, rng: np.random.Generator) -> NDArray[np.float64]:
@@ -62,10 +62,10 @@ class GlobalSearch:
     def weigh_first(
         self, particles: ParticleFilter, points: NDArray[np.float64], limits: SampleLimits
     ) -> None:
-        """Weigh a fresh sample by its first scan, end points (m, 2) in base_link, in two passes.
+        """Weight a fresh sample by its first scan, end points (m, 2) in base_link, in two passes.
 
-        The sample is so thin that even the particle nearest to the true pose may fit badly. So
-        those that fit not too badly are scattered over the gaps between them and weighed again.
+        The sample is so sparse that even the particle nearest to the true pose may fit badly. So
+        the better ones are resampled, scattered over the gaps between them and weighted again.
         limits: of the number of particles then.
         """
         for again in (False, True):
@@ -77,7 +77,10 @@ class GlobalSearch:
     def weigh(
         self, particles: ParticleFilter, points: NDArray[np.float64], information: float = 1.0
     ) -> None:
-        """Weigh particles by a further scan, so lightly that it alone rules no place out."""
+        """Weight particles by a further scan, (m, 2), so that it alone rules out no place.
+
+        information: of the scan, 0 to 1.
+        """
         beams = information * INDEPENDENT_BEAMS
         hidden = beams * HIDDEN_LOG_LIKELIHOOD
         particles.weigh(points, beams, MIN_EFFECTIVE, hidden)

@@ -7,7 +7,7 @@ from enum import StrEnum
 
 from localization.scan_check import Fit
 
-# Thresholds between the states: those to get better are stricter than those to get worse.
+# Thresholds between the states, with hysteresis: those to improve are stricter.
 UNSURE_BELOW = 0.6  # mean fit of the scan
 LOCALIZED_ABOVE = 0.7
 LOST_BELOW = 0.45
@@ -18,14 +18,14 @@ UNSURE_SPREAD = 0.4  # m; standard deviation of the best cluster along its worst
 LOCALIZED_SPREAD = 0.3  # m
 UNSURE_SHARE = 0.7  # of the weight in the best cluster
 LOCALIZED_SHARE = 0.85
-MAX_JUMP_XY = 0.5  # m between the estimate and where the odometry would put it
+MAX_JUMP_XY = 0.5  # m between the estimate and the last one carried forward by odometry
 MAX_JUMP_THETA = 0.5  # rad; a scan with a larger jump is unsure
 WORSEN_AFTER = 1.3  # scans in a row, weighted by their information
 IMPROVE_AFTER = 4.0  # likewise
 
 
 class Health(StrEnum):
-    """How far the pose can be trusted."""
+    """Health of the pose estimate."""
 
     LOCALIZED = "localized"
     UNSURE = "unsure"
@@ -34,10 +34,10 @@ class Health(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Evidence:
-    """What one update says about the estimate."""
+    """Evidence of one update about the estimate."""
 
     fit: Fit | None
-    """Of the scan at the estimate; None if it has too few beams to tell."""
+    """Of the scan at the estimate; None if it has too few beams."""
     spread: float
     """Standard deviation of the best cluster's position along its worst direction, m."""
     share: float
@@ -45,13 +45,13 @@ class Evidence:
     wall_crossing: float = 0.0
     """Share of the beams that pass through mapped walls, 0..1."""
     jump_xy: float = 0.0
-    """Between the estimate and where the odometry would put it, m."""
+    """Between the estimate and the last one carried forward by odometry, m."""
     jump_theta: float = 0.0
     """Likewise, rad."""
     relocated: bool = False
-    """Whether the scan fits only beside where the odometry would put it."""
+    """Whether the scan fits only away from the pose that odometry leads to."""
     information: float = 1.0
-    """Of the scan: 1 if taken a step away from the last one, less on the same place."""
+    """Weight of the scan: 1 if taken a step away from the last one, less at the same place."""
 
 
 _RANK = {Health.LOST: 0, Health.UNSURE: 1, Health.LOCALIZED: 2}
@@ -59,7 +59,7 @@ _ENOUGH = 1.0 - 1e-9  # sums of information weights are not exact
 
 
 class HealthMonitor:
-    """Judges each update by its evidence; the health changes when several in a row agree.
+    """Classifies each update by its evidence; the health changes after several equal ones in a row.
 
     Scans taken a step apart count in full, those from the same place in part (their information
     weight).
@@ -72,7 +72,7 @@ class HealthMonitor:
         worsen_after: float = WORSEN_AFTER,
         improve_after: float = IMPROVE_AFTER,
     ) -> None:
-        """Begin with a health; the others: scans in a row that change it, down or up."""
+        """Start with a health. worsen_after, improve_after: scans in a row that change it."""
         self._worsen_after, self._improve_after = worsen_after, improve_after
         self.health = health
         # Verdicts in a row that were all better, or all worse, with the information of their scans.
@@ -84,7 +84,7 @@ class HealthMonitor:
         return self.health
 
     def preview(self, evidence: Evidence) -> Health:
-        """Return what ``update`` would, and change nothing."""
+        """Return what ``update`` would return, without changing the state."""
         return self._after(evidence)[0]
 
     def _after(self, evidence: Evidence) -> tuple[Health, list[tuple[Health, float]]]:
@@ -98,12 +98,12 @@ class HealthMonitor:
         needed = self._worsen_after if change < 0 else self._improve_after
         if sum(information for _, information in run) < needed * _ENOUGH:
             return self.health, run
-        # What all of the run agree on: the verdict nearest to the present health.
+        # The verdict of the run nearest to the present health: all others are farther away.
         health = min((each for each, _ in run), key=lambda each: abs(_change(self.health, each)))
-        return health, _asking_for_more(run, health, change)
+        return health, _beyond(run, health, change)
 
     def _verdict(self, evidence: Evidence) -> Health:
-        """Judge one update alone; thresholds depend on the present health (hysteresis)."""
+        """Classify one update alone; thresholds depend on the present health (hysteresis)."""
         if evidence.fit is None:
             return Health.LOST if self.health is Health.LOST else Health.UNSURE
         lost_limit = FOUND_ABOVE if self.health is Health.LOST else LOST_BELOW
@@ -117,7 +117,7 @@ class HealthMonitor:
                 and evidence.share >= UNSURE_SHARE
             )
         else:
-            # People may hide the map while localized; to become localized the whole scan must fit.
+            # People may occlude the map while localized, but not while becoming localized.
             good = (
                 evidence.fit.whole >= LOCALIZED_ABOVE
                 and evidence.wall_crossing <= LOCALIZED_WALL_CROSSING
@@ -133,14 +133,14 @@ class HealthMonitor:
 
 
 def _change(before: Health, after: Health) -> int:
-    """Return by how many ranks ``after`` is better (positive) or worse."""
+    """Return the number of ranks by which ``after`` is better (positive) or worse (negative)."""
     return _RANK[after] - _RANK[before]
 
 
-def _asking_for_more(
+def _beyond(
     run: list[tuple[Health, float]], health: Health, change: int
 ) -> list[tuple[Health, float]]:
-    """Return the newest verdicts of a run that a further change of the same sign may build on."""
+    """Return the newest verdicts of a run beyond a health, which count for a further change."""
     kept = len(run)
     while kept and _change(health, run[kept - 1][0]) * change > 0:
         kept -= 1

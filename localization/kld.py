@@ -1,4 +1,4 @@
-"""KLD sampling: as many particles as the belief's spread needs.
+"""KLD sampling: number of particles by the spread of the belief.
 
 Fox, "Adapting the sample size in particle filters through KLD-sampling", IJRR 22 (2003), eq. 13:
 with n samples over k bins, the KL divergence between the samples' distribution and the true one
@@ -22,7 +22,7 @@ _AXIS_BITS = 21  # 2**20 bins of 0.1 m each way are 100 km
 
 @dataclass(frozen=True, slots=True)
 class SampleLimits:
-    """How many samples a belief may have."""
+    """Limits of the number of samples of a belief."""
 
     minimum: int
     maximum: int

@@ -1,4 +1,4 @@
-"""Likelihood field: how well the end points of a scan fit the map, for many poses at once.
+"""Likelihood field: log-likelihood of a scan's end points for many poses at once.
 
 Thrun, Burgard, Fox, "Probabilistic Robotics", section 6.4 (likelihood_field_range_finder_model).
 The field is an image of a beam's log-likelihood by its end point; a scan seen from n particles is
@@ -15,18 +15,18 @@ from maps.occupancy_map import OccupancyMap
 
 SIGMA = 0.1  # m; of an end point, from laser, map and particle spacing together
 RANDOM_SHARE = 0.1  # of the beams, ending anywhere: on people, on teammates
-_CHUNK = 1 << 17  # products looked up at once: what fits a core's cache
-_WIDEST = 32766  # columns of what cv2.remap returns
+_CHUNK = 1 << 17  # products looked up at once, to fit a core's cache
+_WIDEST = 32766  # maximum columns of cv2.remap's result
 
 
 class LikelihoodField:
-    """Log-likelihoods of end points, looked up in the nearest cell."""
+    """Log-likelihoods of end points by table look-up in the nearest cell."""
 
     def __init__(self, occupancy: OccupancyMap, beams: int, *, sigma: float = SIGMA) -> None:
         """Prepare a map.
 
-        beams: of a scan, looked at unless ``log_weights`` is told another number. sigma: of an end
-        point's distance from the nearest obstacle, m.
+        beams: maximum number of a scan's beams used, unless ``log_weights`` gets another. sigma: of
+        an end point's distance from the nearest obstacle, m.
         """
         self._beams = beams
         self._origin = occupancy.origin
@@ -34,7 +34,7 @@ class LikelihoodField:
         fit = np.exp(-0.5 * (occupancy.distance_field() / np.float32(sigma)) ** 2)
         self._log_image = np.log((1.0 - RANDOM_SHARE) * fit + RANDOM_SHARE).astype(np.float32)
         self._log_outside = float(np.log(RANDOM_SHARE))
-        # Kept: memory new from the system at every scan costs more than all the work in it.
+        # Kept buffers: allocating new ones at every scan takes longer than the computation.
         self._columns, self._rows, self._looked_up = np.empty((3, _CHUNK), dtype=np.float32)
 
     def log_weights(
@@ -46,10 +46,10 @@ class LikelihoodField:
     ) -> NDArray[np.float64]:
         """Return (n,) log-likelihoods of the scan for particles (n, 3) (map_from_base).
 
-        points: (m, 2) end points in base_link, m. The product over the beams is tempered to what
-        ``independent_beams`` of them would tell: neighbouring beams hit the same surface and err
-        together, so that a plain product would be overconfident. beams: how many are looked at, if
-        not as many as usual.
+        points: (m, 2) end points in base_link, m. The product over the beams is tempered to the
+        information of ``independent_beams``: neighbouring beams hit the same surface with
+        correlated errors, so that a plain product would be overconfident. beams: maximum number of
+        beams used; None: as constructed. All zero without points.
         """
         points = spread_evenly(points, min(beams or self._beams, _CHUNK))
         if len(points) == 0:
@@ -74,8 +74,8 @@ class LikelihoodField:
     ) -> NDArray[np.float32]:
         """Return (m, n) log-likelihoods of points (m, 3) as (x, y, 1) by factors (3, n) of each.
 
-        A beam's ends lie close together for all particles of a cloud: in this order the look-ups
-        stay in the cache. The result holds until the next call.
+        The end points of one beam lie close together for all particles: in this order the look-ups
+        stay in the cache. The result is valid until the next call.
         """
         shape = len(homogeneous), to_column.shape[1]
         columns, rows, looked_up = (
@@ -100,7 +100,7 @@ class LikelihoodField:
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return (3, n) factors of a point (x, y, 1) in base_link, seen from poses (n, 3).
 
-        The first make its column, the others its row, in pixels; (0, 0) is the centre of the
+        The first array gives its column, the other its row, in pixels; (0, 0) is the centre of the
         lower-left cell.
         """
         heading = poses[:, 2].astype(np.float32)

@@ -1,4 +1,4 @@
-"""The localizer: odometry and scans in, pose with covariance and health out."""
+"""The localizer: pose estimate with covariance and health from odometry and scans."""
 
 from __future__ import annotations
 
@@ -30,17 +30,17 @@ from localization.slip_search import SlipSearch
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
 
-MIN_SIGMA_XY = 0.0144  # m; no estimate is surer: the error of a place within a cell of 0.05 m
-MIN_SIGMA_THETA = 0.005  # rad; likewise, of the laser's mount
-INDEPENDENT_BEAMS = 12.0  # as many as the beams of one scan count as together
+MIN_SIGMA_XY = 0.0144  # m; lower bound of an estimate's: quantization by a cell of 0.05 m
+MIN_SIGMA_THETA = 0.005  # rad; likewise: error of the laser's mount
+INDEPENDENT_BEAMS = 12.0  # that the beams of one scan count as together
 
 # The information weight of a scan.
 FULL_STEP_XY = 0.2  # m of travel after which a scan counts in full
 FULL_STEP_THETA = 0.2  # rad of turning likewise
-STILL_INFORMATION = 0.3  # of a scan where the last one was taken: its errors are the same
-_STILL_DECAY = 0.8  # of that in a search, from one scan to the next on one spot
+STILL_INFORMATION = 0.3  # of a scan at the pose of the last one, whose errors it repeats
+_STILL_DECAY = 0.8  # factor on that in a search, from one scan to the next at one place
 
-# The search in a window round the estimate, when a scan does not fit where the odometry puts it.
+# The search in a window round the estimate, when a scan does not fit at the predicted pose.
 WINDOW_BELOW = 0.8  # fit of a scan, without dynamic beams, that starts it
 WINDOW_ABOVE = 0.75  # fit of a pose that is preferred
 WINDOW_GAIN = 0.1  # by which it must fit better
@@ -49,16 +49,16 @@ WINDOW_XY = 1.0  # m either way
 WINDOW_THETA = 0.6  # rad either way
 
 # The search over the whole map.
-MAX_SEARCH_PARTICLES = 20_000  # until the robot is found, after the first scan
-KEPT_PARTICLES = 1000  # of the old belief, when a lost robot is searched for
-REPEAT_LOST = 15.0  # scans lost until the search starts again
-REPEAT_UNSURE = 4.0  # scans unsure and fitting badly until then
-_WINDOW_STEP = 0.2  # of a window's reach, to the sample nearest to the best pose in it
-_SLIPPED = 0.8  # of the belief goes to a place found back along the last step
+MAX_SEARCH_PARTICLES = 20_000  # during a search, after the first scan
+KEPT_PARTICLES = 1000  # of the old belief, when a search starts
+REPEAT_LOST = 15.0  # lost scans until the search starts again
+REPEAT_UNSURE = 4.0  # unsure scans with a bad fit until then
+_WINDOW_STEP = 0.2  # of a window's reach: spacing of samples, for the refinement's prior
+_SLIPPED = 0.8  # share of the belief moved to a pose found back along the last step
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Sight:
+class _Hypothesis:
     """The pose hypothesis after one scan, with its evidence."""
 
     cluster: Cluster
@@ -100,11 +100,11 @@ class Localizer:
         self._monitor = HealthMonitor()
         self._started = False
         self._searching = False
-        # Whether an alternative hypothesis may contest the pose before it counts as localized.
+        # Whether the pose is checked against alternative hypotheses before it becomes localized.
         self._contestable = False
         self._last_odometry: Pose | None = None
         self._still_scans = 0
-        self._doubt = 0.0  # at 1, the whole map is searched
+        self._search_due = 0.0  # 0 to 1; at 1 a search of the whole map starts
         self.estimate: Estimate | None = None
 
     @property
@@ -126,7 +126,7 @@ class Localizer:
         self._searching = self._contestable = False
 
     def start_anywhere(self) -> None:
-        """Start with particles all over the map's free floor.
+        """Start a global search, with particles all over the map's free floor.
 
         Raises MapError on a map without free floor.
         """
@@ -139,7 +139,7 @@ class Localizer:
         self._monitor = HealthMonitor(health)
         self._started = True
         self._last_odometry = None
-        self._doubt = 0.0
+        self._search_due = 0.0
         self.estimate = None
 
     def update(
@@ -149,9 +149,9 @@ class Localizer:
         points: NDArray[np.float64],
         ignore: NDArray[np.bool_] | None = None,
     ) -> Estimate:
-        """Take in a scan and return the new estimate.
+        """Update by a scan and return the new estimate.
 
-        t: when the scan was measured, s. odometry: odom_from_base then. points: (n, 2) end points
+        t: when the scan was measured. odometry: odom_from_base then. points: (n, 2) end points
         of the beams that returned, m, base_link at that time, in the order of their bearing.
         ignore: (n,) the beams known to end on people or teammates. Raises RuntimeError before a
         start.
@@ -160,38 +160,38 @@ class Localizer:
             raise RuntimeError("the localizer was told no start: call start_at or start_anywhere")
         if ignore is not None:
             points = points[~ignore]
-        # 1. Move the particles by what the wheels counted since the last scan.
+        # 1. Predict by the odometry since the last scan.
         increment = None if self._last_odometry is None else self._last_odometry.between(odometry)
         if increment is not None:
             self._filter.predict(increment)
         self._last_odometry = odometry
-        points = self._without_hiding(odometry, points)
+        points = self._without_occluder(odometry, points)
         if self._contestable:
             self._alternatives.remember(increment, points)
-        # 2. Weigh them by the scan.
+        # 2. Weight the particles by the scan.
         information = self._information(increment)
-        if self._doubt >= 1.0 and self._search.possible:
+        if self._search_due >= 1.0 and self._search.possible:
             self._search_again(points)
         elif self._searching and increment is None:
             self._search.weigh_first(self._filter, points, self._search_limits)
         else:
             self._weigh(points, information)
-        # 3. Take the best cluster, slid to where the scan fits best.
-        sight = self._look(points)
-        # 4. Wheels slip: see whether the scan fits better behind, or, if badly, anywhere nearby.
+        # 3. Take the best cluster, refined by the scan.
+        hypothesis = self._best_hypothesis(points)
+        # 4. Against slip: try poses back along the step, and, if the fit is bad, a window.
         if not self._searching:
-            sight = self._look_back(sight, increment, points)
-            sight = self._look_around(sight, points, information)
-        # 5. Judge how sure that is.
-        self.estimate = self._judge(t, odometry, points, sight, information)
-        # 6. Renew the set for the next scan.
+            hypothesis = self._search_slip(hypothesis, increment, points)
+            hypothesis = self._search_window(hypothesis, points, information)
+        # 5. Determine health and covariance.
+        self.estimate = self._make_estimate(t, odometry, points, hypothesis, information)
+        # 6. Resample for the next scan.
         self._filter.resample(self._search_limits if self._searching else self._limits)
         return self.estimate
 
-    def _without_hiding(self, odometry: Pose, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return points (n, 2) without those on a large unmapped thing close ahead.
+    def _without_occluder(self, odometry: Pose, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return points (n, 2) without those on a large unmapped object close to the robot.
 
-        All of them while lost or searching: the pose is not known well enough to tell.
+        All points while lost or searching: the pose is not good enough to detect one.
         """
         if self.estimate is None or self.estimate.health is Health.LOST or self._searching:
             return points
@@ -199,7 +199,10 @@ class Localizer:
         return points if hiding is None else points[~hiding]
 
     def _search_again(self, points: NDArray[np.float64]) -> None:
-        """Mix particles all over the map with the old ones, which may be right but for a crowd."""
+        """Start a search: mix particles all over the map with the old ones.
+
+        The old ones may be right if people occlude the map.
+        """
         kept = self._filter.drawn(KEPT_PARTICLES)
         self._filter.restart(self._search.sample(self._rng))
         self._search.weigh_first(self._filter, points, self._search_limits)
@@ -207,12 +210,12 @@ class Localizer:
         self._alternatives.forget()
         self._alternatives.remember(None, points)
         self._searching = self._contestable = True
-        self._doubt = 0.0
+        self._search_due = 0.0
 
     def _information(self, increment: Pose | None) -> float:
         """Return this scan's information weight, 0 to 1, after a step (None: the first scan).
 
-        Scans from the same spot repeat each other's errors; at full weight the covariance would
+        Errors of scans from the same place are correlated; at full weight the covariance would
         become too small. During a search, which must not decide between two places by such errors,
         their weight decays from scan to scan.
         """
@@ -232,83 +235,86 @@ class Localizer:
         else:
             self._filter.weigh(points, information * INDEPENDENT_BEAMS)
 
-    def _look(self, points: NDArray[np.float64]) -> _Sight:
-        """Return the best cluster and the pose in it that the scan fits best."""
+    def _best_hypothesis(self, points: NDArray[np.float64]) -> _Hypothesis:
+        """Return the best cluster with its pose refined by the scan."""
         cluster = best_cluster(self.particles, self.weights)
         refined = self._refinement.refine(cluster.mean, cluster.covariance, points)
         pose = cluster.mean if refined is None else refined.pose
-        return _Sight(cluster, refined, pose, self._check.fit(pose, points))
+        return _Hypothesis(cluster, refined, pose, self._check.fit(pose, points))
 
-    def _look_back(
-        self, sight: _Sight, increment: Pose | None, points: NDArray[np.float64]
-    ) -> _Sight:
+    def _search_slip(
+        self, hypothesis: _Hypothesis, increment: Pose | None, points: NDArray[np.float64]
+    ) -> _Hypothesis:
         """Return the hypothesis moved back along the last step if the scan fits better there."""
-        slipped = None if increment is None else self._slips.find(sight.pose, increment, points)
+        if increment is None:
+            return hypothesis
+        slipped = self._slips.find(hypothesis.pose, increment, points)
         if slipped is None:
-            return sight
+            return hypothesis
         pose, belief = slipped.pose, self._filter.belief
-        back = (pose.x - sight.pose.x, pose.y - sight.pose.y, 0.0)
+        back = (pose.x - hypothesis.pose.x, pose.y - hypothesis.pose.y, 0.0)
         moved = replace(belief, particles=belief.particles + back)
         self._filter.belief = moved.mixed_with(belief, _SLIPPED)
-        cluster = replace(sight.cluster, mean=pose)
-        return _Sight(cluster, slipped, pose, self._check.fit(pose, points))
+        cluster = replace(hypothesis.cluster, mean=pose)
+        return _Hypothesis(cluster, slipped, pose, self._check.fit(pose, points))
 
-    def _look_around(
-        self, sight: _Sight, points: NDArray[np.float64], information: float
-    ) -> _Sight:
+    def _search_window(
+        self, hypothesis: _Hypothesis, points: NDArray[np.float64], information: float
+    ) -> _Hypothesis:
         """Return the best hypothesis in a window round a pose that the scan does not fit.
 
-        The hypothesis given if the scan fits it, or fits nowhere else clearly better.
+        Returns the given one if the scan fits it, or fits nowhere else clearly better.
         """
         before = self._filter.belief
-        if sight.fit is None or sight.fit.fit_without_dynamic >= WINDOW_BELOW:
-            return sight
+        if hypothesis.fit is None or hypothesis.fit.fit_without_dynamic >= WINDOW_BELOW:
+            return hypothesis
         reach = np.array((WINDOW_XY, WINDOW_XY, WINDOW_THETA))
         offsets = self._rng.uniform(-1.0, 1.0, (WINDOW_SAMPLES, 3)) * reach
-        self._filter.restart(np.array(sight.cluster.mean) + offsets)
+        self._filter.restart(np.array(hypothesis.cluster.mean) + offsets)
         self._weigh(points, information)
         best = Pose(*self.particles[self.weights.argmax()].tolist())
         refined = self._refinement.refine(best, np.diag(np.square(_WINDOW_STEP * reach)), points)
         if refined is not None:
             fit = self._check.fit(refined.pose, points)
-            needed = max(WINDOW_ABOVE, sight.fit.whole + WINDOW_GAIN)
-            # A wrong pose has beams that cross mapped walls.
+            needed = max(WINDOW_ABOVE, hypothesis.fit.whole + WINDOW_GAIN)
+            # At a wrong pose beams cross mapped walls.
             wall_crossing = self._check.wall_crossing(refined.pose, points)
             possible = wall_crossing <= LOCALIZED_WALL_CROSSING
             if fit is not None and fit.whole >= needed and possible:
-                self._begin_way(points)
+                self._restart_alternatives(points)
                 cluster = best_cluster(self.particles, self.weights)
-                return _Sight(cluster, refined, refined.pose, fit, relocated=True)
+                return _Hypothesis(cluster, refined, refined.pose, fit, relocated=True)
         self._filter.belief = before
-        return sight
+        return hypothesis
 
-    def _begin_way(self, points: NDArray[np.float64]) -> None:
-        """Let alternatives be searched from here on: the odometry does not lead to the pose."""
+    def _restart_alternatives(self, points: NDArray[np.float64]) -> None:
+        """Search alternatives from this scan on, as odometry does not lead to the pose."""
         self._contestable = True
         self._alternatives.forget()
         self._alternatives.remember(None, points)
 
-    def _judge(
+    def _make_estimate(
         self,
         t: float,
         odometry: Pose,
         points: NDArray[np.float64],
-        sight: _Sight,
+        hypothesis: _Hypothesis,
         information: float,
     ) -> Estimate:
-        cluster, pose = sight.cluster, sight.pose
+        """Return the estimate of a hypothesis, and update health and search state by it."""
+        cluster, pose = hypothesis.cluster, hypothesis.pose
         last = self.estimate
         jump = Pose(0.0, 0.0, 0.0) if last is None else last.pose_at(odometry).between(pose)
         before = self._monitor.health
-        # While localized with a good fit, the wall-crossing share tells nothing new.
-        seen = 0.0 if sight.fit is None else sight.fit.whole
-        well = before is Health.LOCALIZED and seen >= WINDOW_ABOVE
+        # While localized with a good fit, the wall-crossing share is not needed.
+        fit = 0.0 if hypothesis.fit is None else hypothesis.fit.whole
+        good = before is Health.LOCALIZED and fit >= WINDOW_ABOVE
         evidence = Evidence(
-            fit=sight.fit,
+            fit=hypothesis.fit,
             spread=cluster.spread,
             share=cluster.share,
-            relocated=sight.relocated,
-            wall_crossing=0.0 if well else self._check.wall_crossing(pose, points),
+            relocated=hypothesis.relocated,
+            wall_crossing=0.0 if good else self._check.wall_crossing(pose, points),
             jump_xy=math.hypot(jump.x, jump.y),
             jump_theta=abs(jump.theta),
             information=information,
@@ -316,8 +322,9 @@ class Localizer:
         if self._contestable and self._monitor.preview(evidence) is Health.LOCALIZED:
             evidence = self._contested(evidence, pose)
         health = self._monitor.update(evidence)
-        self._renew_doubt(before, health, sight.fit, information)
-        covariance = cluster.covariance if sight.refined is None else sight.refined.covariance
+        self._update_search_due(before, health, hypothesis.fit, information)
+        refined = hypothesis.refined
+        covariance = cluster.covariance if refined is None else refined.covariance
         return Estimate(
             t=t,
             pose=pose,
@@ -326,15 +333,16 @@ class Localizer:
             health=health,
             particle_count=len(self.weights),
             effective_sample_size=self._filter.effective_sample_size,
-            likelihood=seen,
-            refined=sight.refined is not None,
+            likelihood=fit,
+            refined=refined is not None,
         )
 
     def _contested(self, evidence: Evidence, pose: Pose) -> Evidence:
         """Return the evidence, with its share lowered if an alternative hypothesis is as likely.
 
-        The particles then hold both. The pose found by a search must be clearly likelier than the
-        alternative; one found near where the odometry led must only not be clearly less likely.
+        The particles are then a mixture of both. A pose found by a search must be clearly more
+        likely than the alternative; one found near the predicted pose must only not be clearly
+        less likely.
         """
         alternative, clear = self._alternatives.find(pose), LOCALIZED_SHARE
         if alternative is None or alternative.share >= (clear if self._searching else 1.0 - clear):
@@ -343,14 +351,14 @@ class Localizer:
         self._searching = True
         return replace(evidence, share=evidence.share * alternative.share)
 
-    def _renew_doubt(
+    def _update_search_due(
         self, before: Health, health: Health, fit: Fit | None, information: float
     ) -> None:
-        """Count up to the next search of the whole map: at once when lost, later repeatedly."""
+        """Count up to the next search of the whole map: at once when lost, then repeatedly."""
         if health is Health.LOCALIZED:
-            self._doubt, self._searching, self._contestable = 0.0, False, False
+            self._search_due, self._searching, self._contestable = 0.0, False, False
         elif health is Health.LOST and before is not Health.LOST and not self._searching:
-            self._doubt = 1.0
+            self._search_due = 1.0
         elif fit is not None and fit.whole < LOCALIZED_ABOVE:
             scans = REPEAT_LOST if health is Health.LOST else REPEAT_UNSURE
-            self._doubt += information / scans
+            self._search_due += information / scans

@@ -1,9 +1,9 @@
-"""Odometry motion model: particles moved by the wheels' count and scattered by its errors.
+"""Odometry motion model: particles moved by odometry and scattered by its errors.
 
 Thrun, Burgard, Fox, "Probabilistic Robotics", table 5.6 (sample_motion_model_odometry): a step is
-a rotation, a translation and a rotation. Two additions, so that slipping wheels do not leave the
-filter behind: a floor of noise at every step, and a few particles that slip. A particle that
-slipped is likely to slip again by as much, so that a lasting slip soon proves itself.
+a rotation, a translation and a rotation. Two additions against wheel slip: a minimum noise at every
+step, and a share of particles that slip. A particle that slipped is likely to slip again by as
+much, so that a lasting slip is detected soon.
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from numpy.typing import NDArray
 from localization.settings import MotionSettings
 from maps.pose import Pose, wrap_angle
 
-# Standard deviations added at every update: without them the filter freezes while the wheels slip
-# or the robot is turned by hand.
+# Standard deviations added at every update: without them the particles would not move while the
+# odometry stands still and the robot slips or is turned by hand.
 FLOOR_XY = 0.01  # m
 FLOOR_THETA = 0.01  # rad
 SLIP_SHARE = 0.1  # of the particles, moved as if the wheels had slipped
-MAX_SLIP = 0.5  # share of the counted translation that those lose, at most
-SLIP_LASTING = 0.7  # share of the particles that slipped which slip on at the next step
+MAX_SLIP = 0.5  # maximum share of the counted translation that those lose
+SLIP_LASTING = 0.7  # share of the particles that slipped which slip again at the next step
 SLIP_XY = 0.1  # m; more standard deviation of the particles that slip
 SLIP_THETA = 0.1  # rad; likewise
-_MIN_TRANSLATION = 0.01  # m; below it the direction of travel means nothing
+_MIN_TRANSLATION = 0.01  # m; below it the direction of travel is undefined
 
 
 def decompose(increment: Pose) -> tuple[float, float, float]:
@@ -54,8 +54,8 @@ def move_particles(
     """Return particles (n, 3) moved by a sample each of the odometry's step, and their slips.
 
     particles: map_from_base. slips (n,): the share of a counted translation that each particle
-    lost at its last step. ``increment``: the raw odometry's step in the frame of the robot at the
-    last update. slip_share: of the particles, moved as if the wheels had slipped.
+    lost at its last step. increment: base_then_from_base_now by raw odometry since the last
+    update. slip_share: share of the particles moved as if the wheels had slipped.
     """
     count = len(particles)
     first, translation, second = decompose(increment)
@@ -74,7 +74,7 @@ def move_particles(
         travel_sigma[scouts] = math.hypot(slip_xy, travel)
         turn_sigma[scouts] = math.hypot(slip_theta, turn)
         slips[scouts] = MAX_SLIP * rng.random(len(slips[scouts]), dtype=np.float32)
-    # Single precision is ample for a step of a metre or so.
+    # Single precision is sufficient for a step of about a metre.
     heading = particles[:, 2].astype(np.float32)
     heading += first + _rotation_sigma(first, translation, settings) * noise[0]
     ahead = np.float32(translation) * (np.float32(1.0) - slips) + travel_sigma * noise[1]
@@ -89,9 +89,9 @@ def move_particles(
 
 
 def step_covariance(increment: Pose, settings: MotionSettings) -> NDArray[np.float64]:
-    """Return (3, 3) of x, y, theta, m^2 and rad^2: how far a step of the odometry errs, unslipped.
+    """Return the covariance (3, 3) of a step of the odometry without slip; x, y, theta, m and rad.
 
-    The same along and across, since half of it comes from the heading at the step's begin.
+    It is the same along and across, as half of it comes from the heading at the step's start.
     """
     first, translation, second = decompose(increment)
     travel = _translation_sigma(first, translation, second, settings)

@@ -1,9 +1,9 @@
-"""Scan-to-map refinement: the estimate slid along the distance field until the scan fits best.
+"""Scan-to-map refinement of the pose estimate.
 
-Gauss-Newton (iterated re-weighted least squares) on the interpolated distance from each end point
-to the mapped surface, with a Welsch kernel so that people and teammates do not pull, and the
-particle cloud as prior, so that a direction the scan does not determine (along a bare corridor)
-stays where the filter has it.
+Gauss-Newton (iteratively re-weighted least squares) on the interpolated distance from each end
+point to the mapped surface, with a Welsch kernel so that people and teammates have no influence,
+and the particles' covariance as prior, so that a direction the scan does not determine (along a
+bare corridor) keeps the filter's value.
 """
 
 from __future__ import annotations
@@ -23,34 +23,34 @@ from maps.pose import Pose, wrap_angle
 
 MAX_POINTS = 180  # of a scan, spread evenly over it
 STEPS = 4  # of Gauss-Newton, at most
-INDEPENDENT_POINTS = 60.0  # as many as the points of one scan count as together
+INDEPENDENT_POINTS = 60.0  # that the points of one scan count as together
 SIGMA = 0.05  # m; of an end point's distance from the mapped surface
 COVARIANCE_POINTS = 6.0  # as INDEPENDENT_POINTS, for the stated covariance
 MIN_RESIDUAL = 0.01  # m; the laser's own noise
-KERNEL = 0.15  # m; end points farther from the map than this hardly pull
-MIN_XY = 0.05  # m; sigma of the cloud, at least: a few hundred samples are never surer
+KERNEL = 0.15  # m; end points farther from the map than this have little weight
+MIN_XY = 0.05  # m; minimum sigma of the cloud: that of a few hundred samples is not more precise
 MIN_THETA = 0.025  # rad; likewise
-LIMIT_XY = 0.3  # m from the cloud's mean; a refinement farther away is refused
+LIMIT_XY = 0.3  # m from the cloud's mean; a refinement farther away is rejected
 LIMIT_THETA = 0.15  # rad; likewise
-_CLOUD_SIGMAS = 4.0  # a refinement farther than this from the cloud's mean is refused
-_FAR_KERNELS = 3.0  # end points farther from the map than this pull no more
+_CLOUD_SIGMAS = 4.0  # a refinement farther than this from the cloud's mean is rejected
+_FAR_KERNELS = 3.0  # end points farther from the map than this have no weight
 _CONVERGED = 3e-3  # m and rad
 TOO_FEW_POINTS = 10
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Refined:
-    """A pose slid to where the scan fits best."""
+    """A refined pose."""
 
     pose: Pose
     """map_from_base."""
     covariance: NDArray[np.float64]
-    """(3, 3) of x, y, theta: what scan and particle cloud together leave open."""
+    """(3, 3) of x, y, theta, m and rad: given scan and particles."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Misfit:
-    """How a scan misfits at a pose, linearized."""
+    """Cost of a scan at a pose, linearized."""
 
     cost: float
     gradient: NDArray[np.float64]
@@ -58,7 +58,7 @@ class _Misfit:
     curvature: NDArray[np.float64]
     """(3, 3), Gauss-Newton's."""
     residual: float
-    """Root mean square distance from the map of the end points that count, m."""
+    """Root mean square distance of the end points from the map, weighted by the kernel, m."""
 
 
 class Refinement:
@@ -71,7 +71,7 @@ class Refinement:
         limit_xy: float = LIMIT_XY,
         limit_theta: float = LIMIT_THETA,
     ) -> None:
-        """Prepare a map. limit_xy, limit_theta: farthest a pose is moved, m and rad."""
+        """Prepare a map. limit_xy, limit_theta: maximum correction of a pose, m and rad."""
         self._limit_xy, self._limit_theta = limit_xy, limit_theta
         self._min_covariance = np.diag(np.square((MIN_XY, MIN_XY, MIN_THETA)))
         self.surface = DistanceSurface(occupancy, _FAR_KERNELS * KERNEL)
@@ -79,9 +79,10 @@ class Refinement:
     def refine(
         self, mean: Pose, covariance: NDArray[np.float64], points: NDArray[np.float64]
     ) -> Refined | None:
-        """Return a better map_from_base near the cloud, or None if there is none to be trusted.
+        """Return the refined map_from_base; None if it does not improve or is outside the limits.
 
-        mean, covariance (3, 3): the particle cloud's. points (m, 2): end points in base_link, m.
+        mean, covariance (3, 3): the particle cloud's. points (m, 2): end points in base_link, m;
+        None is returned for too few as well.
         """
         ends = as_complex(spread_evenly(points, MAX_POINTS))
         if len(ends) < TOO_FEW_POINTS:
@@ -109,7 +110,7 @@ class Refinement:
     def _misfit(self, pose: Pose, ends: NDArray[np.complex64]) -> _Misfit:
         arms = turned(ends, pose)
         slope_x, slope_y, distance = self.surface.sample(pose, arms)
-        # Turning the robot moves an end point at right angles to its lever arm.
+        # A rotation of the robot moves an end point at right angles to its lever arm.
         slope_theta = slope_y * arms.real - slope_x * arms.imag
         rows = np.array((slope_x, slope_y, slope_theta, distance))
         pull = np.exp(distance * distance * np.float32(-0.5 / KERNEL**2))
@@ -126,11 +127,11 @@ class Refinement:
     def _covariance(
         self, misfit: _Misfit, prior: NDArray[np.floating[Any]], count: int
     ) -> NDArray[np.float64]:
-        """Return (3, 3) what the scan at its best pose and the cloud leave open together.
+        """Return the covariance (3, 3) given the scan at its best pose and the cloud.
 
-        The end points' own residual is the measure of their error (the a-posteriori variance of
-        least squares): where the map is blurred, the pose is less sure. They err together, so
-        that a whole scan counts as a few independent ones.
+        The variance of the end points is taken from their residual (a-posteriori variance of least
+        squares): where the map is blurred, the covariance is larger. Their errors are correlated,
+        so that a whole scan counts as a few independent points.
         """
         residual = max(misfit.residual, MIN_RESIDUAL)
         information = min(1.0, COVARIANCE_POINTS / count) / residual**2
@@ -150,12 +151,12 @@ class Refinement:
 
 
 def as_complex(points: NDArray[np.float64]) -> NDArray[np.complex64]:
-    """Return points (m, 2) as x + iy: turning them is then one multiplication."""
+    """Return points (m, 2) as x + iy (m,): a rotation is then one multiplication."""
     return points.astype(np.float32, order="C").view(np.complex64)[:, 0]
 
 
 def turned(ends: NDArray[np.complex64], pose: Pose) -> NDArray[np.complex64]:
-    """Return (m,) the lever arms from the robot to its end points along the map's axes."""
+    """Return (m,) end points relative to the robot, rotated to the map's axes, m."""
     return ends * np.complex64(complex(math.cos(pose.theta), math.sin(pose.theta)))
 
 
@@ -165,6 +166,6 @@ def _moved(pose: Pose, away: NDArray[np.float64]) -> Pose:
 
 
 def _solve(matrix: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Solve a symmetric positive definite 3x3 system (cv2's is the quicker for so small a one)."""
+    """Solve a symmetric positive definite 3x3 system (cv2 is faster than NumPy at this size)."""
     _, solution = cv2.solve(matrix, right[:, np.newaxis], flags=cv2.DECOMP_CHOLESKY)
     return np.asarray(solution[:, 0], dtype=np.float64)

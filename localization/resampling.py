@@ -18,9 +18,9 @@ def draw_low_variance(
 
     Each index comes up ``count * weight`` times, rounded up or down.
     """
-    # How many of the combs (i + random) / count lie below each cumulative weight.
+    # Number of the sampling points (i + random) / count below each cumulative weight.
     below = np.ceil(np.cumsum(weights) * count - rng.random()).astype(np.intp)
     np.minimum(below, count, out=below)
-    below[-1] = count  # which rounding may keep it from
-    # A comb's index is the number of sums it has passed.
+    below[-1] = count  # exactly, against rounding errors
+    # A sampling point's index is the number of cumulative weights below it.
     return np.cumsum(np.bincount(below, minlength=count + 1)[:count])

@@ -1,7 +1,8 @@
-"""How well one scan agrees with the map at one pose: the evidence that health is judged by.
+"""Consistency of one scan with the map at one pose: the evidence for the health.
 
-Three questions: do the beams end on mapped surfaces; which end short of one, on a person or a
-teammate; and how many pass through mapped walls, which the likelihood field does not ask.
+Three checks: the fit of the end points to mapped surfaces; which of them lie before one, on a
+person or a teammate; and the share of beams that cross mapped walls, which the likelihood field
+does not model.
 """
 
 from __future__ import annotations
@@ -18,19 +19,19 @@ from maps.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 from maps.pose import Pose
 
 MAX_POINTS = 180  # of a scan, spread evenly over it
-SIGMA = 0.1  # m; an end point this far from the map fits by 61 %
+SIGMA = 0.1  # m; an end point at this distance from the map has a fit of 61 %
 DYNAMIC_DISTANCE = 0.3  # m; an end point on free floor, farther than this from the map, is dynamic
-MAX_DYNAMIC = 0.3  # share of the beams: as many are assumed to end on people, at most
-HIDING_REACH = 1.5  # m; something that hides more than MAX_DYNAMIC is nearer
-MIN_FIT_BESIDE = 0.85  # fit of what is seen beside it, for the pose to be trusted
-RAYS = 45  # beams followed through the map, at most
-REACH = 10.0  # m; how far they are followed
-MARGIN = 0.3  # m before the end of a beam within which it may touch a wall
+MAX_DYNAMIC = 0.3  # maximum share of the beams assumed to end on people
+HIDING_REACH = 1.5  # m; an object that occludes more than MAX_DYNAMIC is nearer
+MIN_FIT_BESIDE = 0.85  # fit of the remaining beams required to trust the pose
+RAYS = 45  # beams traced through the map, at most
+REACH = 10.0  # m; distance over which they are traced
+MARGIN = 0.3  # m before the end of a beam within which it may cross a wall
 
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """How well end points fit the map: mean of exp(-d^2 / 2 sigma^2), 1 if all are on surfaces."""
+    """Fit of end points to the map: mean of exp(-d^2 / 2 sigma^2), 1 if all are on surfaces."""
 
     whole: float
     """Of all end points."""
@@ -43,7 +44,7 @@ class ScanCheck:
 
     def __init__(self, occupancy: OccupancyMap, surface: DistanceSurface) -> None:
         self._surface = surface
-        self._padded = np.pad(occupancy.cells, 1, constant_values=UNKNOWN)  # what lies outside
+        self._padded = np.pad(occupancy.cells, 1, constant_values=UNKNOWN)  # outside the map
         self._scale = 1.0 / occupancy.resolution
         self._origin = complex(occupancy.origin.x, occupancy.origin.y)
         # Half a cell apart, so that no wall of one cell is stepped over.
@@ -51,7 +52,7 @@ class ScanCheck:
         self._half = np.float32(-0.5 / SIGMA**2)
 
     def fit(self, pose: Pose, points: NDArray[np.float64]) -> Fit | None:
-        """Return how well end points (m, 2) fit the map at a pose; None: too few to tell."""
+        """Return the fit of end points (m, 2), m, base_link, at a pose; None for too few."""
         ends = as_complex(spread_evenly(points, MAX_POINTS))
         if len(ends) < TOO_FEW_POINTS:
             return None
@@ -64,27 +65,30 @@ class ScanCheck:
         return Fit(total / len(ends), total / (len(ends) - dynamic))
 
     def hiding(self, pose: Pose, points: NDArray[np.float64]) -> NDArray[np.bool_] | None:
-        """Return (m,) which end points lie on something unmapped that hides much of the map.
+        """Return (m,) which end points lie on an unmapped object that occludes much of the map.
 
-        points (m, 2), base_link, m. None if there is no such thing: it stands close before the
-        robot, on free floor, and what is seen beside it fits the map at the pose.
+        points (m, 2), base_link, m. Such an object is close to the robot, on free floor, and the
+        rest of the scan fits the map at the pose; None if there is none.
         """
         near = np.einsum("ij,ij->i", points, points) < HIDING_REACH**2
-        least = MAX_DYNAMIC * len(points)  # fewer do no harm
-        if np.count_nonzero(near) <= least:
+        tolerated = MAX_DYNAMIC * len(points)
+        if np.count_nonzero(near) <= tolerated:
             return None
         arms = turned(as_complex(points), pose)
         distance = self._surface.sample(pose, arms)[2]
         hiding = near & (distance > DYNAMIC_DISTANCE)
         hiding[hiding] = self._states(pose, arms[hiding]) == FREE
         beside = distance[~hiding]
-        if len(points) - len(beside) <= least or len(beside) < TOO_FEW_POINTS:
+        if len(points) - len(beside) <= tolerated or len(beside) < TOO_FEW_POINTS:
             return None
         fit = float(np.exp(beside * beside * self._half).mean())
         return hiding if fit >= MIN_FIT_BESIDE else None
 
     def wall_crossing(self, pose: Pose, points: NDArray[np.float64]) -> float:
-        """Return the share of the beams to end points (m, 2) that pass through mapped walls."""
+        """Return the share of the beams to end points (m, 2) that cross mapped walls, 0..1.
+
+        0 for too few end points.
+        """
         ends = as_complex(spread_evenly(points, RAYS))
         if len(ends) < TOO_FEW_POINTS:
             return 0.0
@@ -97,7 +101,7 @@ class ScanCheck:
         return float((walls & before_end).any(axis=1).mean())
 
     def _states(self, pose: Pose, arms: NDArray[np.complex64]) -> NDArray[np.uint8]:
-        """Return the states of the cells at places given as in ``DistanceSurface.sample``."""
+        """Return the cells' states at positions given as in ``DistanceSurface.sample``."""
         pixels = (arms + np.complex64(complex(pose.x, pose.y) - self._origin)) * np.float32(
             self._scale
         )

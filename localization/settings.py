@@ -1,4 +1,4 @@
-"""Settings of the localizer: what a user or a robot's model file sets."""
+"""Settings of the localizer, by the user or a robot's model file."""
 
 from __future__ import annotations
 
@@ -76,6 +76,6 @@ class LocalizationSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unk
     motion: MotionSettings = MotionSettings()
 
     def __post_init__(self) -> None:
-        """Check the order of the limits."""
+        """Raise ValueError if min_particles exceeds max_particles."""
         if self.min_particles > self.max_particles:
             raise ValueError("min_particles must not exceed max_particles")

@@ -1,8 +1,8 @@
-"""Search back along a step of the odometry for a place that wheels which slipped would explain.
+"""Detection of wheel slip: search for the pose back along the last step of the odometry.
 
-In a bare corridor particles do not show a slip: most beams end on its sides, which fit equally well
-all along it, and the few other beams weigh less than the odometry. Along this one line a scan can
-be given much more information weight.
+In a bare corridor the particles do not reveal a slip: most beams end on its sides, which fit
+equally well all along it, and the few other beams have less weight than the odometry. Along this
+one line a scan can be given a much larger information weight.
 """
 
 from __future__ import annotations
@@ -16,30 +16,31 @@ from localization.likelihood_field import LikelihoodField
 from localization.refinement import Refined, Refinement
 from maps.pose import Pose
 
-MAX_SLIP = 0.5  # share of a counted translation, lost at most
-CANDIDATES = 10  # places tried, spread evenly up to it
-BEAMS = 180  # of a scan, spread evenly over it, at most: few of them tell
-INDEPENDENT_BEAMS = 60.0  # as many as they count as together
-MIN_GAIN = 2.0  # of log-likelihood, for a place to be preferred
+MAX_SLIP = 0.5  # maximum share of a counted translation that is lost
+CANDIDATES = 10  # poses tried, spread evenly up to it
+BEAMS = 180  # of a scan, spread evenly over it, at most: few of them are informative
+INDEPENDENT_BEAMS = 60.0  # that they count as together
+MIN_GAIN = 2.0  # of log-likelihood, for a pose to be preferred
 MIN_SHIFT = 0.1  # m; a smaller shift is left to the filter
 
 
 class SlipSearch:
-    """Compares a pose with those of wheels that slipped by some share of the last step."""
+    """Compares a pose with those that result from slip by some share of the last step."""
 
     def __init__(
         self, field: LikelihoodField, refinement: Refinement, *, min_gain: float = MIN_GAIN
     ) -> None:
-        """Prepare for one map. min_gain: of log-likelihood, for a place to be preferred."""
+        """Prepare for one map. min_gain: of log-likelihood, for a pose to be preferred."""
         self._min_gain = min_gain
         self._field = field
         self._refinement = refinement
         self._lost = np.arange(1, CANDIDATES + 1) / CANDIDATES * MAX_SLIP
 
     def find(self, pose: Pose, increment: Pose, points: NDArray[np.float64]) -> Refined | None:
-        """Return where behind ``pose`` (map_from_base) the scan fits clearly better, or None.
+        """Return the pose behind ``pose`` (map_from_base) at which the scan fits clearly better.
 
         increment: the odometry's last step (base_then_from_base_now). points (m, 2): base_link, m.
+        None if there is none, or if the step is too short.
         """
         travel = math.hypot(increment.x, increment.y)
         if travel * MAX_SLIP < MIN_SHIFT:
@@ -61,7 +62,7 @@ class SlipSearch:
         return refined
 
     def _behind(self, pose: Pose, increment: Pose, travel: float) -> NDArray[np.float64]:
-        """Return (n, 3) the poses that shares of a step of travel, m, lead back to, turn kept."""
+        """Return (n, 3) poses back along a step of travel, m, by each share lost; same heading."""
         heading = pose.theta - increment.theta + math.atan2(increment.y, increment.x)
         back = self._lost * travel
         places = np.empty((len(back), 3))

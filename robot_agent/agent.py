@@ -226,7 +226,7 @@ class Agent:
     def _track_by_sonar(self, t: float, odometry: Pose) -> None:
         """Update teammate tracks outside the laser's view by sonar; odometry: odom_from_base."""
         pose = self.pose_tracker.localized_pose_at(t)
-        if pose is not None and self.perception.tracker.awaits_echo(t):
+        if pose is not None and self.perception.tracker.needs_echoes(t):
             self.perception.tracker.on_echoes(t, pose, self.surroundings.echoes(t, odometry))
 
     def _on_laser_bytes(self, t: float, data: bytes) -> None:
@@ -272,7 +272,7 @@ class Agent:
             self.outbox.add(intruder_notice(t, each.intruder))
             if self.publishes:
                 self.outbox.publish(self.telemetry.on_intruder(t, each.intruder, scan=each.scan))
-            if each.wants_picture:
+            if each.needs_picture:
                 self.outbox.add(TakePicture())
         if self.publishes and self.perception.intruders is not None:
             self.outbox.publish(self.telemetry.on_intruders(t, self.perception.intruders.known))

@@ -1,4 +1,4 @@
-"""One robot's configuration: a TOML file over defaults in code, strict at every depth."""
+"""Configuration of one robot: a TOML file over defaults in code, strict at every depth."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ KeyPart = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9_-]+$")]
 
 _FORMER_KEYS = tomllib.loads(Path(__file__).with_name("former_keys.toml").read_text("utf-8"))
 RENAMED_KEYS: dict[str, str] = _FORMER_KEYS["renamed"]
-"""Keys of earlier configuration files with the keys in their place."""
+"""Keys of earlier configuration files with their present names."""
 FIXED_KEYS: dict[str, Any] = _FORMER_KEYS["fixed"]
-"""Keys of earlier configuration files that are constants now, with the constant."""
+"""Keys of earlier configuration files that are constants now, with the value."""
 
 
 class ConfigError(ValueError):
-    """A configuration that cannot be used; the message names file, key and remedy."""
+    """An unusable configuration; the message names file, key and remedy."""
 
 
 class RobotSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Who this robot is."""
+    """Name, team and random seed of this robot."""
 
     name: Annotated[
         KeyPart,
@@ -50,7 +50,7 @@ class RobotSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
 
 class MapSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where the robot patrols."""
+    """Map and border of the patrol."""
 
     folder: Annotated[
         str,
@@ -64,7 +64,7 @@ class MapSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
 
 class TelemetrySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Where telemetry goes."""
+    """Endpoint and keys of telemetry."""
 
     operator: Annotated[
         str,
@@ -83,7 +83,7 @@ class TelemetrySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknow
     ] = ""
 
     def __post_init__(self) -> None:
-        """Refuse an endpoint that asks for certificates without any."""
+        """Raise ValueError for a TLS endpoint without keys."""
         if self.operator.startswith("tls/") and not self.keys:
             raise ValueError(
                 f"operator {self.operator} needs keys, the folder of this robot's keys"
@@ -91,7 +91,7 @@ class TelemetrySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknow
 
 
 class RecorderSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """The flight recorder."""
+    """Folder and disk space of the flight recorder."""
 
     folder: Annotated[
         str, msgspec.Meta(description="Folder of the recordings; empty: none is made")
@@ -117,14 +117,14 @@ class RecorderSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
 
 
 class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Everything one agent can be told."""
+    """All settings of one agent."""
 
     robot: RobotSettings = RobotSettings()
     map: MapSettings = MapSettings()
     start: StartPose | None = None
     memory: MemorySettings = MemorySettings()
     remembered: RememberedPose | None = None
-    """What the file of ``memory`` held at the start: filled in by ``patrol agent``."""
+    """Content of the file of ``memory`` at the start: filled in by ``patrol agent``."""
     base: BaseSettings = BaseSettings()
     laser: LaserSettings = LaserSettings()
     camera: CameraSettings = CameraSettings()
@@ -160,22 +160,22 @@ def parse_config(content: bytes, source: str) -> AgentConfig:
         ConfigError: as ``load_config``.
     """
     try:
-        told = tomllib.loads(content.decode())
+        table = tomllib.loads(content.decode())
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{source}: is not TOML: {error}; correct that line") from error
     try:
-        return _with_noise_of_model(msgspec.convert(told, AgentConfig), told)
+        return _with_noise_of_model(msgspec.convert(table, AgentConfig), table)
     except msgspec.ValidationError as error:
-        raise ConfigError(_explain(source, str(error), told)) from error
+        raise ConfigError(_explain(source, str(error), table)) from error
 
 
-def _with_noise_of_model(config: AgentConfig, told: dict[str, Any]) -> AgentConfig:
-    """Return the configuration with the model's odometry noise where the file says none."""
+def _with_noise_of_model(config: AgentConfig, table: dict[str, Any]) -> AgentConfig:
+    """Return the configuration with the model's odometry noise where the file sets none."""
     try:
         model = load_model(config.base.model)
     except UnknownModelError:
-        return config  # told by whoever needs the model
-    motion: dict[str, Any] = told.get("localization", {}).get("motion", {})
+        return config  # reported where the model is loaded
+    motion: dict[str, Any] = table.get("localization", {}).get("motion", {})
     noise = msgspec.to_builtins(model.odometry_noise)
     whole = msgspec.to_builtins(config.localization.motion) | noise | motion
     localization = msgspec.structs.replace(
@@ -184,32 +184,32 @@ def _with_noise_of_model(config: AgentConfig, told: dict[str, Any]) -> AgentConf
     return msgspec.structs.replace(config, localization=localization)
 
 
-def _explain(source: str, complaint: str, told: dict[str, Any]) -> str:
-    """Turn msgspec's complaint about a table into «file: key: reason; remedy»."""
+def _explain(source: str, complaint: str, table: dict[str, Any]) -> str:
+    """Turn msgspec's error about a table into «file: key: reason; remedy»."""
     reason, _, place = complaint.partition(" - at `$")
     section = place.rstrip("`").lstrip(".")
     unknown = re.match(r"Object contains unknown field `(.*)`", reason)
     if unknown:
-        key = _full_key(".".join(part for part in (section, unknown[1]) if part), told)
+        key = _full_key(".".join(part for part in (section, unknown[1]) if part), table)
         return f"{source}: {key}: {_former_key(key)}"
     return (
         f"{source}: {section or 'top level'}: {reason[:1].lower()}{reason[1:]}; correct the value"
     )
 
 
-def _full_key(unknown: str, told: dict[str, Any]) -> str:
-    """Return the first key in an unknown section that was one before, else ``unknown``."""
+def _full_key(unknown: str, table: dict[str, Any]) -> str:
+    """Return the first key of an unknown section if that existed before, else ``unknown``."""
     formerly = [key for key in (*RENAMED_KEYS, *FIXED_KEYS) if key.startswith(f"{unknown}.")]
     if not formerly:
         return unknown
-    section: Any = told
+    section: Any = table
     for name in unknown.split("."):
         section = section[name]
     return next(iter(_leaves(section, unknown)), unknown)
 
 
 def _leaves(value: Any, place: str) -> Iterator[str]:
-    """Yield the dotted keys of everything in a table that is no table itself."""
+    """Yield the dotted keys of all values in a table that are no tables themselves."""
     if not isinstance(value, dict):
         yield place
         return
@@ -218,7 +218,7 @@ def _leaves(value: Any, place: str) -> Iterator[str]:
 
 
 def _former_key(key: str) -> str:
-    """Say what became of a key that is none, with the remedy."""
+    """Return what is wrong with an unknown key (renamed, fixed, unknown), with the remedy."""
     if key in RENAMED_KEYS:
         return f"is called {RENAMED_KEYS[key]} now; rename it"
     if key in FIXED_KEYS:
@@ -227,12 +227,12 @@ def _former_key(key: str) -> str:
 
 
 def format_config(config: AgentConfig) -> str:
-    """Return the whole effective configuration as TOML; ``parse_config`` gives it back."""
+    """Return the whole effective configuration as TOML; the inverse of ``parse_config``."""
     return tomli_w.dumps(_without_none(msgspec.to_builtins(config)))
 
 
 def _without_none(value: Any) -> Any:
-    """Drop what TOML cannot say: an absent key is None again when read."""
+    """Drop None values, which TOML does not have; an absent key is read as None again."""
     if isinstance(value, dict):
         return {key: _without_none(item) for key, item in value.items() if item is not None}
     return value

@@ -1,1 +1,1 @@
-"""What goes in and out of the agent: events, effects, telemetry payloads and their schemas."""
+"""Inputs and outputs of the agent: events, effects, telemetry payloads and their schemas."""

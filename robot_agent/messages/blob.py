@@ -1,4 +1,4 @@
-"""What one picture shows of the bands that teammates wear."""
+"""Detections of teammates' colour bands in one picture."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 Sight = Literal["clear", "dark", "glare", "covered"]
-"""Whether a picture can tell anything: dark, glare and covered ones are blind."""
+"""Whether a picture is usable: only "clear" ones are evaluated."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Everything an agent can do to the world, returned by ``Agent.handle`` in order."""
+"""All outputs of an agent: the effects that ``Agent.handle`` returns, in order."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Send:
 
 @dataclass(frozen=True, slots=True)
 class ChangeBaud:
-    """Change a link's local rate after everything sent before has left."""
+    """Change a link's local baud rate once all bytes sent before are out."""
 
     link: LinkName
     baud: int
@@ -25,7 +25,7 @@ class ChangeBaud:
 
 @dataclass(frozen=True, slots=True)
 class Publish:
-    """Hand one telemetry payload (JSON) to the operator and the recording."""
+    """Publish one telemetry payload (JSON) to the operator and the recording."""
 
     stream: str
     payload: bytes
@@ -33,12 +33,12 @@ class Publish:
 
 @dataclass(frozen=True, slots=True)
 class TakePicture:
-    """Have the camera's next picture sent, as evidence; ``PictureTaken`` brings it."""
+    """Request the camera's next picture as evidence; it arrives as a ``PictureTaken`` event."""
 
 
 @dataclass(frozen=True, slots=True)
 class Remember:
-    """Keep this for the next start: a ``RememberedPose`` as JSON; ``{}``: none is sure any more."""
+    """Store a ``RememberedPose`` (JSON) for the next start; ``{}`` deletes the stored one."""
 
     payload: bytes
 

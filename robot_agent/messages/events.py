@@ -1,7 +1,7 @@
-"""Everything that can happen to an agent. An agent's behaviour is a function of a list of these.
+"""All inputs of an agent, whose behaviour is a function of a list of these events.
 
-Times are seconds since the agent's start on a monotonic clock, in whole microseconds
-(``round(t, 6)``), so that a recording reproduces them exactly.
+Times count from the agent's start on a monotonic clock, in whole microseconds (``round(t, 6)``), so
+that a recording reproduces them exactly.
 """
 
 from __future__ import annotations
@@ -12,12 +12,12 @@ from typing import Literal
 from robot_agent.messages.blob import Blob, Sight
 
 LinkName = Literal["base", "laser"]
-"""What the agent exchanges bytes with."""
+"""Devices the agent exchanges bytes with."""
 DeviceName = Literal["base", "laser", "camera"]
-"""What can be plugged in or not."""
+"""Devices that may be connected or not."""
 
 TICK_S = 0.05
-"""Between two ticks, while the agent keeps up."""
+"""s between two ticks, unless the agent is overloaded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class BytesReceived:
 
 @dataclass(frozen=True, slots=True)
 class LinkUp:
-    """A link's port was opened, or the camera gives pictures."""
+    """A link's port was opened, or the camera delivers pictures."""
 
     t: float
     link: DeviceName
@@ -48,7 +48,7 @@ class LinkDown:
 
 @dataclass(frozen=True, slots=True)
 class BlobsSeen:
-    """What a picture taken at ``taken`` (s) showed of the team's colour; found before t."""
+    """Bands detected in a picture taken at ``taken``; t: when the detection was complete."""
 
     t: float
     taken: float
@@ -58,7 +58,7 @@ class BlobsSeen:
 
 @dataclass(frozen=True, slots=True)
 class PictureTaken:
-    """A picture the agent asked for, as JPEG, taken at ``taken`` (s)."""
+    """A picture the agent requested, as JPEG, taken at ``taken``."""
 
     t: float
     taken: float
@@ -67,21 +67,21 @@ class PictureTaken:
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """Time passed (20 per second); lets silence be noticed."""
+    """Time has passed (20 Hz); drives timeouts."""
 
     t: float
 
 
 @dataclass(frozen=True, slots=True)
 class Shutdown:
-    """The process was told to end: stop the robot and close both sessions."""
+    """The process is to end: stop the robot and close both sessions."""
 
     t: float
 
 
 @dataclass(frozen=True, slots=True)
 class OperatorKey:
-    """A key typed at the robot's own terminal: where to drive, for a moment.
+    """A key typed at the robot's own terminal: a short driving command.
 
     ahead: 1 forwards, 0 not; left: 1 turn left, -1 right, 0 straight.
     """

@@ -1,4 +1,4 @@
-"""Messages of the Foxglove schemas we publish, so that a stock viewer draws them with no plug-in.
+"""Messages of the Foxglove schemas that are published, which a stock viewer draws without plug-in.
 
 Field names, meanings and the requirement that every field be present are those of the published
 ``foxglove.*`` schemas. Lengths in m, angles in rad; JSON is written by msgspec, which has no inf
@@ -27,9 +27,10 @@ class Timestamp(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def timestamp_at(t: float, start_wall_ns: int = 0) -> Timestamp:
-    """Return the time stamp of agent time t (s, whole microseconds).
+    """Return the time stamp of agent time t, in whole microseconds.
 
-    With the run's ``start_wall_ns`` it is a wall-clock time, without it time since the start.
+    With the run's ``start_wall_ns``, ns since 1970, it is a wall-clock time, without it the time
+    since the start.
     """
     sec, nsec = divmod(start_wall_ns + round(t * 1e6) * 1000, 1_000_000_000)
     return Timestamp(sec=sec, nsec=nsec)
@@ -60,7 +61,7 @@ class Pose3(msgspec.Struct, frozen=True):
 
 
 def pose3(pose: Pose) -> Pose3:
-    """Lift a planar pose into space."""
+    """Convert a planar pose to one in space."""
     half = 0.5 * pose.theta
     return Pose3(Vector3(pose.x, pose.y, 0.0), Quaternion(0.0, 0.0, math.sin(half), math.cos(half)))
 
@@ -241,10 +242,10 @@ def track_entity(
     kind: str,
     probability: float,
 ) -> SceneEntity:
-    """Draw one track (map frame, m and m/s): a cylinder, and an arrow as long as it goes in 1 s.
+    """Draw one track (map frame, m and m/s): a cylinder, and an arrow of its way in 1 s.
 
-    kind: teammate, stranger, unknown, or intruder for a stranger who was reported as one;
-    probability: of what it is taken for.
+    kind: teammate, stranger, unknown, or intruder for a stranger that was reported as one;
+    probability: of that kind.
     """
     color = TRACK_COLORS.get(kind, UNKNOWN_COLOR)
     x, y = position[0], position[1]

@@ -1,4 +1,4 @@
-"""How grave a message is; the numbers are those of foxglove.Log."""
+"""Severity of log messages; the numbers are those of foxglove.Log."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a part of the agent has to say to people."""
+"""Log messages of the agent's parts for people."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from robot_agent.messages.log_level import LogLevel
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """A message of one part of the agent; published only if that part last said something else."""
+    """A message of one part of the agent; published only if it differs from that part's last."""
 
     t: float
     part: str

@@ -1,4 +1,4 @@
-"""Everything one event brings about, in order: effects, and notices for people."""
+"""Queue of one event's outputs, in order: effects, and notices for people."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Outbox:
         self._items += published(payloads)
 
     def pop_all(self) -> list[Effect | Notice]:
-        """Return what has been collected, in order, and forget it."""
+        """Return all items, in order, and empty the outbox."""
         items, self._items = self._items, []
         return items
 

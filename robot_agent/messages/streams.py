@@ -1,11 +1,11 @@
-"""The telemetry streams: their payloads, rates and schemas, all in this one place.
+"""The telemetry streams: payloads, rates and schemas.
 
-A payload is JSON. The same bytes go to the operator and to the recording. Payloads are made by
-the agent, so they hold nothing that a replay could not reproduce (no counters of the recorder or
-of the network). Absent values are left out of the JSON, never null; no field may be inf or nan.
+A payload is JSON. The same bytes go to the operator and to the recording. Payloads are built by the
+agent, so they contain nothing that a replay could not reproduce (no counters of the recorder or of
+the network). Absent values are left out of the JSON, never null; no field may be inf or nan.
 
 ======== ========================================== ===== ============================
-stream   what it tells                              Hz    schema
+stream   content                                    Hz    schema
 ======== ========================================== ===== ============================
 status   battery, links, localization, health       2     patrol.Status
 decision inputs, degrees, winner, velocities, gate  10    patrol.Decision
@@ -13,13 +13,13 @@ pose     robot in ``map``; only once localized      10    foxglove.PoseInFrame
 scan     laser in ``laser``                         5     foxglove.LaserScan
 particles particles in ``map``                      2     foxglove.PosesInFrame
 tracks   teammates and strangers in ``map``         5     foxglove.SceneUpdate
-intruder a stranger who stays near the border       1     patrol.Intruder
-event    what the log says                          each  foxglove.Log
+intruder a stranger that stays near the border      1     patrol.Intruder
+event    log messages                               each  foxglove.Log
 ======== ========================================== ===== ============================
 
-Two more come from the process round the agent, and a replay has nothing to compare them with:
-``process`` (1 Hz, patrol.Process: load, lateness, losses) and ``process_log`` (each, foxglove.Log:
-troubles of the recorder; the operator hears them as ``event``).
+Two more come from the process that runs the agent and cannot be compared in a replay: ``process``
+(1 Hz, patrol.Process: load, lateness, losses) and ``process_log`` (each, foxglove.Log: failures of
+recorder and telemetry, sent to the operator as ``event``).
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ ACTIONS = (
 
 
 class PayloadError(ValueError):
-    """Bytes that are no payload of their stream."""
+    """Bytes that are not a valid payload of their stream."""
 
 
 class Velocity(msgspec.Struct, frozen=True):
@@ -298,7 +298,7 @@ STREAMS: dict[str, Stream] = {
     )
 }
 PROCESS_STREAMS = frozenset({"process", "process_log"})
-"""Streams that are not the agent's."""
+"""Streams that come from the process, not from the agent."""
 
 _encoder = msgspec.json.Encoder()
 _decoders: dict[str, msgspec.json.Decoder[Payload]] = {
@@ -326,7 +326,7 @@ def decode(stream: str, data: bytes) -> Payload:
 
 
 def modernized(stream: str, data: bytes) -> bytes:
-    """Return a payload that an earlier program may have written, by today's field names."""
+    """Return a payload with field names of earlier versions replaced by the present ones."""
     return data.replace(b'"wish":', b'"requested":', 1) if stream == "decision" else data
 
 

@@ -1,8 +1,8 @@
-"""JSON Schemas of our payloads, in the subset that stock viewers can read.
+"""JSON Schemas of the payloads, in the subset that stock viewers can read.
 
-Viewers turn a ``jsonschema`` record into a message definition. They want an object at the top,
+Viewers turn a ``jsonschema`` record into a message definition. They require an object at the top,
 no references, no unions, and properties on every object; a schema outside that subset makes the
-whole topic unreadable. An optional field is one that may be absent, never one that may be null.
+whole topic unreadable. An optional field may be absent, but never null.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ def viewer_schema(payload_type: type[msgspec.Struct], title: str) -> dict[str, A
 
 
 def _inlined(schema: dict[str, Any], definitions: dict[str, Any]) -> dict[str, Any]:
-    """Replace references by what they name and ``X or null`` by X, at every depth."""
+    """Replace references by their definitions and ``X or null`` by X, at every depth."""
     schema = _resolved(schema, definitions)
     if "properties" in schema:
         properties = schema["properties"].items()

@@ -75,12 +75,12 @@ class FreshnessWatch:
 
     def __init__(self) -> None:
         """Start without data; a stream cannot become stale before its first data."""
-        self._well_at: dict[str, float] = {}
-        self._missed: set[str] = set()
+        self._valid_at: dict[str, float] = {}
+        self._stale: set[str] = set()
 
-    def well(self, stream: FreshnessLimit, t: float) -> None:
+    def mark_valid(self, stream: FreshnessLimit, t: float) -> None:
         """Record valid data of a stream at t."""
-        self._well_at[stream.name] = t
+        self._valid_at[stream.name] = t
 
     def changes(self, t: float) -> list[tuple[FreshnessLimit, bool]]:
         """Return the streams that have become stale (False) or fresh again (True) by t.
@@ -89,10 +89,10 @@ class FreshnessWatch:
         """
         found = []
         for stream in STREAMS:
-            well = t - self._well_at.get(stream.name, t) <= stream.max_age
-            if well == (stream.name in self._missed):
+            well = t - self._valid_at.get(stream.name, t) <= stream.max_age
+            if well == (stream.name in self._stale):
                 found.append((stream, well))
-                self._missed ^= {stream.name}
+                self._stale ^= {stream.name}
         return found
 
 

@@ -67,9 +67,9 @@ class SensorFreshness:
         """Process a base report that arrived at t."""
         self._frozen_base.update((state.x, state.y, state.theta), moving=_is_moving(state))
         if not self._frozen_base.frozen:
-            self._watch.well(BASE, t)
+            self._watch.mark_valid(BASE, t)
         if state.sonar:
-            self._watch.well(SONAR, t)
+            self._watch.mark_valid(SONAR, t)
 
     def accept_scan(self, t: float, scan: Scan, base: BaseState | None) -> bool:
         """Process a scan at t; return whether it is valid, not of a blind or frozen laser.
@@ -82,12 +82,12 @@ class SensorFreshness:
         self._blind = bool(returns < MIN_RETURNS)
         if self._blind or self._frozen_laser.frozen:
             return False
-        self._watch.well(LASER, t)
+        self._watch.mark_valid(LASER, t)
         return True
 
     def on_localized(self, t: float) -> None:
         """Record a localized pose at t."""
-        self._watch.well(POSE, t)
+        self._watch.mark_valid(POSE, t)
 
     def changes(self, t: float) -> Iterator[tuple[str, str, LogLevel]]:
         """Yield (part, text, level) of the log event for each stream stale or fresh again by t."""

@@ -54,7 +54,7 @@ class UnpinningManoeuvre:
         if self._edges_until is not None and t >= self._edges_until:
             self._edges_until = None
             if pinned:
-                side = turn_side = -turn_side
+                side = -turn_side
         side = self._next_side(t, pinned=pinned, turn_rate=turn_rate) or side
         if not side and self._edges_until is None:
             return _NOTHING

@@ -1,1 +1,1 @@
-"""Perception: tracks of what the map does not explain, by laser, sonar and camera."""
+"""Perception: tracks of objects that are not in the map, by laser, sonar and camera."""

@@ -1,4 +1,4 @@
-"""Which band in a picture belongs to which track, and which tracks lack one they should show."""
+"""Data association of bands in a picture with tracks, and detection of missing bands."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from robot_agent.perception.band_detector import BAND_RANGE
 from robot_agent.perception.track import Track
 
 _GATE = 9.2  # squared Mahalanobis distance: 99 % of two dimensions
-_BEARING_SIGMA = 0.04  # rad; a band's middle is not the outline's, and the robot turns meanwhile
+_BEARING_SIGMA = 0.04  # rad; offset of band and outline centres, and the robot's turn meanwhile
 _SURFACE = 0.2  # m from a robot's middle to its sides, where the band is
 _SURFACE_SIGMA = 0.1  # m
 _HALF_WIDTH = 0.25  # m of a robot
-_MIN_SHARE = 0.4  # of its width that must be in the picture: so much of a band is plain
-_NEAREST = 0.4  # m from the lens to the middle; nearer ones fill the picture
-_BODY = 0.5  # m from a body's middle; what the laser sees nearer to the lens stands before it
+_MIN_SHARE = 0.4  # of its width that must be in the picture for a band to be found
+_NEAREST = 0.4  # m from the lens to the middle; nearer robots fill the picture
+_BODY = 0.5  # m; laser points nearer to the lens than a body's middle by more may occlude it
 _FAR = 1e6
 
 
 @dataclass(frozen=True, slots=True)
 class _Sighted:
-    """A track as the lens sees it: bearing rad, distance m, their sigmas.
+    """A track in the lens frame: bearing, rad, distance, m, and their sigmas.
 
-    band_bearing: rad, of the middle of what the picture can show of its width.
+    index: of the track. band_bearing: rad, of the middle of the part of its width in the picture.
     """
 
     index: int
@@ -44,15 +44,18 @@ class _Sighted:
 
 @dataclass(frozen=True, slots=True)
 class Matches:
-    """banded: confidence of the band of each track that has one, by its index. bare: tracks whose
-    band would be in the picture and is not."""
+    """Result of the association.
+
+    banded: confidence of the band by index of the track that has it. bare: indices of the tracks
+    whose band should be in the picture and is missing.
+    """
 
     banded: dict[int, float]
     bare: list[int]
 
 
 class BandMatcher:
-    """Compares pictures with tracks."""
+    """Associates the bands of pictures with tracks."""
 
     def __init__(self, camera: CameraSettings) -> None:
         self._mount = Pose(*camera.mount)
@@ -67,7 +70,8 @@ class BandMatcher:
     ) -> Matches:
         """Match a picture's blobs with the tracks at that time; pose: map_from_base then.
 
-        seen: all that the laser saw about then, (n, 2) m, map frame.
+        tracks: predicted to that time. seen: the laser's points of about then, (n, 2), m, map
+        frame, for occlusion.
         """
         lens = pose.compose(self._mount)
         sighted = [self._sight(lens, index, track) for index, track in enumerate(tracks)]
@@ -97,7 +101,7 @@ class BandMatcher:
         )
 
     def _middle_in_picture(self, bearing: float, distance: float) -> float:
-        """Return the bearing, rad, of the middle of what a picture shows of a body's width."""
+        """Return the bearing, rad, of the middle of the part of a body's width in the picture."""
         half = _half_angle(distance)
         right = max(bearing - half, -self._half_view)
         left = min(bearing + half, self._half_view)
@@ -106,14 +110,14 @@ class BandMatcher:
         return math.atan(0.5 * (math.tan(right) + math.tan(left)))
 
     def _in_view(self, each: _Sighted) -> bool:
-        """Tell whether enough of it is in the picture, wherever it is by two sigma."""
+        """Return whether enough of a track's width is in the picture, within two sigma."""
         outer = abs(each.bearing) + 2.0 * each.bearing_sigma
         farthest = self._half_view + (1.0 - 2.0 * _MIN_SHARE) * _half_angle(each.distance)
         return _NEAREST <= each.distance <= BAND_RANGE - 0.8 and outer < farthest
 
 
 def _hidden(each: _Sighted, lens: Pose, seen: NDArray[np.float64]) -> bool:
-    """Tell whether something nearer may stand before any of it: who else, or the edge of a door."""
+    """Return whether nearer points seen (n, 2), m, map frame, may occlude any part of a track."""
     dx, dy = seen[:, 0] - lens.x, seen[:, 1] - lens.y
     off = np.arctan2(dy, dx) - (lens.theta + each.bearing)
     off -= math.tau * np.round(off / math.tau)
@@ -123,12 +127,12 @@ def _hidden(each: _Sighted, lens: Pose, seen: NDArray[np.float64]) -> bool:
 
 
 def _half_angle(distance: float) -> float:
-    """Return the half of a robot's width at a distance, m, as an angle, rad."""
+    """Return the angle, rad, of half a robot's width at a distance, m."""
     return math.asin(min(_HALF_WIDTH / distance, 1.0))
 
 
 def _assign(sighted: Sequence[_Sighted], blobs: Sequence[Blob]) -> dict[int, float]:
-    """Return the confidence of the best band within the gate of each track that has one."""
+    """Return the confidence of the band assigned to each track that has one, by track index."""
     if not sighted or not blobs:
         return {}
     cost = np.array([[_distance(each, blob) for blob in blobs] for each in sighted])
@@ -142,7 +146,7 @@ def _assign(sighted: Sequence[_Sighted], blobs: Sequence[Blob]) -> dict[int, flo
 
 
 def _distance(each: _Sighted, blob: Blob) -> float:
-    """Return the squared Mahalanobis distance of a band from where a track's would be."""
+    """Return the squared Mahalanobis distance of a band from the expected one of a track."""
     bearing = (blob.bearing - each.band_bearing) / each.bearing_sigma
     off = blob.range + _SURFACE - each.distance
     return bearing**2 + off**2 / (each.distance_sigma**2 + blob.range_sigma**2)

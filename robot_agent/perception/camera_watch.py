@@ -6,11 +6,15 @@ from drivers.camera_source import CameraSettings
 from robot_agent.messages.events import BlobsSeen
 
 SILENCE = 1.0  # s without a picture after which the camera is silent
-_BLIND_S = 1.0  # without a clear picture, while pictures come, after which the camera is blind
+_BLIND_S = 1.0  # without a clear picture, while pictures arrive, after which it is blind
 
 
 class CameraWatch:
-    """Keeps the camera's state; without an address there is no camera."""
+    """Keeps the camera's state.
+
+    up: whether it is open; reason: why not. latest: the last picture's event, None before the
+    first. pictures: their number.
+    """
 
     def __init__(self, settings: CameraSettings) -> None:
         self._settings = settings
@@ -23,26 +27,26 @@ class CameraWatch:
 
     @property
     def exists(self) -> bool:
-        """Whether a camera is configured, or pictures came all the same."""
+        """Whether a camera is configured (has an address), or pictures have arrived anyway."""
         return bool(self._settings.url) or self.pictures > 0
 
     def opened(self, t: float) -> None:
-        """Note that the camera was opened at t, s."""
+        """Record that the camera was opened at t."""
         self.up, self.reason, self._up_at = True, "", t
 
     def lost(self, reason: str) -> None:
-        """Note that the camera is lost, and why."""
+        """Record that the camera is lost, with the reason."""
         self.up, self.reason = False, reason
 
     def on_picture(self, event: BlobsSeen) -> None:
-        """Take note of a picture."""
+        """Record a picture."""
         self.latest = event
         self.pictures += 1
         if event.sight == "clear":
             self._clear_at = event.t
 
     def state(self, t: float) -> str:
-        """Return off, down, silent, dark, glare, covered, or clear."""
+        """Return the state at t: off, down, silent, dark, glare, covered, or clear."""
         if not self.exists:
             return "off"
         if not self.up:
@@ -56,7 +60,7 @@ class CameraWatch:
         return self.latest.sight if t - clear_at > _BLIND_S else "clear"
 
     def trouble(self, t: float) -> str:
-        """Return what is lost while the camera does not see, empty while it does."""
+        """Return a sentence for people on what fails without the camera; empty while it works."""
         state = self.state(t)
         if state in ("off", "clear"):
             return ""

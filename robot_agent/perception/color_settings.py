@@ -1,4 +1,4 @@
-"""Settings of the team's colour and of the band that shows it."""
+"""Settings of the team's colour and of the band that carries it."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import msgspec
 
 
 class ColorModelSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """One colour in log chromaticity, which brightness does not change.
+    """One colour in log chromaticity, which is independent of brightness.
 
-    Coordinates: ln(red / green) and ln(blue / green), of values as the camera gives them.
-    `patrol calibrate color` learns both. Default: fluorescent magenta, which few things indoors
-    have. Raises ValueError if the covariance is none.
+    Coordinates: ln(red / green) and ln(blue / green), of the camera's raw values. `patrol calibrate
+    color` estimates both fields. Default: fluorescent magenta, which is rare indoors. Raises
+    ValueError if the covariance is not positive definite.
     """
 
     mean: Annotated[

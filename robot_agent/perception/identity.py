@@ -6,22 +6,22 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
-_WEIGHT_SCALE = 1.5  # nats of evidence after which little is unknown any more
+_WEIGHT_SCALE = 1.5  # nats; scale at which evidence lowers the probability of unknown
 _MAX_LOG_ODDS = 5.0  # nats either way, so that a second of new evidence still counts
 
-# Logarithms of likelihood ratios, teammate over stranger. Those of one picture are far below what
-# a single independent one, as pictures in a row show the same light and background.
-_BAND = 1.2  # the team's band, where and as far as the laser sees something
-_NO_BAND = -0.8  # none, though it would be in the picture
-_ROBOT_LIKE = 0.4  # a Pioneer's outline fits it, and it moves as fast as one
-_OTHER_SHAPE = -0.4  # as large as a robot, but no Pioneer's outline fits
-_TOO_FAST = -0.5  # faster than any robot of the team drives
+# Log likelihood ratios, teammate over stranger. Those of one picture are far below that of an
+# independent measurement, as pictures in a row have the same light and background.
+_BAND = 1.2  # the team's band at the bearing and distance of the track
+_NO_BAND = -0.8  # no band, though it should be in the picture
+_ROBOT_LIKE = 0.4  # a Pioneer's outline fits, at a Pioneer's speed
+_OTHER_SHAPE = -0.4  # as large as a robot, but a Pioneer's outline does not fit
+_TOO_FAST = -0.5  # faster than any robot of the team
 _WRONG_SIZE = -0.25  # seen whole and not as large as a robot
 _REFLECTOR = 1.0  # reflecting tape at the laser's height
 
 _TEAMMATE, _STRANGER = 1.5, -1.5  # nats at which the kind is decided
-_MAX_BY_LASER = 2.0  # nats either way; three pictures are enough against it
-_KEPT = 0.0  # nats down (or up) to which it stays decided
+_MAX_BY_LASER = 2.0  # nats either way by shape; three pictures outweigh it
+_KEPT = 0.0  # nats down (or up) to which the kind stays decided
 
 
 class Kind(StrEnum):
@@ -34,7 +34,7 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Probabilities:
-    """Of each kind; they add up to 1."""
+    """Probability of each kind; they add up to 1."""
 
     teammate: float
     stranger: float
@@ -47,7 +47,7 @@ class Identity:
     def __init__(self) -> None:
         self.kind = Kind.UNKNOWN
         self.by_color = False
-        """Whether any picture has said something."""
+        """Whether any picture has given evidence."""
         self._log_odds = 0.0
         self._evidence = 0.0
 
@@ -59,41 +59,43 @@ class Identity:
         return Probabilities(known * teammate, known * (1.0 - teammate), 1.0 - known)
 
     def on_band(self, confidence: float) -> None:
-        """Count a picture that shows the team's band on it, with a confidence of 0 to 1."""
+        """Add the evidence of a picture with the team's band on it, with a confidence, 0 to 1."""
         self.by_color = True
         self._add(_BAND * confidence)
 
     def on_missing_band(self) -> None:
-        """Count a picture that shows it without a band."""
+        """Add the evidence of a picture that shows it without a band."""
         self.by_color = True
         self._add(_NO_BAND)
 
     def on_robot_shape(self) -> None:
-        """Count a scan in which a Pioneer's outline fits and the speed is a robot's."""
-        if not self._told_by_color:
+        """Add the evidence of a scan in which a Pioneer's outline fits, at a robot's speed."""
+        if not self._decided_by_color:
             self._add(min(_ROBOT_LIKE, max(_MAX_BY_LASER - self._log_odds, 0.0)))
 
     def on_other_shape(self) -> None:
-        """Count a scan in which it has a Pioneer's size, but not its outline."""
-        if not self._told_by_color:
+        """Add the evidence of a scan in which it has a Pioneer's size, but not its outline."""
+        if not self._decided_by_color:
             self._add(max(_OTHER_SHAPE, min(-_MAX_BY_LASER - self._log_odds, 0.0)))
 
     @property
-    def _told_by_color(self) -> bool:
-        """Whether pictures have settled it: another team's robot has a robot's outline too, and a
-        teammate may carry what changes its own."""
+    def _decided_by_color(self) -> bool:
+        """Whether the kind is decided with pictures; outline evidence is ignored then.
+
+        Another team's robot has a robot's outline too, and a load may change a teammate's.
+        """
         return self.by_color and self.kind is not Kind.UNKNOWN
 
     def on_too_fast(self) -> None:
-        """Count a scan in which it is faster than a robot."""
+        """Add the evidence of a scan in which it is faster than a robot."""
         self._add(_TOO_FAST)
 
     def on_wrong_size(self) -> None:
-        """Count a scan in which, seen whole, it has not the size of a robot."""
+        """Add the evidence of a scan in which, seen whole, it does not have the size of a robot."""
         self._add(_WRONG_SIZE)
 
     def on_reflector(self) -> None:
-        """Count a scan in which it has a reflector, as teammates wear."""
+        """Add the evidence of a scan in which it has a reflector, as teammates have."""
         self._add(_REFLECTOR)
 
     def _add(self, evidence: float) -> None:

@@ -1,4 +1,4 @@
-"""Evidence of an intruder: what the laser and the camera had of it."""
+"""Evidence of an intruder: laser points near it and a cut-out of a picture."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from maps.pose import Pose
 from robot_agent.perception.scan_points import move_points
 
 NEAR = 0.8
-"""m round an intruder within which laser points are of it, or tell what it stands beside."""
+"""m round an intruder within which laser points are evidence, of it and of its surroundings."""
 _HALF_WIDTH, _HEIGHT, _BELOW = 0.6, 2.0, 0.2  # m of the cut-out round a person
 _QUALITY = 70
 
@@ -31,9 +31,10 @@ def points_near(points: NDArray[np.float64], pose: Pose, place: tuple[float, flo
 
 
 def cut_out(jpeg: bytes, camera: CameraSettings, pose: Pose, place: tuple[float, float]) -> str:
-    """Return the part of a picture that shows a place, JPEG in base64; empty if it shows none.
+    """Return the part of a picture that shows a place, as JPEG in base64.
 
-    pose: map_from_base when the picture was taken.
+    Empty if the picture cannot be decoded or does not show the place. jpeg: the picture. pose:
+    map_from_base when it was taken. place: (x, y), m, map frame.
     """
     at = pose.compose(Pose(*camera.mount)).between(Pose(*place, 0.0))
     picture = cv2.imdecode(np.frombuffer(jpeg, dtype=np.uint8), cv2.IMREAD_COLOR)

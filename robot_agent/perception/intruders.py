@@ -11,15 +11,15 @@ from robot_agent.perception.identity import Kind
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.track import TRACK_MEMORY, Track
 
-_MEMORY = 60.0  # s unseen within which an intruder that comes back is the same one
-_SEEN_LATELY = 0.5  # s; a track not seen for longer has no certain place
-_WALK = 1.5  # m/s a person walks unseen
+_MEMORY = 60.0  # s unseen within which an intruder that comes back keeps its number
+_SEEN_LATELY = 0.5  # s; the position of a track not seen for longer is uncertain
+_WALK = 1.5  # m/s; speed assumed of a person unseen
 _FARTHEST_WALK = 10.0  # m
-_SAME_PLACE = 0.8  # m; two sightings this near are of one
-_SAME_STANDER = 0.5  # m; a track found this near the place of an intruder just lost is the same
+_SAME_PLACE = 0.8  # m; detections this near are of one intruder
+_SAME_STANDER = 0.5  # m; a track started this near the position of an intruder just lost is it
 _TURNED_AWAY = 10.0  # s unseen within which that holds: robots turn round beside strangers
-_DOUBT = 1.0  # s after a track was last a teammate, in which it is no intruder
-_EDGE = 0.3  # m beyond the zone within which a track stays in it
+_DOUBT = 1.0  # s after a track was last a teammate during which it is no intruder
+_EDGE = 0.3  # m; hysteresis of the zone's border for a track in it
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,8 @@ class Intruder:
     """A stranger near the border.
 
     number: counts from 1. x, y: m, map frame, when last seen. abscissa, distance: along and from
-    the border, m; closest: the least distance so far. first_seen, last_seen: s. track: its id.
+    the border, m; closest: the smallest distance so far. first_seen, last_seen: times. track: id
+    of its present track.
     """
 
     number: int
@@ -43,9 +44,9 @@ class Intruder:
 
 @dataclass(frozen=True, slots=True)
 class _Candidate:
-    """A track near the border since a time, s, that is not classified as a stranger yet.
+    """A track near the border, since a time, that is not classified as a stranger yet.
 
-    When it is, all of its stay counts.
+    Once it is, its whole stay counts.
     """
 
     track: int
@@ -53,11 +54,11 @@ class _Candidate:
     last_seen: float
     x: float
     y: float
-    taken_for_teammate: float  # when last, s
+    taken_for_teammate: float  # when last; -inf if never
 
 
 class Intruders:
-    """Watches the tracks near a border."""
+    """Detects intruders among the tracks near a border."""
 
     def __init__(self, settings: PerceptionSettings, border: Border) -> None:
         self._settings = settings
@@ -65,10 +66,10 @@ class Intruders:
         self._candidates: dict[int, _Candidate] = {}
         self._number = 0
         self.known: list[Intruder] = []
-        """Those seen lately, oldest first."""
+        """Intruders seen within the last minute, oldest first."""
 
     def update(self, t: float, tracks: Sequence[Track]) -> list[Intruder]:
-        """Take in the tracks at t, s; return the intruders that are new."""
+        """Process the tracks at t; return the intruders that are new, and update ``known``."""
         settings = self._settings
         self._forget(t)
         new: list[Intruder] = []
@@ -112,7 +113,7 @@ class Intruders:
         return new
 
     def _candidate(self, track: Track) -> _Candidate:
-        """Return a track's stay near the border, which may have begun under another track."""
+        """Return the candidate of a track, whose stay may have begun under another track."""
         own = self._candidates.get(track.id)
         if own is None:
             own = next(
@@ -132,7 +133,7 @@ class Intruders:
         return _Candidate(track.id, since, track.last_seen, track.x, track.y, taken_for_teammate)
 
     def _stands_where_one_was(self, track: Track) -> bool:
-        """Return whether a track is where an intruder was when last seen."""
+        """Return whether a track is a known intruder's, or began where one was last seen."""
         return any(
             each.track == track.id
             or (
@@ -143,7 +144,7 @@ class Intruders:
         )
 
     def _known(self, t: float, track: Track, tracks: Sequence[Track]) -> Intruder | None:
-        """Return the intruder reported before that a track is of; None if there is none."""
+        """Return the known intruder that a track belongs to; None if there is none."""
         for each in self.known:
             if each.track == track.id:
                 return each
@@ -171,7 +172,7 @@ class Intruders:
 
 
 def _is_stranger(track: Track, t: float, settings: PerceptionSettings) -> bool:
-    """Return whether a track is a stranger, or unknown for long and not a robot by its size."""
+    """Return whether a track is a stranger, or unknown for long and not the size of a robot."""
     if track.kind is Kind.UNKNOWN:
         old = t - track.first_seen >= settings.intruder_time
         return old and not track.robot_sized

@@ -1,10 +1,10 @@
-"""A Pioneer's outline laid on the points of segments: where its centre is, how sure, how well.
+"""Fit of a Pioneer's outline to the points of segments: centre, covariance and misfit.
 
-The outline is a rectangle of unknown heading. For each of a grid of headings the centre that fits
-best is found by least squares: every point on the nearest side, and where a beam passes by an edge
-of the segment, the outline's edge between that beam and the last one that met it. The centre is
-the mean over the headings, each weighted by how well it fits; its covariance holds what points and
-headings leave open. All segments of a scan are fitted at once.
+The outline is a rectangle of unknown heading. For each of a grid of headings the centre is found by
+least squares: every point lies on the nearest side, and where a beam passes an edge of the segment,
+the outline's edge lies between that beam and the last one that hit. The centre is the mean over the
+headings, weighted by their likelihoods; its covariance contains the uncertainty given the points
+and that over the headings. All segments of a scan are fitted at once.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 # ARIA's p2dx.p: the body with its bumpers.
 HALF_LENGTH, HALF_WIDTH = 0.2555, 0.2125  # m
 
-_HEADINGS = 18  # over half a turn: a rectangle looks the same the other way round
-_STEPS = 2  # of the assignment of points to sides
-_MAX_POINTS = 20  # of one segment; more tell the same
-_POINT_SIGMA = 0.02  # m; range noise, and a body that is no exact rectangle
-_FIRST_SIGMA = 0.15  # m; of the centre before the fit, which holds it where nothing else does
+_HEADINGS = 18  # over half a turn: a rectangle is symmetric under half a turn
+_STEPS = 2  # iterations of the assignment of points to sides
+_MAX_POINTS = 20  # of one segment; more add no information
+_POINT_SIGMA = 0.02  # m; range noise, and deviation of the body from a rectangle
+_FIRST_SIGMA = 0.15  # m; prior of the centre, which fixes it where no point does
 _MIN_VARIANCE = 0.012**2  # m^2; errors that all points of a segment share
 
 _THETA = np.arange(_HEADINGS) * (math.pi / _HEADINGS)
@@ -35,11 +35,11 @@ _TO_V = np.column_stack((-_SIN, _COS))  # (headings, 2): along the width
 
 @dataclass(frozen=True, slots=True)
 class SightEdge:
-    """Where a segment ends and the next beam passes by.
+    """An edge of a segment that the next beam passes.
 
     normal_x, normal_y: unit vector in base_link, across the line of sight, out of the segment.
-    offset: m along it, half-way between the last beam that met something and the next.
-    sigma: m.
+    offset: m along it, half-way between the last beam that hit and the next. sigma: m, of the
+    offset.
     """
 
     normal_x: float
@@ -50,9 +50,12 @@ class SightEdge:
 
 @dataclass(frozen=True, slots=True)
 class OutlineFit:
-    """x, y: centre in base_link, m. var_x, var_y, cov_xy: m^2, base_link. misfit: squared
-    residuals over their variances, per point and edge, at the best heading; about 0.5 for a
-    robot."""
+    """Result of the fit to one segment.
+
+    x, y: centre in base_link, m. var_x, var_y, cov_xy: its covariance, m^2, base_link. misfit:
+    squared residuals over their variances, per point and edge, at the best heading; about 0.5 for
+    a robot.
+    """
 
     x: float
     y: float
@@ -69,8 +72,8 @@ def fit_outlines(
 ) -> list[OutlineFit]:
     """Fit the outline to each of several segments.
 
-    parts: (n, 2) points of each, m, base_link. centres: about where each one's centre is.
-    edges: those in sight, none to two of each.
+    parts: (n, 2) points of each, m, base_link. centres: (x, y), m, prior of each one's centre.
+    edges: the visible ones of each, none to two. Returns one fit for each segment, in order.
     """
     if not parts:
         return []
@@ -83,7 +86,7 @@ def fit_outlines(
     for _ in range(_STEPS):
         system = _system(points, sights, start, centre)
         centre = system.solution()
-    # 2. How well it fits there, and so how likely each heading is.
+    # 2. The likelihood of each heading from the residuals there.
     chi2 = points.chi2(centre) + sights.chi2(centre.u, centre.v)
     best = chi2.min(axis=0)
     weights = np.exp(-0.5 * (chi2 - best))
@@ -139,7 +142,7 @@ class _Points:
 
     @classmethod
     def of(cls, parts: Sequence[NDArray[np.float64]]) -> _Points:
-        """Take points of each segment, evenly spread where there are many."""
+        """Take the points of each segment, thinned evenly to at most _MAX_POINTS."""
         parts = [part[:: math.ceil(len(part) / _MAX_POINTS)] for part in parts]
         counts = np.array([len(part) for part in parts])
         starts = np.concatenate(([0], np.cumsum(counts)[:-1]))
@@ -148,7 +151,7 @@ class _Points:
         return cls(_TO_U @ points, _TO_V @ points, owner, starts, counts)
 
     def off(self, centre: _Centres) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return (headings, points) how far they are from their segment's centre, u and v."""
+        """Return (headings, points) offsets from the segments' centres, u and v, m."""
         return self.u - centre.u[:, self.owner], self.v - centre.v[:, self.owner]
 
     def summed(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -163,9 +166,9 @@ class _Points:
 
 
 def _system(points: _Points, sights: _Edges, start: _Centres, centre: _Centres) -> _System:
-    """Return the equations with every point on the side of the outline at ``centre`` it is near.
+    """Return the equations with every point on the nearest side of the outline at ``centre``.
 
-    A point on an end tells where the centre is along the length, one on a side along the width.
+    A point on an end constrains the centre along the length, one on a side along the width.
     """
     off_u, off_v = points.off(centre)
     on_end = np.abs(off_u) - HALF_LENGTH > np.abs(off_v) - HALF_WIDTH
@@ -187,7 +190,7 @@ def _mean_over_headings(
 ) -> NDArray[np.float64]:
     """Return (5, segments) x, y, var_x, var_y, cov_xy in base_link; weights (headings, segments).
 
-    The covariance is that of each heading, and that of the headings among themselves.
+    The covariance is the mean of that at each heading plus the spread over the headings.
     """
     cos, sin = _COS[:, None], _SIN[:, None]
     x, y = cos * centre.u - sin * centre.v, sin * centre.u + cos * centre.v
@@ -213,9 +216,9 @@ def _mean_over_headings(
 
 @dataclass(frozen=True, slots=True)
 class _Edges:
-    """The edges in sight as equations for the centre, at each heading; (headings, segments).
+    """The visible edges as equations for the centre, at each heading; (headings, segments).
 
-    An edge asks that the outline's farthest corner along its normal be at its offset.
+    An edge requires the outline's farthest corner along its normal to be at its offset.
     """
 
     uu: NDArray[np.float64]
@@ -225,7 +228,7 @@ class _Edges:
     right_v: NDArray[np.float64]
     square: NDArray[np.float64]
     count: NDArray[np.float64]
-    """(segments,) edges in sight of each."""
+    """(segments,) number of visible edges of each."""
 
     @classmethod
     def of(cls, edges: Sequence[Sequence[SightEdge]], segments: int) -> _Edges:

@@ -30,12 +30,12 @@ class NewIntruder:
     intruder: Intruder
     scan: list[float]
     """Laser points near it: x, y, x, y, ... in the map frame, m."""
-    wants_picture: bool
-    """Whether the camera sees well enough for a picture as evidence."""
+    needs_picture: bool
+    """Whether to take a picture as evidence: the camera's state is "clear"."""
 
 
 class Perception:
-    """Tracks what the map does not explain; strangers that stay near the border are intruders.
+    """Tracks objects that are not in the map; strangers that stay near the border are intruders.
 
     ``intruders`` is None for a map without a border.
     """
@@ -54,7 +54,8 @@ class Perception:
     ) -> NDArray[np.bool_] | None:
         """Return (n,) which points (n, 2), m, base_link, end on tracked bodies.
 
-        t: when they were measured, s, at odometry odom_from_base. None unless localized.
+        t: when they were measured. odometry: odom_from_base then. None unless localized, and if
+        most points would be covered (``TeammateTracker.covered``).
         """
         if estimate is None or estimate.health is not Health.LOCALIZED:
             return None
@@ -65,7 +66,7 @@ class Perception:
     ) -> list[NewIntruder]:
         """Track with a scan's points (n, 2), m, base_link; return intruders not reported yet.
 
-        t: now, s. Does nothing while lost.
+        t: now. estimate: pose at the scan. Does nothing and returns [] while lost.
         """
         if estimate.health is Health.LOST:
             return []
@@ -89,16 +90,20 @@ class Perception:
         return NewIntruder(intruder, near, sees)
 
     def on_blobs(self, event: BlobsSeen, pose: Pose | None) -> None:
-        """Update tracks with a picture's bands; pose: map_from_base when it was taken, if known."""
+        """Update tracks with a picture's bands.
+
+        pose: map_from_base when it was taken; None if unknown: then only the camera's state is
+        updated.
+        """
         self.camera.on_picture(event)
         if pose is not None and event.sight == "clear":
             self.tracker.on_bands(event.taken, pose, event.blobs)
 
     def on_picture(self, event: PictureTaken, pose: Pose | None) -> tuple[Intruder, str] | None:
-        """Return the intruder a picture was asked for, with its cut-out (JPEG, base64).
+        """Return the intruder a picture was requested for, with its cut-out (JPEG, base64).
 
-        pose: map_from_base when it was taken. None: no picture was asked for, or it
-        does not show the place.
+        pose: map_from_base when it was taken; None if unknown. Returns None without a request,
+        without a pose, or if the picture does not show the place.
         """
         intruder, self._pictured = self._pictured, None
         if intruder is None or pose is None:

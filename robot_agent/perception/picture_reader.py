@@ -1,4 +1,4 @@
-"""The camera's side of the inbox: each picture becomes what it shows of the team's colour."""
+"""Conversion of the camera's pictures into events for the agent's inbox."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from robot_agent.perception.color_settings import ColorSettings
 _JPEG_QUALITY = 70
 
 
-class CameraEye:
-    """Looks at pictures on the camera's thread; ``put`` takes the events it makes of them."""
+class PictureReader:
+    """Evaluates pictures on the camera's thread; ``put`` receives the resulting events."""
 
     def __init__(
         self, camera: CameraSettings, color: ColorSettings, put: Callable[[Event], None]
@@ -29,20 +29,20 @@ class CameraEye:
         self._next = -math.inf
         self._wanted = threading.Event()
 
-    def want_picture(self) -> None:
-        """Send the next picture too; safe from any thread."""
+    def request_picture(self) -> None:
+        """Request the next picture as a PictureTaken event; thread-safe."""
         self._wanted.set()
 
     def camera_up(self, t: float) -> None:
-        """Take note that pictures come."""
+        """Put the event that the camera is open, at t."""
         self._put(LinkUp(round(t, 6), "camera"))
 
     def camera_down(self, t: float, reason: str) -> None:
-        """Take note that none come, and why."""
+        """Put the event that the camera is lost, at t, with the reason."""
         self._put(LinkDown(round(t, 6), "camera", reason))
 
     def picture(self, picture: Picture) -> None:
-        """Look at a picture if one is due."""
+        """Evaluate a picture if the configured rate allows one now, else drop it."""
         if picture.t < self._next:
             return
         self._next = max(self._next + 1.0 / self._camera.rate, picture.t)

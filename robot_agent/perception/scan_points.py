@@ -12,7 +12,7 @@ from maps.pose import Pose
 
 
 class ScanProjector:
-    """Turns scans into points; keeps the beams' directions, which do not change."""
+    """Projects scans to points in base_link; caches the beams' directions."""
 
     def __init__(self, base_from_laser: Pose) -> None:
         self._mount = base_from_laser
@@ -24,7 +24,7 @@ class ScanProjector:
         """Return the returns of a scan, shape (n, 2), m, base_link at the middle of the sweep.
 
         Ordered by bearing; beams without a usable return are left out. v, m/s, and w, rad/s: the
-        base's speeds during the sweep. Each beam is put where it ended though the base moved.
+        base's speeds during the sweep, by which the points are deskewed.
         """
         geometry = (scan.ranges.size, scan.angle_min, scan.angle_increment, scan.turns)
         if geometry != self._geometry:
@@ -37,7 +37,7 @@ class ScanProjector:
         return deskewed(points, self._delays[hit], v, w) if v or w else points
 
     def in_view(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return (n,) which points (n, 2), m, base_link, lie where the latest scan looked."""
+        """Return (n,) which points (n, 2), m, base_link, are in the latest scan's field of view."""
         if self._geometry is None:
             return np.zeros(len(points), dtype=np.bool_)
         n, angle_min, increment, _ = self._geometry
@@ -60,9 +60,10 @@ def hits(scan: Scan) -> NDArray[np.bool_]:
 def deskewed(
     points: NDArray[np.float64], delays: NDArray[np.float64], v: float, w: float
 ) -> NDArray[np.float64]:
-    """Return points (n, 2), each measured in base_link a delay (n,), s, later, as of no delay.
+    """Return points (n, 2), m, transformed to base_link at one time.
 
-    v, m/s, and w, rad/s: the base's speeds meanwhile; it moves on an arc.
+    Each was measured in base_link a delay (n,), s, later. v, m/s, and w, rad/s: the base's speeds
+    meanwhile; it moves on an arc.
     """
     turned = w * delays
     c, s = np.cos(turned), np.sin(turned)

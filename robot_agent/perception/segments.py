@@ -1,9 +1,9 @@
 """Segments: runs of neighbouring unexplained points, sized against a Pioneer's outline.
 
-A Pioneer (0.511 x 0.425 m with its bumpers, 0.44 x 0.38 m of body) shows 0.38 to 0.67 m across
+A Pioneer (0.511 x 0.425 m with its bumpers, 0.44 x 0.38 m of body) measures 0.38 to 0.67 m across
 the line of sight. Its centre lies behind its nearest point by half its depth, which follows from
 the width seen: end-on or sideways it is narrow and shallow, seen across a corner wide and deep.
-What is narrower or wider is a person or a thing; two legs make one person.
+Narrower or wider segments are persons or objects; two legs are one person.
 """
 
 from __future__ import annotations
@@ -17,25 +17,25 @@ from numpy.typing import NDArray
 
 from robot_agent.perception.outline_fit import SightEdge, fit_outlines
 
-# What a Pioneer looks like in the plane of the laser, and what is none.
+# Dimensions of a Pioneer, and of other objects, in the plane of the laser.
 SEGMENT_GAP = 0.10  # m between neighbouring points of one object, close up
 MIN_EXTENT = 0.30  # m across the line of sight, both edges in view
 MIN_PARTIAL_EXTENT = 0.12  # m, an edge hidden by something nearer or out of view
 MAX_EXTENT = 0.75  # m
-MAX_STRANGER_EXTENT = 1.1  # m; larger things are furniture
-MIN_PERSON_EXTENT = 0.22  # m; smaller ones are legs, and count by twos
+MAX_STRANGER_EXTENT = 1.1  # m; larger objects are furniture
+MIN_PERSON_EXTENT = 0.22  # m; smaller ones are legs, two to a person
 STRIDE = 0.55  # m between two legs of one person
 MEAN_HALF_WIDTH = 0.27  # m from the centre to an edge, mean over headings
 _MIN_POINTS = 3
 _LEG = 0.05  # m; less is a chair's leg or noise
-_LEG_SIGMA = 0.12  # m; a person's middle from the legs, one of which stands still
-_BESIDE = 0.45  # m from the middle of a robot within which thin things are parts of it
+_LEG_SIGMA = 0.12  # m; of a person's centre by the legs, one of which stands still
+_BESIDE = 0.45  # m from the middle of a robot within which thin segments are parts of it
 _REFLECTOR_REACH = 0.45  # m from a robot's middle to a reflector on it
 _MIN_FILL = 0.6  # share of the beams a solid object of this width would return
-_MAX_SEGMENTS = 6  # nearest ones kept: a scan that fits no map must not flood the tracker
+_MAX_SEGMENTS = 6  # nearest ones kept: bounds the tracker's load by a scan that fits no map
 _COARSEST_INCREMENT = math.radians(1.0)
 _FINEST_INCREMENT = math.radians(0.25)
-_EDGE_SIGMA = 0.01  # m; of an edge, beyond what the beams' spacing leaves open
+_EDGE_SIGMA = 0.01  # m; of an edge, in addition to the beams' spacing
 _GRAZED = 0.55  # m between neighbouring points on a robot's side seen along it, at most
 _OCCLUDER_STEP = 0.15  # m by which a neighbouring beam must be nearer to hide an edge
 
@@ -48,20 +48,20 @@ _HALF_DEPTHS = (0.255, 0.255, 0.325)
 class Edge(Enum):
     """How a segment ends, towards the next beam."""
 
-    CLEAR = auto()  # the next beam passes by, to something farther
-    HIDDEN = auto()  # the next beam meets something nearer, or there is none
-    JOINED = auto()  # the surface goes on in points that the map explains
+    CLEAR = auto()  # the next beam passes and hits something farther away
+    HIDDEN = auto()  # the next beam hits something nearer, or there is no next beam
+    JOINED = auto()  # the surface continues in points that the map explains
 
 
 @dataclass(frozen=True, slots=True)
 class Segment:
-    """A robot, a person or a thing in one scan.
+    """A robot, a person or an object in one scan.
 
     x, y: estimated centre in base_link, m. extent: width seen across the line of sight, m.
-    var_x, var_y, cov_xy: of the centre, m^2, base_link. points: how many beams met it. whole:
-    enough of it is seen to tell its size; otherwise it is a part that may belong to a track.
-    robot_sized: it may be a robot. misfit: how badly a Pioneer's outline fits (``OutlineFit``),
-    infinite where none was tried. reflecting: it has a reflector, where the laser tells.
+    var_x, var_y, cov_xy: of the centre, m^2, base_link. points: number of beams that hit it.
+    whole: enough of it is seen to measure its size; otherwise it is a part that may belong to a
+    track. robot_sized: it may be a robot. misfit: of a Pioneer's outline (``OutlineFit``),
+    infinite without a fit. reflecting: it has a reflector, if the laser reports them.
     """
 
     x: float
@@ -79,7 +79,7 @@ class Segment:
 
 @dataclass(frozen=True, slots=True)
 class _Run:
-    """Neighbouring points first..last, as a segment before any fit, with its edges in sight."""
+    """Neighbouring points first..last, as a segment before any fit, with its visible edges."""
 
     first: int
     last: int
@@ -96,8 +96,8 @@ def find_segments(
     """Return the segments of a scan that may be a robot or a person, nearest first.
 
     points: (n, 2) base_link, ordered by bearing, counter-clockwise; ranges: (n,) their distances,
-    m; unexplained: (n,) which of them the map does not account for; reflectors: (n,) which met
-    one, where the laser tells.
+    m; unexplained: (n,) which of them the map does not explain; reflectors: (n,) which are of a
+    reflector, None if the laser does not report them. At most _MAX_SEGMENTS are returned.
     """
     indices = np.flatnonzero(unexplained)
     if len(indices) < _MIN_POINTS:
@@ -120,7 +120,7 @@ def find_segments(
 
 
 def _fitted(points: NDArray[np.float64], runs: list[_Run]) -> list[Segment]:
-    """Return the segments of runs that may be robots, each where a robot's outline fits best."""
+    """Return the segments of runs that may be robots, with centre and misfit of the outline fit."""
     fits = fit_outlines(
         [points[each.first : each.last + 1] for each in runs],
         [(each.segment.x, each.segment.y) for each in runs],
@@ -152,9 +152,9 @@ def _with_reflector(
 
 
 def _people(segments: list[Segment]) -> list[Segment]:
-    """Return the segments with legs paired up: two a stride apart are a person, one is a part.
+    """Return the segments with legs paired: two within a stride are a person, one is a part.
 
-    What is thin and beside something as large as a robot is a part of that.
+    Thin segments beside one as large as a robot are parts of that and dropped.
     """
     robots = [each for each in segments if each.whole and each.robot_sized]
     segments = robots + [
@@ -212,7 +212,7 @@ def _runs(
     """Return first and last index of each run of neighbouring points without a gap."""
     steps = np.diff(points[indices], axis=0)
     gaps = np.hypot(steps[:, 0], steps[:, 1])
-    # Beams fan out: the gap allowed leaves room for one missing return.
+    # The beams' spacing grows with range: the gap allowed covers one missing return.
     allowed = np.maximum(SEGMENT_GAP, 2.5 * increment * ranges[indices[1:]])
     breaks = np.flatnonzero((np.diff(indices) > 1) | (gaps > allowed))
     firsts = indices[np.concatenate(([0], breaks + 1))]
@@ -233,7 +233,7 @@ def _run(
     if right is Edge.JOINED and left is Edge.JOINED:
         return None  # a bulge of a known surface
 
-    # Axes along and across the line of sight to the middle of what is seen.
+    # Axes along and across the line of sight to the middle of the run.
     sight = points[first] / ranges[first] + points[last] / ranges[last]
     sight /= math.hypot(sight[0], sight[1])
     ux, uy = float(sight[0]), float(sight[1])
@@ -286,7 +286,7 @@ def _run(
 
 
 def _passes(points: NDArray[np.float64], index: int, side: int) -> bool:
-    """Tell whether the beam beside the last of a run passes a robot by, rather than graze it."""
+    """Return whether the beam beside the last of a run passes a robot rather than grazes it."""
     dx, dy = (points[index + side] - points[index]).tolist()
     return math.hypot(dx, dy) > _GRAZED
 
@@ -317,7 +317,7 @@ def _edge(
     step: int,
     increment: float,
 ) -> Edge:
-    """Return how the run that ends at ``index`` ends towards its neighbour in direction step."""
+    """Return the kind of edge of the run that ends at ``index``, towards index + step (+1, -1)."""
     neighbour = index + step
     if not 0 <= neighbour < len(points):
         return Edge.HIDDEN

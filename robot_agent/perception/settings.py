@@ -1,4 +1,4 @@
-"""Settings of perception: what a site or a team decides, and the colour the team wears."""
+"""Settings of perception that depend on the site or the team, with the team's colour."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from robot_agent.perception.visibility import VISIBILITY, VISIBILITY_MARGIN
 
 
 class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Who is looked for, and who is reported as an intruder; m and s."""
+    """Detection range, reflectors, and when a stranger is an intruder; m and s."""
 
     detection_range: Annotated[
         float,
         msgspec.Meta(
-            ge=VISIBILITY + VISIBILITY_MARGIN,  # so that tracks exist before anybody counts
+            ge=VISIBILITY + VISIBILITY_MARGIN,  # so that tracks exist before they are in range
             description="Distance up to which laser points may be a robot or a person",
             extra={"unit": "m"},
         ),

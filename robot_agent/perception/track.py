@@ -1,4 +1,4 @@
-"""A track: one thing that is not in the map, followed over time."""
+"""A track: the state of one object that is not in the map, estimated over time."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from numpy.typing import NDArray
 
 from robot_agent.perception.identity import Kind, Probabilities
 
-TRACK_MEMORY = 3.0  # s a confirmed track is kept unseen
+TRACK_MEMORY = 3.0  # s for which a confirmed track is kept without a detection
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Track:
-    """Place, velocity and class of a tracked body.
+    """Position, velocity and class of a tracked object.
 
     x, y: centre of the outline, m, map frame. vx, vy: velocity, m/s, map frame. covariance:
     (2, 2) of the position, m^2. first_seen, last_seen: times of the laser's first and latest
-    detection, s. robot_sized: as large as a Pioneer, as often as it was seen whole. moving: it has
-    moved farther than errors explain. by_color: whether pictures tell anything of it.
+    detection. robot_sized: as large as a Pioneer in most detections that show it whole. moving: it
+    has moved farther than errors explain. by_color: whether there is evidence by pictures.
     """
 
     id: int

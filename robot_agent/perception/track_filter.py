@@ -1,4 +1,4 @@
-"""The filter behind a track: constant velocity while seen, decaying velocity while not."""
+"""Kalman filter of a track: constant velocity while detected, decaying velocity while not."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from robot_agent.perception.identity import Identity, Kind
 from robot_agent.perception.kalman import KalmanFilter
 from robot_agent.perception.track import Track
 
-CONFIRM_HITS = 3  # detections until a track counts
+CONFIRM_HITS = 3  # detections until a track is confirmed
 VELOCITY_NOISE = 0.05  # m^2/s^3; spectral density of the acceleration
 FIRST_SPEED_SIGMA = 0.35  # m/s; of a new track's velocity, per axis
 GATE = 11.8  # squared Mahalanobis distance: 99.7 % of two dimensions
-GATE_DISTANCE = 1.0  # m; no association beyond, however uncertain the track
+GATE_DISTANCE = 1.0  # m; no association beyond, whatever the covariance
 VELOCITY_DECAY = 1.0  # s; time constant of an unseen track's velocity
-MOTION_WINDOW = 2.5  # s over which displacement is judged
-MOTION_DISTANCE = 0.20  # m, beyond twice the position's sigma: farther, and it moves
+MOTION_WINDOW = 2.5  # s over which displacement is measured
+MOTION_DISTANCE = 0.20  # m beyond twice the position's sigma: a larger displacement is motion
 MAX_ROBOT_SPEED = 0.65  # m/s; nothing faster is a teammate
-_SAMPLE_PERIOD = 0.2  # s between the past positions kept to judge motion
-_BROKEN_SIGHT = 3  # misses in a row after which the thing seen next may be another one
-_SIZE_KNOWN = 5  # times seen whole after which its size says something
-_START = 0.1  # m; how far off a body that starts or stops between two scans may be
+_SAMPLE_PERIOD = 0.2  # s between the past positions kept to detect motion
+_BROKEN_SIGHT = 3  # misses in a row after which the next detection may be of another object
+_SIZE_KNOWN = 5  # detections of the whole object after which its size is evidence
+_START = 0.1  # m; prediction error of an object that starts or stops between two scans
 _MANOEUVRE_GATE = 9.2  # squared Mahalanobis distance (99 %) beyond which its speed has changed
-_FITS, _FITS_NOT = 0.6, 1.0  # misfit of most robots, and of few
-_OFTEN = 3  # scans in a row whose outline fits, for a track that may be a robot
+_FITS, _FITS_NOT = 0.6, 1.0  # misfit below which most robots are, above which few are
+_MIN_FITS = 3  # scans in a row whose outline fits, for a track that may be a robot
 _MIN_SPEED, _MAX_SPEED = 0.2, 0.55  # m/s of a robot that patrols; people walk faster
 _POSITION_OF_STATE = np.eye(2, 4)
 
@@ -38,8 +38,8 @@ class Detection:
     """A measured centre: x, y in m, map frame; variances and covariance in m^2.
 
     whole: enough of it was seen to start a track. robot_sized: it may be a robot by its size.
-    misfit: how badly a Pioneer's outline fits. reflecting: it has a reflector, where the laser
-    tells.
+    misfit: of a Pioneer's outline (``OutlineFit``). reflecting: it has a reflector, if the laser
+    reports them.
     """
 
     x: float
@@ -62,18 +62,21 @@ class _PastPosition:
 
 
 class TrackFilter:
-    """State (x, y, vx, vy), map frame, m and m/s, with its hits, misses and signs of motion."""
+    """Filter of the state (x, y, vx, vy), map frame, m and m/s, with hits, misses and class."""
 
     def __init__(
         self, track_id: int, t: float, detection: Detection, *, reflecting_bands: bool = False
     ) -> None:
-        """Start a track at t, s. reflecting_bands: whether a reflector tells a teammate."""
+        """Start a track at t from a detection.
+
+        reflecting_bands: whether a reflector is evidence of a teammate.
+        """
         self._reflecting_bands = reflecting_bands
         self.id = track_id
         self.first_seen = t
         self.last_seen = t
         self.supported = t
-        """When laser or sonar last told of it, s."""
+        """Time of the last update by laser or sonar."""
         self.identity = Identity()
         self.hits = 1
         self.misses = 0
@@ -92,12 +95,12 @@ class TrackFilter:
 
     @property
     def confirmed(self) -> bool:
-        """Whether it was detected often enough to be real."""
+        """Whether it was detected often enough to be no false detection."""
         return self.hits >= CONFIRM_HITS
 
     @property
     def robot_sized(self) -> bool:
-        """Whether it is as large as a robot, as often as it was seen whole."""
+        """Whether it was as large as a robot in most detections that showed it whole."""
         return self._robot_sized > 0.7 * self._whole
 
     @property
@@ -107,11 +110,11 @@ class TrackFilter:
 
     @property
     def may_be_teammate(self) -> bool:
-        """Whether it is not known who it is, and by its outline alone it is a robot."""
-        return self.identity.kind is Kind.UNKNOWN and self._fits >= _OFTEN
+        """Whether its kind is unknown and its outline alone is a robot's."""
+        return self.identity.kind is Kind.UNKNOWN and self._fits >= _MIN_FITS
 
     def predict(self, t: float) -> None:
-        """Carry the state forward to t, s; an unseen robot is expected to come to rest."""
+        """Predict the state to t; the velocity decays while the track has no detections."""
         dt = max(t - self._t, 0.0)
         self._t = max(t, self._t)
         reach, kept = (dt, 1.0) if self.misses == 0 else self._decay(dt)
@@ -123,7 +126,7 @@ class TrackFilter:
     def gate_distance(self, detection: Detection, farthest: float = GATE_DISTANCE) -> float:
         """Return the squared Mahalanobis distance of a detection, infinite outside the gate.
 
-        farthest: m; a detection farther away is outside, however uncertain the track.
+        farthest: m; a detection farther away is outside, whatever the covariance.
         """
         x = self._kalman.x
         if math.hypot(detection.x - float(x[0]), detection.y - float(x[1])) > farthest:
@@ -132,7 +135,7 @@ class TrackFilter:
         return squared if squared <= GATE else math.inf
 
     def _squared_distance(self, detection: Detection, more: float) -> float:
-        """Return a detection's squared Mahalanobis distance, with more variance, m^2, per axis."""
+        """Return a detection's squared Mahalanobis distance, with extra variance, m^2, per axis."""
         x, P = self._kalman.x, self._kalman.P
         dx, dy = detection.x - float(x[0]), detection.y - float(x[1])
         sxx = float(P[0, 0]) + detection.var_x + more
@@ -140,8 +143,11 @@ class TrackFilter:
         sxy = float(P[0, 1]) + detection.cov_xy
         return (syy * dx * dx - 2.0 * sxy * dx * dy + sxx * dy * dy) / (sxx * syy - sxy * sxy)
 
-    def _open_up(self, dt: float) -> None:
-        """Know the velocity no better than a new track's: it has changed within the last dt, s."""
+    def _inflate(self, dt: float) -> None:
+        """Inflate the covariance as if the velocity had changed within the last dt, s.
+
+        Its variance becomes at least that of a new track.
+        """
         variance = FIRST_SPEED_SIGMA**2
         for place, speed in ((0, 2), (1, 3)):
             self._kalman.P[place, place] += variance * dt * dt
@@ -150,9 +156,9 @@ class TrackFilter:
             self._kalman.P[speed, speed] += variance
 
     def hit(self, t: float, detection: Detection) -> None:
-        """Take in a detection made at t; call ``predict(t)`` before."""
+        """Update by a detection made at t; call ``predict(t)`` before."""
         if self._squared_distance(detection, 0.0) > _MANOEUVRE_GATE:
-            self._open_up(t - self.last_seen)
+            self._inflate(t - self.last_seen)
         self._kalman.update(np.array((detection.x, detection.y)), R=_covariance(detection))
         self.hits += 1
         self.misses = 0
@@ -161,32 +167,32 @@ class TrackFilter:
             self._whole += 1
             self._robot_sized += detection.robot_sized
         if self.confirmed:
-            self._judge_motion(t)
-            self._judge(t, detection)
+            self._update_motion(t)
+            self._update_identity(t, detection)
 
     def distance_to(self, other: TrackFilter) -> float:
-        """Return the distance of another track, m, as far as both were predicted."""
+        """Return the distance to another track, m, at the times both were last predicted to."""
         a, b = self._kalman.x, other._kalman.x
         return math.hypot(float(a[0] - b[0]), float(a[1] - b[1]))
 
-    def go_on_as(self, newer: TrackFilter) -> None:
-        """Take a newer track of the same body for the present state; who it is stays."""
+    def merge(self, newer: TrackFilter) -> None:
+        """Take over the state of a newer track of the same object; id and identity stay."""
         self._kalman, self._t, self.misses = newer._kalman, newer._t, newer.misses
         self.last_seen, self.supported = newer.last_seen, newer.supported
 
     def update_by_echo(self, t: float, x: float, y: float, sigma: float) -> None:
-        """Take in a sonar's echo of it from (x, y), m, map frame; call ``predict(t)`` before."""
+        """Update by a sonar echo at (x, y), m, map frame; call ``predict(t)`` before. sigma: m."""
         self._kalman.update(np.array((x, y)), R=sigma**2 * np.eye(2))
         self.supported = t
 
     def miss(self) -> None:
-        """Note that a scan did not show it."""
+        """Record a scan without a detection of it."""
         self.misses += 1
         if self.misses >= _BROKEN_SIGHT:
             self._past.clear()
 
     def track_at(self, t: float) -> Track:
-        """Return the track predicted to t, s, without changing the filter."""
+        """Return the track predicted to t, without changing the filter."""
         reach, kept = self._decay(max(t - self._t, 0.0))
         x, y, vx, vy = self._kalman.x.tolist()
         return Track(
@@ -206,12 +212,12 @@ class TrackFilter:
         )
 
     def _decay(self, dt: float) -> tuple[float, float]:
-        """Return (s of present velocity covered in dt, share of the velocity left after it)."""
+        """Return (integral of the velocity's decay over dt, s, and the share left after dt)."""
         kept = math.exp(-dt / VELOCITY_DECAY)
         return VELOCITY_DECAY * (1.0 - kept), kept
 
     def _process_noise(self, dt: float) -> NDArray[np.float64]:
-        """Return Q (4, 4) of white acceleration over dt."""
+        """Return Q (4, 4) of white acceleration over dt, s."""
         density = VELOCITY_NOISE
         Q = np.zeros((4, 4))
         Q[0, 0] = Q[1, 1] = density * dt**3 / 3.0
@@ -219,8 +225,8 @@ class TrackFilter:
         Q[2, 2] = Q[3, 3] = density * dt
         return Q
 
-    def _judge(self, t: float, detection: Detection) -> None:
-        """Note what the laser alone tells of who it is."""
+    def _update_identity(self, t: float, detection: Detection) -> None:
+        """Add the laser's evidence of the track's kind: outline, speed, size, reflector."""
         if detection.whole:
             fits = detection.robot_sized and detection.misfit < _FITS
             self._fits = self._fits + 1 if fits else 0
@@ -240,12 +246,12 @@ class TrackFilter:
         if detection.reflecting and self._reflecting_bands:
             self.identity.on_reflector()
 
-    def _judge_motion(self, t: float) -> None:
-        """Note once that it has moved farther than errors can explain.
+    def _update_motion(self, t: float) -> None:
+        """Set the moving flag once the track has moved farther than errors can explain.
 
-        Judged over a window rather than the track's whole life: the centre of a standing box
-        wanders by its own size while we drive round it, but only slowly. Over the window, the
-        distance also means a lasting speed.
+        Measured over a window rather than the track's whole life: the centre of a standing box
+        drifts by its own size while the robot drives round it, but only slowly. Over the window, a
+        distance implies a sustained speed.
         """
         if self._has_moved:
             return

@@ -1,4 +1,4 @@
-"""The tracker: scans, pictures, echoes and poses in; classified tracks out."""
+"""The tracker: classified tracks from scans, pictures, sonar echoes and poses."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ from robot_agent.perception.track_filter import GATE_DISTANCE, Detection, TrackF
 from robot_agent.perception.unexplained import UnexplainedPoints
 from robot_agent.perception.visibility import VISIBILITY, VISIBILITY_MARGIN
 
-COVER = 0.45  # m from the centre of a track just seen: its beams tell nothing of walls
+COVER = 0.45  # m from the centre of a track just seen: beams that end there are not of walls
 COVER_MEMORY = 0.5  # s that a track counts as just seen
 MAX_COVERED = 0.5  # share of a scan's beams
-SONAR_GATE = 0.5  # m from a track that no laser sees to a sonar's echo of it
+SONAR_GATE = 0.5  # m from a track out of the laser's view to a sonar echo of it
 SONAR_SIGMA = 0.2  # m
-SONAR_MEMORY = 6.0  # s after the laser saw it last
+SONAR_MEMORY = 6.0  # s since the laser's last detection
 _TENTATIVE_MISSES = 2  # scans in a row that end an unconfirmed track
-_SEEN_LATELY = 0.35  # s before a picture: who was seen then is where the picture shows it
-_PICTURES_PAUSE = 1.0  # s without a clear picture, after which the laser alone tells
-_ONE_BODY = 0.35  # m; middles of two bodies are not nearer to each other
+_SEEN_LATELY = 0.35  # s before a picture within which a track's position holds for the picture
+_PICTURES_PAUSE = 1.0  # s without a clear picture, after which the laser alone classifies
+_ONE_BODY = 0.35  # m; two objects' centres are never nearer to each other
 _FAR = 1e6
 
 
 class TeammateTracker:
-    """Tracks whatever is not in the map and classifies it as teammate, stranger or unknown.
+    """Tracks objects that are not in the map and classifies them: teammate, stranger or unknown.
 
     A track is confirmed after a few detections. The team's band in a picture makes it a teammate;
     outside the camera's view, so does a Pioneer's outline at a Pioneer's speed. A track is kept for
-    ``TRACK_MEMORY`` unseen.
+    ``TRACK_MEMORY`` without a detection.
     """
 
     def __init__(
@@ -53,15 +53,15 @@ class TeammateTracker:
         gate_distance: float = GATE_DISTANCE,
         max_covered: float = MAX_COVERED,
     ) -> None:
-        """Begin without tracks.
+        """Start without tracks.
 
-        gate_distance: m; no detection farther from a track is of it. max_covered: share of a
-        scan's points; ``covered`` tells of no more.
+        gate_distance: m; no association of a detection farther from a track. max_covered: share of
+        a scan's points above which ``covered`` returns None.
         """
         self._reflecting_bands = settings.reflecting_bands
         self._gate_distance, self._max_covered = gate_distance, max_covered
         self.unexplained = UnexplainedPoints(occupancy, settings.detection_range)
-        """What of a scan the map does not explain."""
+        """Classifier of a scan's points that the map does not explain."""
         self._matcher = BandMatcher(camera or CameraSettings())
         self._filters: list[TrackFilter] = []
         self._next_id = 1
@@ -76,7 +76,7 @@ class TeammateTracker:
         return self.tracks_at(self._t)
 
     def tracks_at(self, t: float) -> list[Track]:
-        """Return the confirmed tracks, oldest first, predicted to t, s."""
+        """Return the confirmed tracks, oldest first, predicted to t."""
         return [each.track_at(t) for each in self._filters if each.confirmed]
 
     def update(
@@ -87,11 +87,11 @@ class TeammateTracker:
         reflectors: NDArray[np.bool_] | None = None,
         sigma: PoseSigma | None = None,
     ) -> None:
-        """Take in a scan measured at t, s.
+        """Update all tracks by a scan measured at t.
 
-        pose: map_from_base at t, and its sigma where known. points: (n, 2) m, base_link, ordered
-        by bearing, beams without a return left out. reflectors: (n,) which beams met one, where
-        the laser tells.
+        pose: map_from_base at t; sigma: of the pose, None for the usual one. points: (n, 2), m,
+        base_link, ordered by bearing, beams without a return left out. reflectors: (n,) which
+        points are of a reflector; None if the laser does not report them.
         """
         self._t, self._pose, self._points = t, pose, points
         detections = self._detect(pose, points, reflectors, sigma)
@@ -99,7 +99,7 @@ class TeammateTracker:
             each.predict(t)
         unmatched = self._associate(t, detections)
         self._filters = [each for each in self._filters if self._alive(each, t)]
-        self._unite()
+        self._merge_duplicates()
         for detection in unmatched:
             if not detection.whole:
                 continue
@@ -109,7 +109,7 @@ class TeammateTracker:
             self._next_id += 1
 
     def on_bands(self, t: float, pose: Pose, blobs: Sequence[Blob]) -> None:
-        """Take in what a clear picture taken at t, s, shows; pose: map_from_base then."""
+        """Update tracks by the bands of a clear picture taken at t; pose: map_from_base at t."""
         self._pictured_at = t
         seen = [
             each for each in self._filters if each.confirmed and t - each.last_seen < _SEEN_LATELY
@@ -123,8 +123,8 @@ class TeammateTracker:
         for index in matches.bare:
             seen[index].identity.on_missing_band()
 
-    def awaits_echo(self, t: float) -> bool:
-        """Return whether sonar may track a teammate that the laser does not see at t, s."""
+    def needs_echoes(self, t: float) -> bool:
+        """Return whether there is a teammate's track at t to update by sonar, unseen by laser."""
         return bool(self._unseen(t))
 
     def _unseen(self, t: float) -> list[TrackFilter]:
@@ -135,10 +135,11 @@ class TeammateTracker:
         ]
 
     def on_echoes(self, t: float, pose: Pose, echoes: NDArray[np.float64]) -> None:
-        """Take in sonar echoes (n, 2), m, base_link at t, s; pose: map_from_base.
+        """Update tracks by sonar echoes (n, 2), m, base_link at t; pose: map_from_base at t.
 
-        For ``SONAR_MEMORY`` they keep up a teammate's track that the laser does not see, but never
-        start one: echoes of walls look the same. An echo is of the near side of a body.
+        For ``SONAR_MEMORY`` echoes update a teammate's track that the laser does not see; they
+        never start one, as they cannot be told from echoes of walls. An echo is taken as of the
+        near side of a robot.
         """
         unseen = self._unseen(t)
         if not unseen or not len(echoes):
@@ -159,10 +160,10 @@ class TeammateTracker:
     def covered(
         self, t: float, pose: Pose, points: NDArray[np.float64]
     ) -> NDArray[np.bool_] | None:
-        """Return (n,) which points (n, 2), base_link, lie on tracks just seen; None: too many.
+        """Return (n,) which points (n, 2), m, base_link, are of tracks just seen.
 
-        pose: map_from_base at t, s. Most of a scan on tracks would mean that the tracks are walls
-        seen from a wrong pose.
+        pose: map_from_base at t. None if more than ``max_covered`` of the points are: then the
+        tracks are probably walls seen from a wrong pose.
         """
         covered = np.zeros(len(points), dtype=np.bool_)
         c, s = math.cos(pose.theta), math.sin(pose.theta)
@@ -180,10 +181,10 @@ class TeammateTracker:
     def closest(self, t: float, pose: Pose) -> Track | None:
         """Return the nearest teammate in the visibility range, predicted to t, or None.
 
-        pose: map_from_base at t. A teammate unseen counts for ``TRACK_MEMORY``; one that was
-        in range is kept to a slightly larger distance, so that it does not flicker. Without
-        pictures, a track with a robot's outline counts before it has moved: a robot that turns on
-        the spot behind a corner would be met too late.
+        pose: map_from_base at t. A teammate without detections counts for ``TRACK_MEMORY``; the
+        range has a hysteresis of ``VISIBILITY_MARGIN``. Without pictures, a track with a robot's
+        outline counts before it has moved: a robot that turns in place behind a corner would be
+        recognized too late.
         """
         blind = t - self._pictured_at > _PICTURES_PAUSE
         nearest, nearest_distance = None, math.inf
@@ -218,7 +219,7 @@ class TeammateTracker:
         return [_in_map(pose, segment, known) for segment in segments]
 
     def _associate(self, t: float, detections: list[Detection]) -> list[Detection]:
-        """Give each track its detection, all in all the nearest; return those that fit no track."""
+        """Assign detections to tracks by the smallest total distance; return those unassigned."""
         taken: set[int] = set()
         matched: set[int] = set()
         if self._filters and detections:
@@ -239,10 +240,10 @@ class TeammateTracker:
                 each.miss()
         return [detection for j, detection in enumerate(detections) if j not in taken]
 
-    def _unite(self) -> None:
-        """Make one track of two that stand where only one body can.
+    def _merge_duplicates(self) -> None:
+        """Merge two tracks nearer to each other than two objects can be.
 
-        A body that accelerates, or shows another side, may be lost and found as a new track.
+        An object that accelerates, or shows another side, may be lost and start a new track.
         """
         for newer in reversed(self._filters):
             if not newer.confirmed or newer.misses:
@@ -259,7 +260,7 @@ class TeammateTracker:
                 None,
             )
             if older is not None:
-                older.go_on_as(newer)
+                older.merge(newer)
                 self._filters.remove(newer)
 
     def _alive(self, each: TrackFilter, t: float) -> bool:
@@ -269,7 +270,7 @@ class TeammateTracker:
 
 
 def _in_map(pose: Pose, segment: Segment, sigma: PoseSigma) -> Detection:
-    """Carry a segment's centre into the map, adding what the pose's error does to it."""
+    """Transform a segment to the map frame; its covariance includes that of the pose."""
     c, s = math.cos(pose.theta), math.sin(pose.theta)
     dx, dy = c * segment.x - s * segment.y, s * segment.x + c * segment.y
     turning, place = sigma.theta**2, sigma.xy**2

@@ -18,11 +18,11 @@ EXPLAINED_ANGLE = 0.035  # rad; heading error, two sigma
 
 
 class UnexplainedPoints:
-    """Finds laser points in known free space, farther from every wall than errors can make them.
+    """Finds laser points in known free space, farther from every wall than errors can place them.
 
-    A wall's point is displaced by the pose's error, and by range times its heading error; the
-    distance allowed therefore grows with range, and beyond that with what the localizer says of its
-    own error. Points in unknown cells or outside the map are never unexplained.
+    A wall's point is displaced by the pose's error, and by range times the heading error; the
+    allowed distance therefore grows with range, and with the covariance of the pose estimate.
+    Points in unknown cells or outside the map are never unexplained.
     """
 
     def __init__(self, occupancy: OccupancyMap, detection_range: float) -> None:
@@ -42,15 +42,15 @@ class UnexplainedPoints:
         ranges: NDArray[np.float64],
         sigma: PoseSigma | None = None,
     ) -> NDArray[np.bool_]:
-        """Return (n,) which points (n, 2), base_link, the map does not explain.
+        """Return (n,) which points (n, 2), m, base_link, the map does not explain.
 
-        pose: map_from_base, and its sigma where known. ranges: (n,) m, the points' distances from
-        base_link.
+        pose: map_from_base; sigma: of the pose, None for the usual one. ranges: (n,) m, the points'
+        distances from base_link.
         """
         rows, cols = self._cells(pose, points)
         distance, angle = EXPLAINED_DISTANCE, EXPLAINED_ANGLE
         if sigma is not None:
-            # Two sigma, as far as they are more than is allowed for anyway.
+            # Two sigma, as far as they exceed the usual ones, which the constants include.
             distance += 2.0 * max(sigma.xy - USUAL_POSE_SIGMA.xy, 0.0)
             angle += 2.0 * max(sigma.theta - USUAL_POSE_SIGMA.theta, 0.0)
         allowed = distance + angle * ranges

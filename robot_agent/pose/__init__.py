@@ -1,1 +1,1 @@
-"""Where the robot is: odometry, localization, and the pose kept over restarts."""
+"""Pose of the robot: odometry, localization, and the pose kept over restarts."""

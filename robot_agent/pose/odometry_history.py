@@ -1,4 +1,4 @@
-"""The last seconds of odometry, to tell where the robot was when something was measured."""
+"""History of odometry, for the robot's pose at the time of a measurement."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from maps.pose import Pose, wrap_angle
 
 KEPT_S = 3.0
 CARRIED_S = 0.5
-"""How far past the newest report the robot may be thought to go on as it did: five reports."""
+"""s past the newest report up to which its speeds are extrapolated: five reports."""
 
 
 class OdometryHistory:
@@ -34,10 +34,10 @@ class OdometryHistory:
             self._states.popleft()
 
     def at(self, t: float) -> Pose | None:
-        """Return ``odom_from_base`` at t: interpolated, or carried past the newest report.
+        """Return ``odom_from_base`` at t: interpolated, or extrapolated past the newest report.
 
-        None before the first report, for times older than what is kept, and more than CARRIED_S
-        past the newest: nobody knows then what the robot has done.
+        None before the first report, for times older than the history (KEPT_S), and more than
+        CARRIED_S past the newest report.
         """
         if not self._states or t < self._states[0].t:
             return None
@@ -54,7 +54,7 @@ class OdometryHistory:
         if not self._states:
             return 0.0, 0.0
         nearest = self._states[-1]
-        for state in reversed(self._states):  # what is asked for lies near the end
+        for state in reversed(self._states):  # t is usually near the newest report
             if abs(state.t - t) > abs(nearest.t - t):
                 break
             nearest = state
@@ -62,7 +62,7 @@ class OdometryHistory:
 
 
 def _carried_forward(state: BaseState, dt: float) -> Pose:
-    """Assume the reported speeds went on for dt seconds."""
+    """Return the pose after dt, s, at the reported speeds."""
     heading = state.theta + 0.5 * state.w * dt
     return Pose(
         state.x + state.v * dt * math.cos(heading),
@@ -72,7 +72,7 @@ def _carried_forward(state: BaseState, dt: float) -> Pose:
 
 
 def _between(a: BaseState, b: BaseState, t: float) -> Pose:
-    """Interpolate linearly; theta is unwrapped in base reports."""
+    """Return the pose at t, interpolated linearly; theta is unwrapped in base reports."""
     share = (t - a.t) / (b.t - a.t) if b.t > a.t else 1.0
     return Pose(
         a.x + share * (b.x - a.x),

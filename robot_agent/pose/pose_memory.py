@@ -1,10 +1,10 @@
-"""The last sure pose, kept over a restart and believed only if the odometer has gone on counting.
+"""The last localized pose, stored over a restart and valid only if the odometer has continued.
 
-A base left in its session by an agent that was killed counts on, also when it is pushed. So a pose
-noted together with the odometer's reading holds after a restart, moved on by what was counted
-since. A base switched off, or in a new session of its own, may have started at zero: then nothing
-is known about what happened in between. A robot carried with its wheels off the floor is not
-noticed here, but by the scans that must confirm it.
+A base whose session is still open after its agent was killed continues to count, also when it is
+pushed. A pose stored with the odometer's reading is therefore valid after a restart, moved by the
+counts since. A base that was switched off, or opened in a new session, may have started at zero:
+the motion in between is unknown then. A robot carried with its wheels off the floor is not detected
+here, but by the scans that must confirm the pose.
 """
 
 from __future__ import annotations
@@ -24,20 +24,20 @@ Counters = tuple[int, int, int]
 """The base's own x, y and heading counters, as on the wire."""
 
 POSITION_WRAP = 0x8000
-"""Counts after which a position counter begins anew: 27 m, unlike the 12 bits of a heading."""
+"""Counts after which a position counter wraps: 27 m. (A heading has 12 bits.)"""
 SIGMA_XY, SIGMA_THETA = 0.1, 0.05
 """m and rad; standard deviations of a remembered pose."""
 SIGMA_PER_COUNTED = 0.2
-"""m/m and rad/rad; more of them by what the odometer counted since, at most."""
+"""m/m and rad/rad; added to them per distance and angle counted since it was stored."""
 NOTE_PERIOD = 1.0
-"""s between two notes."""
+"""s between two updates of the stored pose."""
 MAX_COUNTED = 1.5
-"""m the odometer may have counted since the note: cut off, a robot rolls until its watchdog halts
-it."""
+"""m the odometer may have counted since the pose was stored: without an agent a robot rolls until
+its watchdog stops it."""
 
 
 class MemorySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Pose remembered over restarts."""
+    """Settings of the pose stored over restarts."""
 
     file: Annotated[
         str,
@@ -62,10 +62,10 @@ class RememberedPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
     odometer_heading: int
 
     def carried_to(self, now: Counters, metres_per_count: float) -> Start | None:
-        """Return where the robot is when the odometer reads ``now``; None: they do not agree.
+        """Return the start pose at an odometer reading ``now``; None if that does not continue.
 
-        They agree if the odometer moved by less than ``MAX_COUNTED`` and neither reading is that of
-        one that has just been zeroed.
+        It continues if it moved by less than ``MAX_COUNTED`` and neither reading is near zero, as
+        after a reset.
         """
         noted = (self.odometer_x, self.odometer_y, self.odometer_heading)
         if all(map(is_near_zero, noted)) or all(map(is_near_zero, now)):
@@ -88,7 +88,7 @@ class RememberedPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
 
 
 class Start(NamedTuple):
-    """A pose to start from, with standard deviations in m and rad."""
+    """A start pose, map_from_base, with standard deviations in m and rad."""
 
     pose: Pose
     sigma_xy: float
@@ -96,7 +96,7 @@ class Start(NamedTuple):
 
 
 class PoseMemory:
-    """Notes the pose every now and then while it is sure, and forgets it once lost."""
+    """Decides when to store the pose: every NOTE_PERIOD while localized; deletes it once lost."""
 
     def __init__(self, settings: MemorySettings) -> None:
         self._settings = settings
@@ -112,7 +112,10 @@ class PoseMemory:
         *,
         at_once: bool = False,
     ) -> Remember | None:
-        """Return what to keep at t, if it is time; odometry: odom_from_base at the counters."""
+        """Return the effect that stores or deletes the pose at t; None if none is due.
+
+        odometry: odom_from_base at the counters. at_once: store now if localized.
+        """
         if not self._settings.file or estimate is None or counters is None:
             return None
         if estimate.health is Health.LOST and not self._forgotten:
@@ -138,5 +141,5 @@ def _remembered(pose: Pose, counters: Counters) -> RememberedPose:
 
 
 def _step(new: int, old: int) -> int:
-    """Return the step between two readings of a position counter of 15 bits."""
+    """Return the difference, counts, between two readings of a position counter of 15 bits."""
     return (new - old + POSITION_WRAP // 2) % POSITION_WRAP - POSITION_WRAP // 2

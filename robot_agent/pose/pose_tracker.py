@@ -1,4 +1,4 @@
-"""Where the robot is: odometry, localization, and the pose kept over restarts."""
+"""Pose of the robot in the map: odometry, localization, and the pose kept over restarts."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _LEVELS = {
 
 
 class PoseTracker:
-    """The pose in the map, now and lately, and whether motion may rest on it."""
+    """Pose in the map, present and recent; ``trusted``: whether it may be used for motion."""
 
     def __init__(
         self,
@@ -37,9 +37,10 @@ class PoseTracker:
         start: StartPose | None = None,
         remembered: RememberedPose | None = None,
     ) -> None:
-        """Start the localizer at ``start``, or anywhere if None.
+        """Start the localizer at ``start``, or with a global search if None.
 
-        ``remembered`` replaces that start at the first base report whose odometer goes on from it.
+        ``remembered`` replaces that start at the first base report if the odometer continues from
+        it. Raises MapError for a global search on a map without free floor.
         """
         self._base = base
         self._outbox = outbox
@@ -56,7 +57,7 @@ class PoseTracker:
 
     @property
     def health(self) -> Health | None:
-        """How well the pose is known; None before the first scan."""
+        """Health of the localization; None before the first scan."""
         estimate = self.localizer.estimate
         return None if estimate is None else estimate.health
 
@@ -70,11 +71,11 @@ class PoseTracker:
     ) -> Estimate:
         """Return the pose estimate after one scan.
 
-        t: now, s. scanned: when the scan was measured, s. odometry: odom_from_base then. points:
-        (n, 2), m, base_link. ignored: (n,) which of them end on what the map does not have.
+        t: now. scanned: when the scan was measured. odometry: odom_from_base then. points: (n, 2),
+        m, base_link. ignored: (n,) which of them end on objects not in the map; None: none.
         """
         estimate = self.localizer.update(scanned, odometry, points, ignored)
-        # FreshnessLimit once localized, until lost: unsure alone gives no trust and takes none.
+        # Trusted once localized, until lost: unsure keeps the state before.
         self.trusted = estimate.health is not Health.LOST and (
             self.trusted or estimate.health is Health.LOCALIZED
         )
@@ -82,13 +83,13 @@ class PoseTracker:
         return estimate
 
     def localized_pose_at(self, t: float) -> Pose | None:
-        """Return map_from_base at t, s, which may be past; None unless localized."""
+        """Return map_from_base at t, which may be past; None unless localized."""
         return self._pose_at(t) if self.health is Health.LOCALIZED else None
 
     def trusted_pose_at(self, t: float) -> Pose | None:
-        """Return map_from_base at t, s: the last estimate carried forward by odometry.
+        """Return map_from_base at t: the last estimate carried forward by odometry.
 
-        None while motion may not rest on the pose.
+        None while the pose is not trusted.
         """
         return self._pose_at(t) if self.trusted else None
 
@@ -98,7 +99,7 @@ class PoseTracker:
         return None if estimate is None or odometry is None else estimate.pose_at(odometry)
 
     def recall(self, t: float) -> None:
-        """At the first base report, start from the remembered pose if the odometer agrees."""
+        """At the first base report, start from the remembered pose if the odometer continues it."""
         remembered, counters = self._to_recall, self._base.odometer_found
         if remembered is None or counters is None:
             return
@@ -113,7 +114,7 @@ class PoseTracker:
         self._outbox.add(Notice(t, "memory", "starts from the remembered pose", LogLevel.INFO))
 
     def remember(self, t: float, *, at_once: bool = False) -> None:
-        """Keep the pose for the next start, when it is time or at once."""
+        """Emit the effect that stores the pose for the next start, if due or at_once."""
         state = self.odometry.latest
         if state is None:
             return

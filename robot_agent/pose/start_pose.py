@@ -1,4 +1,4 @@
-"""Where the robot stands when its agent starts."""
+"""Configured pose at the start of the agent."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import msgspec
 
 
 class StartPose(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """``map_from_base`` when the agent starts, and how sure that is."""
+    """``map_from_base`` when the agent starts, with standard deviations."""
 
     x: Annotated[
         float,

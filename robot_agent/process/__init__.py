@@ -1,1 +1,1 @@
-"""The live side of an agent: threads, real time, network and the system's manager."""
+"""The live process of an agent: threads, real time, network and service manager."""

@@ -1,4 +1,4 @@
-"""The agent's events as lines for a terminal or the system's journal."""
+"""Output of the agent's events as lines for a terminal or the system's journal."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _PRIORITY = {
 class Journal:
     """Writes one line per event: severity, part, message. The journal adds its own time.
 
-    Where systemd's journal reads along, its priority goes in front, as sd-daemon(3) has it.
+    Under systemd's journal each line starts with its priority, as in sd-daemon(3).
     """
 
     def __init__(self, out: TextIO, environment: Mapping[str, str] = os.environ) -> None:
@@ -32,7 +32,7 @@ class Journal:
         self._journald = "JOURNAL_STREAM" in environment
 
     def write(self, payload: bytes) -> None:
-        """Write a payload of the ``event`` stream; an output that is gone is no reason to stop."""
+        """Write a payload of the ``event`` stream; errors of the output are ignored."""
         event = decode("event", payload)
         assert isinstance(event, Log)
         level = LogLevel(event.level)

@@ -1,4 +1,4 @@
-"""The file in which a robot's last sure pose outlives its agent."""
+"""The file that stores a robot's last localized pose over a restart of its agent."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robot_agent.pose.pose_memory import RememberedPose
 
 
 class _Content(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What is in the file."""
+    """Content of the file."""
 
     robot: str
     map: str
@@ -21,23 +21,23 @@ class _Content(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class PoseFile:
-    """Keeps one robot's last sure pose in one map.
+    """Stores one robot's last localized pose in one map.
 
-    It need not survive a power cut, which leaves the odometer at zero and the pose worthless: so
-    nothing waits for the disk. ``failed`` is empty, or a line that says what the disk refused.
+    Writes are not synced: after a power cut the odometer starts at zero and the pose is useless
+    anyway. ``failed`` is empty, or one line with the last error.
     """
 
     def __init__(self, path: Path, robot: str, folder: MapFolder) -> None:
-        """Touch nothing yet."""
+        """Prepare access; does not touch the file. folder: the map, whose digest is stored."""
         self._path = path
         self._robot = robot
         self._map = _digest(folder)
         self.failed = ""
 
     def load(self) -> RememberedPose | None:
-        """Return the pose kept; None if there is none, or only another robot's or map's.
+        """Return the stored pose; None if there is none, or only another robot's or map's.
 
-        A file that cannot be used is told in ``failed``: a robot can start without it.
+        For an unusable file ``failed`` is set and None returned, so that the robot can start.
         """
         try:
             content = msgspec.json.decode(self._path.read_bytes(), type=_Content)
@@ -50,7 +50,10 @@ class PoseFile:
         return content.pose if ours else None
 
     def keep(self, payload: bytes) -> None:
-        """Keep the pose of a ``Remember`` effect, whole or not at all; an empty one ends it."""
+        """Store the payload of a ``Remember`` effect atomically; ``{}`` deletes the file.
+
+        Sets ``failed`` on an OSError.
+        """
         try:
             if payload == b"{}":
                 self._path.unlink(missing_ok=True)

@@ -1,6 +1,6 @@
-"""How the agent's process fares: load, lateness, and whether recorder and network keep up.
+"""Monitoring of the agent's process: load, lateness, losses of recorder and network.
 
-None of this reaches the agent: it would not be the same in a replay.
+None of this is an input of the agent, as a replay could not reproduce it.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from robot_agent.messages.streams import ProcessPayload
 
 PERIOD_S = 1.0
 DEADLINE_S = 0.05
-"""An event whose effects come later than this after it has missed its deadline."""
+"""s from an event to its effects; an event with a longer delay has missed its deadline."""
 
 _MEMORY = Path("/proc/self/statm")
 
 
 class ProcessWatch:
-    """Collects the lateness of events; gives a report once a second."""
+    """Collects the lateness of events; builds a report every PERIOD_S."""
 
     def __init__(self, robot: str, start_wall_ns: int) -> None:
-        """Report on the process of a robot whose time 0 was at ``start_wall_ns``."""
+        """robot: name; start_wall_ns: wall clock at agent time 0, ns since 1970."""
         self._robot = robot
         self._start_wall_ns = start_wall_ns
         self._lateness: list[float] = []
@@ -34,7 +34,7 @@ class ProcessWatch:
         self._cpu = time.process_time()
 
     def handled(self, happened: float, done: float) -> bool:
-        """Take note of an event and when its effects were out, s; tell whether a report is due."""
+        """Record the times of an event and of its last effect; return whether a report is due."""
         self._lateness.append(done - happened)
         self._pause = max(self._pause, done - self._last_done)
         self._last_done = done
@@ -43,7 +43,7 @@ class ProcessWatch:
     def report(
         self, lost: int, trouble: str, dropped: int, operator: bool | None = None
     ) -> ProcessPayload:
-        """Return what was seen since the last report, and start anew.
+        """Return the report since the last one, and reset.
 
         lost, trouble: of the recorder; dropped: by the network, both since the start; operator:
         whether the operator is connected.
@@ -71,7 +71,7 @@ class ProcessWatch:
 
 
 def _resident_mb() -> float:
-    """Return the resident memory, MB; 0 where the system does not say."""
+    """Return the resident memory, MB (2^20 bytes); 0 where the system does not report it."""
     try:
         pages = int(_MEMORY.read_text().split()[1])
     except OSError:

@@ -1,7 +1,7 @@
-"""The live side of an agent: real links, real time, threads. The only file of the agent with them.
+"""The runtime of a live agent: links, real time, threads.
 
-Reader threads put time-stamped events into one inbox; one consumer hands them to the agent and
-carries out its effects. Recorder and telemetry get copies and can never hold the consumer up.
+Reader threads put time-stamped events into one inbox; one consumer passes them to the agent and
+carries out its effects. Recorder and telemetry get copies and never block the consumer.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from robot_agent.messages.events import (
 from robot_agent.messages.foxglove import Log, timestamp_at
 from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.streams import encode
-from robot_agent.perception.picture_reader import CameraEye
+from robot_agent.perception.picture_reader import PictureReader
 from robot_agent.process.journal import Journal
 from robot_agent.process.pose_file import PoseFile
 from robot_agent.process.process_watch import ProcessWatch
@@ -39,8 +39,8 @@ from robot_agent.process.telemetry import Telemetry
 from robot_agent.recording.recorder import Recorder
 from robot_agent.recording.recording_writer import Note
 
-FAREWELL_S = 0.3
-"""How long the last commands get to leave and take effect before the ports close."""
+SHUTDOWN_S = 0.3
+"""s for the last commands to be sent and take effect before the ports close."""
 
 
 class Clock:
@@ -56,31 +56,31 @@ class Clock:
 
 
 class LinkInbox:
-    """Puts what one link reports into the inbox (called on the link's thread)."""
+    """Puts the reports of one link into the inbox as events (called on the link's thread)."""
 
     def __init__(self, link: LinkName, inbox: SimpleQueue[Event]) -> None:
         self._link = link
         self._inbox = inbox
 
     def received(self, t: float, data: bytes) -> None:
-        """Take bytes that arrived."""
+        """Put bytes that arrived at t."""
         self._inbox.put(BytesReceived(t, self._link, data))
 
     def link_up(self, t: float) -> None:
-        """Take note that the port was opened."""
+        """Put the event that the port was opened at t."""
         self._inbox.put(LinkUp(t, self._link))
 
     def link_down(self, t: float, reason: str) -> None:
-        """Take note that the port was lost or cannot be opened."""
+        """Put the event that the port was lost or cannot be opened at t, with the reason."""
         self._inbox.put(LinkDown(t, self._link, reason))
 
 
 class WorkerDiedError(RuntimeError):
-    """A thread that the robot cannot do without has ended; the agent must be started again."""
+    """A thread that the robot needs has ended; the agent must be restarted."""
 
 
 class Runtime:
-    """Runs one agent until it is told to end."""
+    """Runs one agent until ``end`` is called."""
 
     def __init__(
         self,
@@ -91,7 +91,7 @@ class Runtime:
         journal: Journal,
         pose_file: PoseFile | None = None,
     ) -> None:
-        """Wire everything up; nothing is opened before ``run``."""
+        """Connect the parts; opens nothing, ``run`` does. Without a pose_file no pose is stored."""
         self._agent = agent
         self._clock = clock
         self._recorder = recorder
@@ -107,27 +107,27 @@ class Runtime:
             "laser": self._make_link("laser", agent.config.laser.url, agent.config.laser.baud),
         }
 
-        self._eye: CameraEye | None = None
+        self._picture_reader: PictureReader | None = None
         self._camera: Camera | None = None
         self._camera_died = False
         if agent.config.camera.url:
             color = agent.config.perception.color
-            self._eye = CameraEye(agent.config.camera, color, self._inbox.put)
-            self._camera = Camera(agent.config.camera, clock, self._eye)
+            self._picture_reader = PictureReader(agent.config.camera, color, self._inbox.put)
+            self._camera = Camera(agent.config.camera, clock, self._picture_reader)
 
     def _make_link(self, name: LinkName, url: str, baud: int) -> Link:
         return Link(url, baud, LinkInbox(name, self._inbox), self._clock)
 
     def end(self) -> None:
-        """Ask the agent to stop the robot and end; safe from any thread and signal handler."""
+        """Request the agent to stop the robot and end; safe from any thread and signal handler."""
         self._inbox.put(Shutdown(self._clock()))
 
     def press(self, ahead: int, left: int) -> None:
-        """Pass on a key of this terminal; safe from any thread."""
+        """Put a key of this terminal (``OperatorKey``) into the inbox; thread-safe."""
         self._inbox.put(OperatorKey(self._clock(), ahead, left))
 
     def run(self) -> None:
-        """Serve events until a Shutdown has been handled; the robot is stopped on every way out.
+        """Process events until a Shutdown has been handled; stops the robot on any error too.
 
         Raises WorkerDiedError when a link's thread has died.
         """
@@ -146,7 +146,7 @@ class Runtime:
                 raise
 
     def _serve(self) -> None:
-        """Handle events as they come, and ticks in between."""
+        """Handle events as they arrive, and ticks in between."""
         next_tick = self._clock()
         while True:
             event = self._next_event(next_tick)
@@ -154,16 +154,16 @@ class Runtime:
                 next_tick = event.t + TICK_S
                 self._check_workers()
             self._handle(event)
-            self._notifier.alive(event.t)  # by this thread: the one that must not hang
+            self._notifier.alive(event.t)  # by this thread, which the watchdog supervises
             if isinstance(event, Shutdown):
                 self._notifier.stopping()
-                self._log_end()
+                self._finish()
                 return
 
     def _check_workers(self) -> None:
-        """Give up when a link has no thread any more: nothing would ever be heard again.
+        """Raise WorkerDiedError if a link's thread has ended: no more data would arrive.
 
-        Without the camera's the robot patrols on, and says so once.
+        Without the camera's thread the robot continues; its loss is reported once.
         """
         for name, link in self._links.items():
             if not link.alive:
@@ -195,7 +195,7 @@ class Runtime:
             self._publish_process(now)
 
     def _publish_process(self, t: float) -> None:
-        """Tell operator and recording how the process fares, and of a recorder in trouble."""
+        """Publish and record the process report, and failures of recorder and telemetry."""
         lost, trouble = 0, ""
         if self._recorder is not None:
             lost, trouble = self._recorder.lost, self._recorder.failed
@@ -209,7 +209,7 @@ class Runtime:
         self._publish_trouble("telemetry", self._telemetry.failed, t)
 
     def _publish_trouble(self, part: str, trouble: str, t: float) -> None:
-        """Tell once what is wrong with a part beside the agent."""
+        """Publish, record and log a failure of a part outside the agent, once per text."""
         if trouble and trouble != self._troubles.get(part):
             stamp = timestamp_at(t, self._clock.start_wall_ns)
             log = Log(timestamp=stamp, level=LogLevel.ERROR, message=trouble, name=part)
@@ -229,8 +229,8 @@ class Runtime:
             case ChangeBaud(link, baud):
                 self._links[link].set_baud(baud)
             case TakePicture():
-                if self._eye is not None:
-                    self._eye.want_picture()
+                if self._picture_reader is not None:
+                    self._picture_reader.request_picture()
             case Remember(payload):
                 if self._pose_file is not None:
                     self._pose_file.keep(payload)
@@ -239,14 +239,14 @@ class Runtime:
                 if stream == "event":
                     self._journal.write(payload)
 
-    def _log_end(self) -> None:
-        """Keep serving for a moment so that the last commands leave in their due order."""
-        until = self._clock() + FAREWELL_S
+    def _finish(self) -> None:
+        """Process events for SHUTDOWN_S more, so that the last commands are sent in order."""
+        until = self._clock() + SHUTDOWN_S
         while (now := self._clock()) < until:
             self._handle(self._next_event(now + TICK_S))
 
     def _stop_robot(self) -> None:
-        """Stop the robot after a fault of our own: the sessions may still be sound."""
+        """Stop the robot after an exception in this process, if the sessions still work."""
         for effect in self._agent.handle(Shutdown(self._clock())):
             if isinstance(effect, Send):
                 self._links[effect.link].write(effect.data)
@@ -257,7 +257,7 @@ class Runtime:
 
 
 def end_on_signals(runtime: Runtime) -> None:
-    """Let SIGINT and SIGTERM end the run in good order."""
+    """Install handlers by which SIGINT and SIGTERM call ``runtime.end``."""
 
     def handler(_number: int, _frame: FrameType | None) -> None:
         runtime.end()

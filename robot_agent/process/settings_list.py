@@ -11,7 +11,7 @@ import msgspec
 from robot_agent.config import AgentConfig
 
 INTERNAL_SECTIONS = frozenset({"remembered"})
-"""Sections that the agent fills in for its recordings; nobody sets them."""
+"""Sections that the agent fills in for its recordings; not for configuration files."""
 
 
 class Setting(NamedTuple):
@@ -59,7 +59,7 @@ def _settings_of(shape: type[msgspec.Struct], place: str) -> Iterator[Setting]:
 
 
 def _section_in(hint: Any) -> type[msgspec.Struct] | None:
-    """Return the settings struct that is a field's value, or its value unless that is None."""
+    """Return the settings struct in a field's type, also in ``Struct | None``; None without one."""
     choices = get_args(hint) if isinstance(hint, UnionType) else (hint,)
     for candidate in choices:
         if isinstance(candidate, type) and issubclass(candidate, msgspec.Struct):
@@ -68,7 +68,7 @@ def _section_in(hint: Any) -> type[msgspec.Struct] | None:
 
 
 def _notes_in(hint: Any) -> list[msgspec.Meta]:
-    """Return what annotates a field itself, the outermost last."""
+    """Return the annotations of a field itself, the outermost last."""
     return [note for note in getattr(hint, "__metadata__", ()) if isinstance(note, msgspec.Meta)]
 
 

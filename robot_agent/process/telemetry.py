@@ -1,8 +1,8 @@
-"""Sends telemetry from the robot to the operator, and nothing the other way.
+"""Telemetry from the robot to the operator; one way only.
 
-One Zenoh session that only publishes: it dials the operator and listens to nobody, so no other
-robot can reach it. It lives on a thread of its own behind a short queue that drops the oldest, so
-a slow, absent or hanging network never holds the agent up.
+One Zenoh session that only publishes: it connects to the operator and accepts no connections, so no
+other robot can reach it. It runs on its own thread behind a short queue that drops the oldest, so a
+slow, absent or hanging network never blocks the agent.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ if TYPE_CHECKING:
     import zenoh
 
 CLOSE_S = 1.0
-LOOK_S = 1.0
-"""How often it is looked whether the operator is connected."""
+CHECK_S = 1.0
+"""s between two checks of whether the operator is connected."""
 RECONNECT_MS = {"period_init_ms": 250, "period_max_ms": 1000, "period_increase_factor": 2}
 LEASE_MS = 4000
-"""A peer that was silent this long is gone; both ends send a sign of life every quarter of it."""
+"""ms of silence after which a peer is lost; both ends send keep-alives at a quarter of it."""
 QUEUE = 256
 """Payloads that may wait for the network before the oldest is dropped."""
 
@@ -34,17 +34,16 @@ QUEUE = 256
 class Telemetry:
     """Publishes one robot's payloads until closed.
 
-    ``sent`` counts payloads handed to the network, which may still lose them; ``dropped`` those
-    that had to make room in the queue, also while the network takes nothing. ``failed`` is empty,
-    or one line that says why there is no telemetry at all; an operator that is absent is no
-    failure, the session waits for it. One
-    thread at a time may call the methods.
+    ``sent`` counts payloads passed to the network, which may still lose them; ``dropped`` those
+    dropped from the full queue. ``failed`` is empty, or one line with the reason why there is no
+    telemetry at all; an absent operator is no failure, the session waits for it. One thread at a
+    time may call the methods.
     """
 
     def __init__(
         self, settings: TelemetrySettings, *, robot: str, team: str, queue: int = QUEUE
     ) -> None:
-        """Start the thread that opens the session; without an operator do nothing at all.
+        """Start the thread that opens the session; without a configured operator, do nothing.
 
         queue: payloads that may wait for the network before the oldest is dropped.
         """
@@ -52,7 +51,7 @@ class Telemetry:
         self.dropped = 0
         self.failed = ""
         self.connected: bool | None = None
-        """Whether the operator was there at the last look, once a second; None: no telemetry."""
+        """Whether the operator was connected at the last check; None: no telemetry."""
         self._operator = settings.operator
         self._keys = settings.keys
         self._robot = robot
@@ -66,7 +65,7 @@ class Telemetry:
             self._thread.start()
 
     def publish(self, stream: str, payload: bytes) -> None:
-        """Queue a payload; takes microseconds whatever the network does."""
+        """Queue a payload; never blocks."""
         if self._thread is None:
             return
         if len(self._queue) == self._queue.maxlen:
@@ -76,14 +75,14 @@ class Telemetry:
             self._waiting.set()
 
     def close(self) -> None:
-        """Close the session, within a second whatever the network does; idempotent."""
+        """Close the session, within CLOSE_S even if the network hangs; idempotent."""
         if self._thread is not None:
             self._ending = True
             self._waiting.set()
             self._thread.join(CLOSE_S)
 
     def _run(self) -> None:
-        """Open the session and publish until told to end; what else ends it becomes ``failed``."""
+        """Open the session and publish until ``close``; any other end is reported in ``failed``."""
         trouble = "its thread has died: start the agent again"
         try:
             trouble = self._publish_all()
@@ -92,7 +91,7 @@ class Telemetry:
             self.connected = None
 
     def _publish_all(self) -> str:
-        """Publish until told to end; return what was in the way, empty for nothing."""
+        """Publish until ``close``; return the error that prevented it, empty if none."""
         try:
             import zenoh
         except ImportError as error:
@@ -105,27 +104,27 @@ class Telemetry:
         return ""
 
     def _serve(self, session: zenoh.Session) -> None:
-        """Say that the robot is there, then publish what is queued as it comes."""
+        """Declare the robot's liveliness, then publish queued payloads until ``close``."""
         import zenoh
 
         token = session.liveliness().declare_token(key_of(self._team, self._robot))
-        looked_at = -math.inf
+        checked_at = -math.inf
         while not self._ending:
-            self._waiting.wait(LOOK_S)
+            self._waiting.wait(CHECK_S)
             self._waiting.clear()
-            if (now := time.monotonic()) - looked_at >= LOOK_S:
+            if (now := time.monotonic()) - checked_at >= CHECK_S:
                 self.connected = bool(session.info.routers_zid() or session.info.peers_zid())
-                looked_at = now
+                checked_at = now
             while self._queue:
                 stream, payload = self._queue.popleft()
-                # Not a declared publisher: that one sends only to subscribers it was told of, and
-                # the operator tells robots nothing.
+                # Not a declared publisher: that sends only to subscribers it knows, and the
+                # operator sends robots no declarations.
                 session.put(
                     key_of(self._team, self._robot, stream),
                     payload,
                     encoding=zenoh.Encoding.APPLICATION_JSON,
-                    # Zenoh would drop the newest, uncounted; while this thread waits, the queue
-                    # drops the oldest and counts it.
+                    # Zenoh itself would drop the newest, uncounted; while this thread blocks, the
+                    # queue drops the oldest and counts it.
                     congestion_control=zenoh.CongestionControl.BLOCK,
                 )
                 self.sent += 1
@@ -133,12 +132,12 @@ class Telemetry:
 
 
 def session_config(operator: str, keys: str = "") -> zenoh.Config:
-    """Return the configuration of a session that dials the operator and nobody else.
+    """Return the configuration of a session that connects to the operator only.
 
     keys: folder with ``ca.pem``, ``certificate.pem`` and ``key.pem``, for a tls endpoint.
 
-    It listens on no port and looks for no peers; an absent operator is dialled again for ever, in
-    the background, so that opening never waits.
+    The session opens no listening port and does not scout for peers; it retries an absent operator
+    for ever in the background, so that opening never blocks.
     """
     import zenoh
 
@@ -175,5 +174,5 @@ def tls_settings(keys: str) -> dict[str, object]:
 
 
 def plain_reason(error: BaseException) -> str:
-    """Return what Zenoh complains of in one line, without the places in its source."""
+    """Return an error message of Zenoh in one line, without the locations in its source."""
     return re.sub(r" at /[^\s\]]*", "", str(error)).replace("\n", " ")

@@ -1,7 +1,7 @@
-"""How each kind of event is kept in a recording: one entry per kind, for writing and reading.
+"""Encoding of each kind of event in a recording: one codec per kind, for writing and reading.
 
-Bytes of a link are kept as they are, each link under a topic of its own. Every other event is a
-small JSON object; its time is the message's. A new kind of event is one more ``plain_event``.
+Bytes of a link are stored unchanged, each link under its own topic. Every other event is a small
+JSON object; its time is the message's. A new kind of event is one more ``plain_event``.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ LINKS: tuple[LinkName, ...] = get_args(LinkName)
 
 @dataclass(frozen=True, slots=True)
 class EventCodec:
-    """A topic of events."""
+    """Codec of the events of one topic."""
 
     topic: str
     schema_name: str
     message: type[msgspec.Struct]
-    """What its JSON holds."""
+    """Struct of its JSON."""
     events: tuple[type, ...]
     encode: Callable[[Any], bytes]
     decode: Callable[[float, bytes], Event]
@@ -45,7 +45,7 @@ class EventCodec:
 
 
 def plain_event(topic: str, event_type: type, schema_name: str) -> EventCodec:
-    """Keep a kind of event whose message is simply its fields, without the time ``t``."""
+    """Return the codec of a kind of event whose message is its fields, without the time ``t``."""
     hints = get_type_hints(event_type)
     kept = [field for field in fields(event_type) if field.name != "t"]
     message = msgspec.defstruct(

@@ -1,8 +1,8 @@
-"""The flight recorder: writes what happens to an agent to a file, on a thread of its own.
+"""The flight recorder: writes an agent's events and effects to a file, on its own thread.
 
 The agent's side only appends to a queue. The thread empties the queue ten times a second and every
-0.5 s finishes a chunk and has the disk take it, so that a killed process or a cut battery costs
-at most the last second. Whatever cannot be written is counted and marked as a gap.
+0.5 s finishes a chunk and syncs it to the disk, so that a killed process or a power cut costs at
+most the last second. Records that cannot be written are counted and marked as a gap.
 """
 
 from __future__ import annotations
@@ -23,17 +23,16 @@ from robot_agent.recording.run_header import RunHeader
 DRAIN_S = 0.1
 FLUSH_S = 0.5
 CLOSE_S = 5.0
-"""How long a hanging disk is waited for at the end."""
+"""s to wait for a hanging disk at the end."""
 CAPACITY = 20_000
 """Records that may wait for the disk: about a minute of a robot's traffic."""
 
 
 class Recorder:
-    """Records one run to an MCAP file without ever holding the agent up.
+    """Records one run to an MCAP file without ever blocking the agent.
 
-    ``failed`` is empty while all is well, else one line that says what the disk refused; from then
-    on nothing more is kept. ``lost`` counts the records that were turned away. One thread at a
-    time may call the methods.
+    ``failed`` is empty, or one line with the error after which nothing more is recorded. ``lost``
+    counts the records that were dropped. One thread at a time may call the methods.
     """
 
     def __init__(
@@ -47,7 +46,11 @@ class Recorder:
         close_wait: float = CLOSE_S,
         room: RecordingRetention | None = None,
     ) -> None:
-        """Create the file, with its header, and start writing; ``room`` bounds the disk's use."""
+        """Start the thread that creates the file with its header.
+
+        capacity: records in the queue. drain_period, flush_period, close_wait: s. room: bounds the
+        use of the disk; None: no bound.
+        """
         self.path = path
         self.failed = ""
         self.lost = 0
@@ -74,11 +77,11 @@ class Recorder:
         self._put(t, effect)
 
     def record_note(self, note: Note) -> None:
-        """Queue what the process says about itself."""
+        """Queue a payload of the process."""
         self._put(note.t, note)
 
     def close(self) -> None:
-        """Write what is queued and finish the file; idempotent."""
+        """Write the queue and finish the file, within ``close_wait``; idempotent."""
         if self._unmarked:
             self._mark_gap(self._last_t)
         self._ending.set()
@@ -101,7 +104,7 @@ class Recorder:
         self._unmarked = 0
 
     def _run(self, header: RunHeader) -> None:
-        """Write until told to end; a refusal of the disk, or its own death, becomes ``failed``."""
+        """Write until ``close``; an error of the disk, or of the thread, is set in ``failed``."""
         trouble = "its thread has died: start the agent again"
         try:
             with self.path.open("wb") as file:
@@ -114,16 +117,16 @@ class Recorder:
                 self._queue.clear()
 
     def _write_run(self, file: BinaryIO, header: RunHeader) -> str:
-        """Write a whole recording; return why it had to end early, empty if it had not.
+        """Write a whole recording; return why it had to end early, empty if it did not.
 
-        What was flushed is on the disk, not only on its way there.
+        Every flush is synced to the disk.
         """
         writer = RecordingWriter(file, header)
         trouble, ending = "", False
         while not ending and not trouble:
             next_flush = time.monotonic() + self._flush_period  # however long the disk takes
             _flush(writer, file)
-            trouble = self._room.make() if self._room else ""
+            trouble = self._room.free_space() if self._room else ""
             ending = self._write_until(next_flush, writer)
         writer.finish()
         file.flush()
@@ -131,7 +134,7 @@ class Recorder:
         return trouble
 
     def _write_until(self, flush_at: float, writer: RecordingWriter) -> bool:
-        """Empty the queue again and again until it is time to flush; tell whether all ends."""
+        """Empty the queue repeatedly until ``flush_at``; return whether the recording ends."""
         while True:
             ending = self._ending.wait(self._period)
             self._drain(writer)
@@ -139,7 +142,7 @@ class Recorder:
                 return ending
 
     def _drain(self, writer: RecordingWriter) -> None:
-        """Write everything queued by now."""
+        """Write all records queued by now."""
         for _ in range(len(self._queue)):
             t, record = self._queue.popleft()
             if isinstance(record, Gap):

@@ -1,4 +1,4 @@
-"""How much of the disk recordings may take: the oldest runs of a robot make room for the newest."""
+"""Bounds of the disk space for recordings: the oldest runs of a robot are deleted first."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ class RecordingRetention:
     """Deletes a robot's oldest runs as the one being recorded grows. For the recorder's thread."""
 
     def __init__(self, current: Path, settings: RecorderSettings, older: str = "") -> None:
-        """``older`` is the pattern of the names of runs beside ``current`` that may be deleted."""
+        """older: glob pattern of the runs beside ``current`` that may be deleted; empty: none."""
         self._current = current
         self._settings = settings
         self._older = older
 
-    def make(self) -> str:
-        """Delete what must go; return why recording has to end, empty while there is room.
+    def free_space(self) -> str:
+        """Delete runs until the bounds hold; return why that failed, empty on success.
 
-        Raises OSError where the disk does not answer.
+        Recording has to end on failure. Raises OSError on an error of the disk.
         """
         older = self._oldest_first()
         while reason := self._shortage(older):
@@ -38,7 +38,7 @@ class RecordingRetention:
         return sorted(found, key=lambda path: (path.stat().st_mtime_ns, path.name))
 
     def _shortage(self, older: list[Path]) -> str:
-        """Say what there is too little of."""
+        """Return which bound is exceeded, with the setting; empty if none is."""
         taken = sum(path.stat().st_size for path in (*older, self._current))
         if taken > self._settings.keep_mb * MEGABYTE:
             return f"recorder.keep_mb = {self._settings.keep_mb:g} is used up by this run alone"

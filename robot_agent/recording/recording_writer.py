@@ -1,4 +1,4 @@
-"""What a recording is made of, and the writer that puts it into an MCAP file.
+"""Layout of a recording, and its writer to an MCAP file.
 
 Layout 3 of a recording (``run_header.SCHEMA_VERSION``):
 
@@ -6,7 +6,7 @@ Layout 3 of a recording (``run_header.SCHEMA_VERSION``):
 - attachments: ``configuration`` (the effective configuration) and ``map/<file>`` (the map folder);
 - one message per event, effect, gap and reference pose, in the order in which they happened, with
   ``sequence`` a running counter and ``log_time`` the run's wall-clock start plus the agent time.
-  Agent times are whole microseconds, so a reader gets back the very same float.
+  Agent times are whole microseconds, so that a reader recovers the identical float.
 
 ============================ ================== ==============================================
 topic                        encoding           one message is
@@ -17,12 +17,12 @@ topic                        encoding           one message is
 ``baud``                     json               a change of a link's rate
 ``tick``, ``shutdown``       json, empty object those events; further kinds: ``event_codec``
 ``key``                      json               a key of the robot's own terminal
-``take_picture``             json, empty object the agent asked for a picture
-``memory``                   json               the pose to keep for the next start
-``gap``                      json               how many records were lost at this place
-``reference``                json               where the robot truly was, if a log says so
+``take_picture``             json, empty object the agent requested a picture
+``memory``                   json               the pose to store for the next start
+``gap``                      json               number of records lost at this place
+``reference``                json               reference pose (ground truth), if a log has it
 a stream's name              json               one telemetry payload, as published
-``process``, ``process_log`` json               what the process said about itself
+``process``, ``process_log`` json               payloads of the process, not of the agent
 ============================ ================== ==============================================
 """
 
@@ -54,7 +54,7 @@ SEQUENCE_MODULUS = 2**32
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """A place where the recorder could not keep up: a replay cannot go past it."""
+    """A place where records were dropped: a replay cannot go past it."""
 
     t: float  # of the next record, or of the last one lost
     lost: int  # events and effects that are missing
@@ -62,7 +62,7 @@ class Gap:
 
 @dataclass(frozen=True, slots=True)
 class Note:
-    """What the process said about itself at t: nothing of it comes from the agent."""
+    """A payload of the process at t, not of the agent."""
 
     t: float
     stream: str
@@ -71,7 +71,7 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """Where the robot was at t, as the source of a converted log gives it."""
+    """Reference pose (ground truth) at t, from the source of a converted log."""
 
     t: float
     pose: Pose  # map_from_base
@@ -110,7 +110,7 @@ MESSAGES: dict[str, tuple[type[msgspec.Struct], str]] = {
     "memory": (RememberedPose, "patrol.RememberedPose"),
     **{codec.topic: (codec.message, codec.schema_name) for codec in CODECS},
 }
-"""What the JSON topics hold besides the telemetry streams."""
+"""Structs and schema names of the JSON topics besides the telemetry streams."""
 
 _encode = msgspec.json.Encoder().encode
 
@@ -118,11 +118,11 @@ _encode = msgspec.json.Encoder().encode
 class RecordingWriter:
     """Writes one recording to a binary file, on the caller's thread.
 
-    Raises whatever the file raises (OSError on a full disk); after that the writer is of no use.
+    Raises whatever the file raises (OSError on a full disk); the writer is unusable after that.
     """
 
     def __init__(self, file: IO[bytes], header: RunHeader) -> None:
-        """Write the header and everything the messages need to be understood."""
+        """Write the header and register all channels with their schemas."""
         self._header = header
         self._sequence = 0
         self._writer = Writer(file, chunk_size=CHUNK_BYTES)
@@ -182,15 +182,15 @@ class RecordingWriter:
                 self._write(t, "baud", _encode(BaudMessage(link, baud)))
 
     def write_note(self, note: Note) -> None:
-        """Write what the process said about itself."""
+        """Write a payload of the process."""
         self._write(note.t, note.stream, note.payload)
 
     def write_reference(self, t: float, pose: Pose) -> None:
-        """Write where the robot was at t (``map_from_base``), for logs that know."""
+        """Write the reference pose at t (``map_from_base``) of a converted log."""
         self._write(t, "reference", _encode(ReferenceMessage(*pose)))
 
     def write_gap(self, gap: Gap) -> None:
-        """Write that records are missing at this place."""
+        """Write a gap mark."""
         self._write(gap.t, "gap", _encode(GapMessage(gap.lost)))
 
     def _write(self, t: float, topic: str, data: bytes) -> None:
@@ -201,7 +201,7 @@ class RecordingWriter:
         self._sequence += 1
 
     def _channel(self, topic: str) -> int:
-        """Return a topic's channel; a stream outside the table is kept without a schema."""
+        """Return a topic's channel; a stream outside the table is registered without a schema."""
         channel = self._channels.get(topic)
         if channel is None:
             channel = self._writer.register_channel(topic, MessageEncoding.JSON, 0)
@@ -209,7 +209,7 @@ class RecordingWriter:
         return channel
 
     def flush(self) -> None:
-        """Finish the chunk in progress and hand everything so far to the operating system."""
+        """Finish the chunk in progress and write everything so far to the file."""
         self._writer.flush()  # type: ignore[no-untyped-call]
 
     def finish(self) -> None:

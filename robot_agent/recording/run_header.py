@@ -1,4 +1,4 @@
-"""What a run was: everything besides the events that its outcome depends on."""
+"""Header of a run: everything besides the events that its outcome depends on."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from robot_agent.config import AgentConfig, format_config
 
 SCHEMA_VERSION = 3
 DEPENDENCIES = ("numpy", "scipy", "opencv-python-headless", "filterpy")
-"""Libraries whose arithmetic goes into decisions.
+"""Libraries whose arithmetic affects decisions.
 
-shapely and scikit-fuzzy only check what is loaded, a border that crosses itself and the fuzzy sets:
-another version may refuse a file, and changes no decision.
+shapely and scikit-fuzzy only check loaded files (self-crossing borders, fuzzy sets): another
+version may refuse a file, but changes no decision.
 """
 _BOOT_ID = Path("/proc/sys/kernel/random/boot_id")
 
 
 @dataclass(frozen=True, slots=True)
 class RunHeader:
-    """What is written once, at the head of a recording."""
+    """Data written once, at the head of a recording."""
 
     robot: str
     team: str
@@ -50,7 +50,11 @@ def header_of_run(
     start_wall_ns: int,
     start_monotonic_ns: int | None = None,
 ) -> RunHeader:
-    """Describe a run on this machine; without a monotonic start its times are not this host's."""
+    """Return the header of a run on this machine.
+
+    start_wall_ns, start_monotonic_ns: clocks at agent time 0, ns; no monotonic start if the run's
+    times are not of this host's clock.
+    """
     map_hash, border_hash = identity(folder.files)
     return RunHeader(
         robot=config.robot.name,
@@ -70,7 +74,7 @@ def header_of_run(
 
 
 def identity(files: Mapping[str, bytes]) -> tuple[str, str]:
-    """Return the hashes of a map folder's map and of its border; empty for what it lacks."""
+    """Return the hashes of a map folder's map and of its border; empty if missing."""
     borders = {name: data for name, data in files.items() if name.endswith(".toml")}
     rest = {name: data for name, data in files.items() if name not in borders}
     return _hash(rest), _hash(borders)
@@ -98,17 +102,16 @@ def versions() -> str:
 
 
 def same_versions(recorded: str) -> bool:
-    """Tell whether a recording was made with what this process decides by.
+    """Return whether a recording was made with the versions of this process.
 
-    Earlier recordings name more libraries, which count for nothing; one that names none is as good
-    as any.
+    Further libraries that earlier recordings name are ignored; True for one that names none.
     """
     named = set(recorded.split(", ")) if recorded else None
     return named is None or named.issuperset(versions().split(", "))
 
 
 def boot_id() -> str:
-    """Return what tells one boot of one host from all others, empty where that is not known."""
+    """Return the unique id of this host's boot; empty where it is not available."""
     try:
         return _BOOT_ID.read_text().strip()
     except OSError:

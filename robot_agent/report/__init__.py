@@ -1,1 +1,1 @@
-"""What the operator and the recording are told."""
+"""Telemetry payloads and health texts from the agent's state."""

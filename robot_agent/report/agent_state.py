@@ -1,4 +1,4 @@
-"""What reports are made from: a read-only view of the agent's stages."""
+"""Read-only view of the agent's stages, from which reports are built."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from robot_agent.pose.pose_tracker import PoseTracker
 
 
 class AgentState(Protocol):
-    """The stages of an agent that telemetry and the health summary look at."""
+    """The stages of an agent that telemetry and the health summary read."""
 
     @property
     def base(self) -> P2osSession:
@@ -33,7 +33,7 @@ class AgentState(Protocol):
 
     @property
     def teleop(self) -> Teleop | None:
-        """Driving by keys; None while the robot patrols."""
+        """Teleoperation by keys; None on a robot that patrols."""
 
     @property
     def gate_decision(self) -> GateDecision | None:
@@ -41,4 +41,4 @@ class AgentState(Protocol):
 
     @property
     def scan_seen_at(self) -> float | None:
-        """When the latest accepted scan was measured, s; None before the first."""
+        """Measurement time of the latest accepted scan; None before the first."""

@@ -1,4 +1,4 @@
-"""How the robot fares, in words: what keeps it from patrolling, and what it has to do without."""
+"""Health of the robot as texts for people: what prevents patrolling, and what is degraded."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from localization.health import Health
 from robot_agent.motion.gate_hold import STOPPING
 from robot_agent.report.agent_state import AgentState
 
-_LASER_BLIND = 1.0  # s without a scan after which nobody is seen any more
+_LASER_BLIND = 1.0  # s without a scan after which the laser counts as blind
 
 
 class HealthSummary:
-    """Sums up an agent's stages for people."""
+    """Summarizes the state of an agent's stages for people."""
 
     def __init__(self, state: AgentState) -> None:
         self._state = state
 
     def degraded(self, t: float) -> list[str]:
-        """Return what the robot has to do without at t, s; nothing when all is well."""
+        """Return one sentence for each degraded sensor at t; empty if there is none."""
         troubles = [self._state.perception.camera.trouble(t)]
         seen = self._state.scan_seen_at
         if seen is None or t - seen > _LASER_BLIND:
@@ -26,7 +26,7 @@ class HealthSummary:
         return [words for words in troubles if words]
 
     def health(self) -> str:
-        """Return "ok", or the first thing that keeps the robot from patrolling."""
+        """Return "ok", or the first reason that prevents the robot from patrolling."""
         state = self._state
         if state.base.state is not SessionState.READY:
             return f"base {state.base.state}"

@@ -1,6 +1,6 @@
-"""Telemetry payloads from the agent's state, each stream at its own rate.
+"""Builder of telemetry payloads from the agent's state, each stream at its own rate.
 
-Rates follow the events' times, so a replay publishes the same payloads.
+Rates follow the events' times, so that a replay publishes the same payloads.
 """
 
 from __future__ import annotations
@@ -58,16 +58,16 @@ INTRUDER_PERIOD_S = 1.0
 PARTICLES_SHOWN = 200
 
 
-class Pace:
-    """Lets through at most one thing per period."""
+class RateLimit:
+    """Rate limiter: at most one payload per period."""
 
     def __init__(self, period: float) -> None:
-        """Take the period, s."""
+        """period: s."""
         self._period = period
         self._next = -math.inf
 
     def due(self, t: float) -> bool:
-        """Tell whether it is time again; counts as done when it is."""
+        """Return whether a payload is due at t; if so, the next one is due a period later."""
         if t < self._next:
             return False
         self._next = t + self._period
@@ -75,7 +75,10 @@ class Pace:
 
 
 class LinkReport:
-    """What is known of one link besides its session: is it open, what came over it."""
+    """State of one link besides its session: whether it is open, bytes received.
+
+    reason: why it is not open. last_heard: time of the latest complete measurement, None before.
+    """
 
     def __init__(self) -> None:
         self.up = False
@@ -84,11 +87,11 @@ class LinkReport:
         self.last_heard: float | None = None
 
     def opened(self) -> None:
-        """Take note that the port is open."""
+        """Record that the port is open."""
         self.up, self.reason = True, ""
 
     def lost(self, reason: str) -> None:
-        """Take note that the port is not open, and why."""
+        """Record that the port is not open, with the reason."""
         self.up, self.reason = False, reason
 
 
@@ -104,40 +107,43 @@ class TelemetryBuilder:
         health: HealthSummary,
         start_wall_ns: int,
     ) -> None:
-        """Take the names to report under; the agent's time 0 was ``start_wall_ns`` on the wall
-        clock."""
+        """Start with all links down.
+
+        robot, team: names in the payloads. border: None on a map without one. start_wall_ns: wall
+        clock at agent time 0, ns since 1970.
+        """
         self._robot = robot
         self._team = team
         self._border = border
         self._state = state
         self._health = health
         self._start_wall_ns = start_wall_ns
-        self._status_pace = Pace(STATUS_PERIOD_S)
-        self._scan_pace = Pace(SCAN_PERIOD_S)
-        self._particles_pace = Pace(PARTICLES_PERIOD_S)
+        self._status_rate = RateLimit(STATUS_PERIOD_S)
+        self._scan_rate = RateLimit(SCAN_PERIOD_S)
+        self._particles_rate = RateLimit(PARTICLES_PERIOD_S)
         self.links: dict[LinkName, LinkReport] = {"base": LinkReport(), "laser": LinkReport()}
-        self._intruder_pace = Pace(INTRUDER_PERIOD_S)
+        self._intruder_rate = RateLimit(INTRUDER_PERIOD_S)
         self._last_words: dict[str, str] = {}
 
     def on_bytes(self, link: LinkName, t: float, data: bytes, *, understood: bool) -> None:
-        """Count bytes of a link; ``understood`` when they completed a measurement."""
+        """Count bytes that arrived on a link at t; understood: they completed a measurement."""
         report = self.links[link]
         report.bytes_received += len(data)
         if understood:
             report.last_heard = t
 
     def on_time(self, t: float) -> list[tuple[str, Payload]]:
-        """Return the status when it is due."""
-        return [("status", self._status(t))] if self._status_pace.due(t) else []
+        """Return the status payload if due at t."""
+        return [("status", self._status(t))] if self._status_rate.due(t) else []
 
     def on_scan(self, t: float, scan: Scan) -> list[tuple[str, Payload]]:
-        """Return scan, tracks and particles when they are due."""
+        """Return the payloads of scan, tracks and particles that are due at t."""
         stamp = self._stamp(t)
         payloads: list[tuple[str, Payload]] = []
-        if self._scan_pace.due(t):
+        if self._scan_rate.due(t):
             payloads.append(("scan", self._scan(scan)))
             payloads.append(("tracks", self._tracks(stamp)))
-        if self._state.pose_tracker.localizer.estimate is not None and self._particles_pace.due(t):
+        if self._state.pose_tracker.localizer.estimate is not None and self._particles_rate.due(t):
             payloads.append(("particles", self._particles(stamp)))
         return payloads
 
@@ -151,7 +157,11 @@ class TelemetryBuilder:
         neighbor: Track | None,
         held_by: HoldingObstacle | None = None,
     ) -> list[tuple[str, Payload]]:
-        """Return the pose and the decision of one control step."""
+        """Return the pose and decision payloads of one control step.
+
+        pose: map_from_base. requested: (v m/s, w rad/s) before the gate. neighbor: the closest
+        teammate, None without one. held_by: None unless the gate cut the request for an obstacle.
+        """
         stamp = self._stamp(t)
         payload = DecisionPayload(
             timestamp=stamp,
@@ -185,7 +195,10 @@ class TelemetryBuilder:
     def on_intruder(
         self, t: float, intruder: Intruder, *, scan: Sequence[float] = (), picture: str = ""
     ) -> list[tuple[str, Payload]]:
-        """Return what is known of an intruder, with evidence (``evidence``) if there is any."""
+        """Return the payload of an intruder, with evidence if given.
+
+        scan: x, y, x, y, ..., m, map frame; picture: JPEG in base64.
+        """
         payload = IntruderPayload(
             timestamp=self._stamp(t),
             robot=self._robot,
@@ -203,14 +216,14 @@ class TelemetryBuilder:
         return [("intruder", payload)]
 
     def on_intruders(self, t: float, known: Sequence[Intruder]) -> list[tuple[str, Payload]]:
-        """Return those still seen, when due."""
+        """Return the payloads of the intruders still seen, if due at t."""
         fresh = [each for each in known if t - each.last_seen < INTRUDER_PERIOD_S]
-        if not fresh or not self._intruder_pace.due(t):
+        if not fresh or not self._intruder_rate.due(t):
             return []
         return [payload for each in fresh for payload in self.on_intruder(t, each)]
 
     def on_notice(self, notice: Notice) -> list[tuple[str, Payload]]:
-        """Return an event, unless the part of the agent said the same last time."""
+        """Return the event of a notice; nothing if its text equals the last one of its part."""
         if self._last_words.get(notice.part) == notice.words:
             return []
         self._last_words[notice.part] = notice.words
@@ -269,7 +282,7 @@ class TelemetryBuilder:
         )
 
     def _on_border(self, neighbor: Track | None) -> dict[str, Any]:
-        """Return where the neighbor is along and beside the border, and how well that is known."""
+        """Return the payload fields of the neighbor's border coordinates and their sigmas."""
         border = self._border
         if neighbor is None or border is None:
             return {}
@@ -338,7 +351,7 @@ def _finite(value: float) -> float | None:
 
 
 def _bearing_pose(pose: Pose, neighbor: Track | None) -> PlanarPose | None:
-    """Return the teammate's place, with the direction it is seen in."""
+    """Return the teammate's position, with its bearing from the robot as theta; map frame."""
     if neighbor is None:
         return None
     x, y = neighbor.x, neighbor.y
@@ -346,7 +359,7 @@ def _bearing_pose(pose: Pose, neighbor: Track | None) -> PlanarPose | None:
 
 
 def _place_of(obstacle: HoldingObstacle | None, pose: Pose) -> HeldBy | None:
-    """Return an obstacle's source and place in the map frame."""
+    """Return an obstacle's source and position in the map frame; pose: map_from_base."""
     if obstacle is None:
         return None
     c, s = math.cos(pose.theta), math.sin(pose.theta)

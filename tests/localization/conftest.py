@@ -67,7 +67,7 @@ class Room:
 
 @pytest.fixture(scope="session")
 def room() -> Room:
-    """The room, mapped by the cells its walls run wall_crossing."""
+    """The room, mapped by the cells its walls run through."""
     return draw([OUTLINE, *BOXES], 8.0, 5.0)
 
 

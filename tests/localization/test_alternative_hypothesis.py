@@ -1,4 +1,4 @@
-"""The second opinion: look-alike places are told apart by the way there, or not at all."""
+"""The alternative hypothesis: ambiguous places are distinguished by the scans on the way there."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def alternative_search(room, seed: int = 3) -> AlternativeSearch:
 
 
 def walked(alternatives: AlternativeSearch, room, poses: list[Pose]) -> AlternativeSearch:
-    """Let it see a way; every pose is a scan."""
+    """Return the search after scans from each of these poses."""
     rng = np.random.default_rng(7)
     alternatives.remember(None, room.scan(poses[0], rng))
     for before, now in itertools.pairwise(poses):
@@ -46,9 +46,7 @@ def distance(a: Pose, b: Pose) -> float:
     return math.hypot(a.x - b.x, a.y - b.y)
 
 
-def test_the_true_place_wins_over_its_look_alike_and_it_over_no_other(
-    near_twin_rooms, circle
-) -> None:
+def test_true_pose_is_more_likely_than_an_ambiguous_one(near_twin_rooms, circle) -> None:
     way = circle[:60]
     alternatives = walked(alternative_search(near_twin_rooms), near_twin_rooms, way)
     truth = way[-1]
@@ -66,13 +64,13 @@ def test_the_true_place_wins_over_its_look_alike_and_it_over_no_other(
     assert distance(Pose(*found), truth) < 0.3
 
 
-def test_twins_share_the_belief(twin_rooms, circle) -> None:
+def test_identical_rooms_share_the_belief(twin_rooms, circle) -> None:
     alternative = walked(alternative_search(twin_rooms), twin_rooms, circle[:60]).find(circle[59])
     assert alternative is not None
     assert alternative.share == pytest.approx(0.5, abs=0.3)
 
 
-def test_the_way_is_forgotten_and_remembered_a_stop_at_a_time(room) -> None:
+def test_scans_are_kept_by_distance_and_dropped_by_forget(room) -> None:
     alternatives = alternative_search(room)
     step = Pose(STOP_XY / 4.1, 0.0, 0.0)
     start = Pose(3.0, 2.0, 0.0)
@@ -82,7 +80,7 @@ def test_the_way_is_forgotten_and_remembered_a_stop_at_a_time(room) -> None:
     assert alternatives.stops == 0
 
 
-def test_in_one_of_two_same_rooms_it_never_says_localized(twin_rooms, circle) -> None:
+def test_in_one_of_two_identical_rooms_it_is_never_localized(twin_rooms, circle) -> None:
     localizer = Localizer(LocalizationSettings(), twin_rooms.map, np.random.default_rng(2))
     localizer.start_anywhere()
     rng = np.random.default_rng(4)
@@ -94,7 +92,7 @@ def test_in_one_of_two_same_rooms_it_never_says_localized(twin_rooms, circle) ->
     assert healths[-1] is Health.UNSURE
 
 
-def test_in_one_of_two_rooms_alike_it_finds_the_right_one(near_twin_rooms, circle) -> None:
+def test_in_one_of_two_similar_rooms_it_localizes_in_the_right_one(near_twin_rooms, circle) -> None:
     for seed in range(2):
         localizer = Localizer(
             LocalizationSettings(), near_twin_rooms.map, np.random.default_rng(seed)

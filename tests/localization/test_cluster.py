@@ -12,7 +12,7 @@ from localization.cluster import best_cluster, heavy_clusters
 RNG_SEED = 4
 
 
-def test_one_tight_cloud_is_its_own_cluster() -> None:
+def test_tight_particle_set_is_one_cluster() -> None:
     rng = np.random.default_rng(RNG_SEED)
     particles = rng.normal((2.0, -3.0, 0.5), (0.1, 0.05, 0.02), (5000, 3))
     cluster = best_cluster(particles, np.full(5000, 1 / 5000))
@@ -22,7 +22,7 @@ def test_one_tight_cloud_is_its_own_cluster() -> None:
     assert cluster.spread == pytest.approx(0.1, rel=0.05)
 
 
-def test_heavier_of_two_clouds_wins_and_the_other_does_not_pull() -> None:
+def test_heavier_of_two_clouds_is_the_best_cluster() -> None:
     rng = np.random.default_rng(RNG_SEED)
     many = rng.normal((0.0, 0.0, 0.0), 0.05, (3000, 3))
     heavy = rng.normal((6.0, 2.0, 1.0), 0.05, (1000, 3))

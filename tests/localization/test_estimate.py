@@ -25,9 +25,9 @@ def estimate() -> Estimate:
     )
 
 
-def test_at_the_scan_it_is_the_estimate(estimate: Estimate) -> None:
+def test_pose_at_the_scans_odometry_is_the_estimate(estimate: Estimate) -> None:
     assert estimate.pose_at(estimate.odometry) == pytest.approx(estimate.pose)
 
 
-def test_a_step_ahead_in_odometry_is_a_step_ahead_in_the_map(estimate: Estimate) -> None:
+def test_step_in_odometry_is_the_same_step_in_the_map(estimate: Estimate) -> None:
     assert estimate.pose_at(Pose(-4.0, 0.5, 0.1)) == pytest.approx((1.5, 2.0, np.pi / 2 + 0.1))

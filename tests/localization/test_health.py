@@ -1,4 +1,4 @@
-"""Each transition between localized, unsure and lost, and that none happens without cause."""
+"""Transitions between localized, unsure and lost, and their hysteresis."""
 
 from __future__ import annotations
 
@@ -81,12 +81,12 @@ def test_transition_after_enough_updates_in_a_row(
         (Health.UNSURE, replace(GOOD, fit=Fit(0.48, 0.48))),
         (Health.LOST, replace(GOOD, fit=Fit(0.48, 0.48))),
         (Health.LOST, BLIND),
-        # A crowd does not make it lose a known pose, and does not let it find an unknown one.
+        # A crowd does not make a known pose lost, and does not make an unknown one localized.
         (Health.LOCALIZED, replace(GOOD, fit=Fit(0.5, 0.8))),
         (Health.UNSURE, replace(GOOD, fit=Fit(0.5, 0.8))),
     ],
 )
-def test_between_the_thresholds_nothing_changes(health: Health, evidence: Evidence) -> None:
+def test_health_is_kept_between_the_thresholds(health: Health, evidence: Evidence) -> None:
     assert after(health, 50, evidence) is health
 
 
@@ -106,7 +106,7 @@ def test_an_interrupted_run_of_bad_scans_does_not_count() -> None:
         assert monitor.update(GOOD) is Health.LOCALIZED
 
 
-def test_verdicts_that_waver_between_two_better_ones_count_for_the_lesser() -> None:
+def test_mixed_better_verdicts_improve_to_the_lesser() -> None:
     monitor = monitor_at(Health.LOST)
     for evidence in (GOOD, CLOUDY, GOOD, GOOD, CLOUDY):
         assert monitor.health is Health.LOST
@@ -115,7 +115,7 @@ def test_verdicts_that_waver_between_two_better_ones_count_for_the_lesser() -> N
 
 
 def test_the_better_tail_of_a_run_counts_towards_the_next_step() -> None:
-    """Five scans bring it from lost to unsure; three of them already spoke for localized."""
+    """Five scans lead from lost to unsure; three of them count for localized already."""
     monitor = monitor_at(Health.LOST)
     for evidence in (CLOUDY, CLOUDY, GOOD, GOOD, GOOD):
         monitor.update(evidence)
@@ -124,14 +124,14 @@ def test_the_better_tail_of_a_run_counts_towards_the_next_step() -> None:
     assert monitor.update(GOOD) is Health.LOCALIZED
 
 
-def test_it_is_harder_to_get_better_than_to_stay() -> None:
+def test_thresholds_to_improve_are_stricter_than_to_stay() -> None:
     assert LOST_BELOW < FOUND_ABOVE <= UNSURE_BELOW < LOCALIZED_ABOVE
     assert LOCALIZED_WALL_CROSSING < UNSURE_WALL_CROSSING
     assert LOCALIZED_SPREAD < UNSURE_SPREAD
     assert LOCALIZED_SHARE > UNSURE_SHARE
 
 
-def test_a_preview_tells_the_next_health_and_changes_nothing() -> None:
+def test_preview_returns_the_next_health_without_changing_it() -> None:
     monitor = monitor_at(Health.UNSURE)
     for _ in range(4):
         assert monitor.preview(GOOD) is Health.UNSURE

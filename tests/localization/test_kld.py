@@ -19,7 +19,7 @@ def test_sample_size_is_the_chi_square_quantile(bins: int) -> None:
     assert sample_size(bins, 0.05, 2.326) == pytest.approx(exact, rel=0.05 if bins < 5 else 0.01)
 
 
-def test_known_number() -> None:
+def test_sample_size_of_a_known_example() -> None:
     """k = 100, error 0.05, delta 0.01: 99/0.1 (1 - 2/891 + sqrt(2/891) 2.326)^3 = 1347."""
     assert sample_size(100, 0.05, 2.326) == 1347
 
@@ -45,12 +45,12 @@ def test_keys_are_shared_within_a_bin_only() -> None:
     assert len(np.unique(keys)) == 5
 
 
-def test_headings_meet_at_half_a_turn() -> None:
+def test_headings_either_side_of_pi_share_a_bin() -> None:
     keys = bin_keys(np.array([[0, 0, math.pi], [0, 0, -math.pi]]), 0.1, math.radians(5))
     assert keys[0] == keys[1]
 
 
-def test_bins_are_counted_as_by_a_plain_loop() -> None:
+def test_bin_count_equals_that_of_a_plain_loop() -> None:
     rng = np.random.default_rng(5)
     particles = rng.normal(0, (0.3, 0.3, 0.2), (2000, 3))
     step = math.tau / round(math.tau / 0.087)
@@ -75,6 +75,6 @@ def test_a_fixed_number_is_kept() -> None:
     assert needed_samples(np.zeros((9, 3)), SampleLimits(500, 5000, 777)) == 777
 
 
-def test_limits_must_be_ordered() -> None:
+def test_minimum_above_maximum_raises() -> None:
     with pytest.raises(ValueError, match="min_particles"):
         LocalizationSettings(min_particles=600, max_particles=500)

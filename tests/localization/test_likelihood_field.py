@@ -33,7 +33,7 @@ def expected(distance: float) -> float:
     return math.log(0.9 * math.exp(-0.5 * (distance / 0.2) ** 2) + 0.1)
 
 
-def test_end_point_on_the_wall_is_certain() -> None:
+def test_end_point_on_the_wall_has_likelihood_one() -> None:
     assert log_weight((0.05, 2.55, 0.0), [(0.0, 0.0)]) == pytest.approx(0.0, abs=1e-6)
 
 
@@ -62,7 +62,7 @@ def test_the_product_over_beams_is_tempered() -> None:
     assert few == pytest.approx(3 * expected(0.2), rel=1e-4)
 
 
-def test_no_beams_tell_nothing() -> None:
+def test_no_beams_give_zero_log_likelihood() -> None:
     field = field_of(one_wall())
     assert not field.log_weights(np.zeros((7, 3)), np.empty((0, 2)), 6.0).any()
 
@@ -78,7 +78,7 @@ def test_many_particles_give_what_each_gives_alone() -> None:
         assert together[index] == pytest.approx(alone[0], rel=1e-4)
 
 
-def test_a_map_without_obstacles_is_harmless() -> None:
+def test_map_without_obstacles_is_accepted() -> None:
     empty = OccupancyMap(np.zeros((5, 5), dtype=np.uint8), 0.1, Pose(0, 0, 0))
     weights = field_of(empty).log_weights(np.array([[0.2, 0.2, 0.0]]), np.array([[0.1, 0.0]]), 1.0)
     assert weights == pytest.approx([math.log(0.1)], abs=1e-6)

@@ -54,7 +54,7 @@ def new_localizer(room, seed: int = 1, **settings) -> Localizer:
     return Localizer(LocalizationSettings(**settings), room.map, np.random.default_rng(seed))
 
 
-def test_there_is_no_pose_before_a_start(room) -> None:
+def test_update_before_a_start_raises(room) -> None:
     localizer = new_localizer(room)
     assert localizer.estimate is None
     with pytest.raises(RuntimeError, match="start"):
@@ -93,7 +93,7 @@ def test_covariance_covers_the_error(room, circle) -> None:
     assert np.percentile(ratios, 95) < 11.3  # chi-square of 3, 99 %
 
 
-def test_same_seed_same_estimates_other_seed_others(room, circle) -> None:
+def test_same_seed_gives_the_same_estimates_and_another_seed_others(room, circle) -> None:
     runs = []
     for seed in (7, 7, 8):
         localizer = new_localizer(room, seed)
@@ -110,7 +110,7 @@ def test_a_fixed_number_of_particles_is_kept(room, circle) -> None:
     assert {e.particle_count for e in track(localizer, room, circle[:40])} == {400}
 
 
-def test_standing_still_breeds_no_false_confidence(room) -> None:
+def test_covariance_does_not_shrink_at_standstill(room) -> None:
     localizer = new_localizer(room)
     here = Pose(4.0, 2.0, 0.3)
     localizer.start_at(here, 0.1, 0.05)
@@ -122,7 +122,7 @@ def test_standing_still_breeds_no_false_confidence(room) -> None:
     assert error(estimate.pose, here)[0] < 0.03
 
 
-def test_wheels_that_slip_do_not_leave_the_filter_behind(room) -> None:
+def test_filter_follows_a_robot_pushed_at_standing_odometry(room) -> None:
     """The robot is pushed 1 m aside and turned by hand while the odometer stands still."""
     localizer = new_localizer(room)
     rng = np.random.default_rng(1)
@@ -136,7 +136,7 @@ def test_wheels_that_slip_do_not_leave_the_filter_behind(room) -> None:
     assert estimate.health is Health.LOCALIZED
 
 
-def test_people_around_the_robot_do_not_throw_it_off(room, circle) -> None:
+def test_people_around_the_robot_do_not_shift_the_pose(room, circle) -> None:
     localizer = new_localizer(room)
     localizer.start_at(circle[0], 0.1, 0.05)
     rng, odometer = np.random.default_rng(3), WornOdometer()
@@ -149,7 +149,7 @@ def test_people_around_the_robot_do_not_throw_it_off(room, circle) -> None:
     assert estimate.health is Health.LOCALIZED
 
 
-def test_finds_itself_anywhere_in_the_room(room, circle) -> None:
+def test_global_search_localizes_anywhere_in_the_room(room, circle) -> None:
     localizer = new_localizer(room)
     localizer.start_anywhere()
     estimates = track(localizer, room, circle)
@@ -160,7 +160,7 @@ def test_finds_itself_anywhere_in_the_room(room, circle) -> None:
     assert estimates[-1].particle_count < 600
 
 
-def test_a_kidnapped_robot_notices_and_recovers(room, circle) -> None:
+def test_kidnapped_robot_is_detected_and_relocalized(room, circle) -> None:
     localizer = new_localizer(room)
     localizer.start_at(circle[0], 0.1, 0.05)
     elsewhere = [Pose(2.5, 2.6, 2.5).compose(circle[0].between(pose)) for pose in circle[:120]]
@@ -178,8 +178,8 @@ def test_a_kidnapped_robot_notices_and_recovers(room, circle) -> None:
     assert error(estimate.pose, path[-1])[0] < 0.05
 
 
-def test_a_crowd_does_not_make_it_forget_where_it_is(room, circle) -> None:
-    """People hide the walls for so long that the search starts; then they step aside."""
+def test_pose_survives_a_crowd_that_occludes_the_map(room, circle) -> None:
+    """People occlude the walls for so long that a search starts; then they leave."""
     localizer = new_localizer(room)
     localizer.start_at(circle[0], 0.1, 0.05)
     rng, odometer, healths = np.random.default_rng(6), WornOdometer(), []
@@ -195,7 +195,7 @@ def test_a_crowd_does_not_make_it_forget_where_it_is(room, circle) -> None:
     assert error(estimate.pose, circle[99])[0] < 0.05
 
 
-def test_blind_scans_make_it_unsure_not_wrong(room, circle) -> None:
+def test_blind_scans_make_the_pose_unsure(room, circle) -> None:
     localizer = new_localizer(room)
     localizer.start_at(circle[0], 0.05, 0.02)
     track(localizer, room, circle[:20])
@@ -206,7 +206,7 @@ def test_blind_scans_make_it_unsure_not_wrong(room, circle) -> None:
     assert error(estimate.pose, last.pose)[0] < 0.1
 
 
-def test_a_map_without_floor_cannot_be_searched() -> None:
+def test_global_start_on_a_map_without_floor_raises() -> None:
     cells = np.ones((10, 10), dtype=np.uint8)
     localizer = Localizer(
         LocalizationSettings(),
@@ -217,7 +217,7 @@ def test_a_map_without_floor_cannot_be_searched() -> None:
         localizer.start_anywhere()
 
 
-def test_real_log_from_a_poor_odometer(data_folder: Path) -> None:
+def test_real_log_with_a_poor_odometer_is_tracked(data_folder: Path) -> None:
     """The first 150 scans of the Intel Research Lab, on a map built from every other scan."""
     log = read_carmen(data_folder / "logs" / "intel-corrected.log.gz")
     occupancy = build_map(log, scans="even").map
@@ -236,7 +236,7 @@ def test_real_log_from_a_poor_odometer(data_folder: Path) -> None:
         assert estimate.health is Health.LOCALIZED
 
 
-def test_a_robot_shoved_aside_unseen_is_found_nearby(room, circle) -> None:
+def test_robot_pushed_aside_is_relocalized_nearby(room, circle) -> None:
     """Pushed 0.6 m and turned 20 degrees between two scans, its odometer standing still."""
     localizer = new_localizer(room)
     localizer.start_at(circle[0], 0.05, 0.02)
@@ -253,7 +253,7 @@ def test_a_robot_shoved_aside_unseen_is_found_nearby(room, circle) -> None:
     assert error(estimate.pose, truth)[0] < 0.03
 
 
-def test_lasting_slip_is_learned(room) -> None:
+def test_lasting_slip_is_tracked(room) -> None:
     """Wheels that lose 30 % over 4 m of steps of half a metre."""
     localizer = new_localizer(room)
     truth = Pose(1.0, 2.5, -0.1)
@@ -268,8 +268,8 @@ def test_lasting_slip_is_learned(room) -> None:
     assert estimate.health is Health.LOCALIZED
 
 
-def test_slip_in_a_bare_corridor_is_found_at_once(corridor) -> None:
-    """Wheels that lose 30 % over steps of a metre, where only the far ends tell."""
+def test_slip_in_a_bare_corridor_is_corrected_at_once(corridor) -> None:
+    """Wheels lose 30 % over steps of a metre, where only the far ends are informative."""
     localizer = new_localizer(corridor)
     truth, odometry = Pose(3.0, 1.0, 0.0), Pose(0, 0, 0)
     localizer.start_at(truth, 0.05, 0.02)
@@ -283,8 +283,8 @@ def test_slip_in_a_bare_corridor_is_found_at_once(corridor) -> None:
     assert estimate.health is not Health.LOST
 
 
-def test_a_board_before_a_standing_robot_does_not_move_its_pose(room) -> None:
-    """Somebody sets down a board of 1.6 m that looks like a wall, and takes it away again."""
+def test_board_before_a_standing_robot_does_not_shift_the_pose(room) -> None:
+    """A board of 1.6 m that looks like a wall is set down, and taken away again."""
     truth, rng = Pose(3.0, 2.0, 0.4), np.random.default_rng(3)
     localizer = new_localizer(room)
     localizer.start_at(truth, 0.1, 0.05)

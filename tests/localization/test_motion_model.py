@@ -1,4 +1,4 @@
-"""The motion model: its mean is the odometry, its spread grows with what was counted."""
+"""The motion model: its mean is the odometry, its spread grows with the counted step."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_spread_is_proportional_to_distance_and_angle() -> None:
     assert turned[0] == pytest.approx(SETTINGS.translation_per_rotation * 1.5, rel=0.1)
 
 
-def test_a_still_odometer_still_spreads_by_the_floor() -> None:
+def test_zero_step_spreads_by_the_minimum_noise() -> None:
     spread = moved(Pose(0, 0, 0)).std(axis=0)
     assert spread == pytest.approx((FLOOR_XY, FLOOR_XY, FLOOR_THETA), rel=0.05)
 
@@ -96,7 +96,7 @@ def test_a_particle_that_slipped_is_likely_to_slip_again_by_as_much() -> None:
     assert particles[~again, 0].mean() == pytest.approx(1.0, abs=0.01)
 
 
-def test_slipping_particles_lose_no_more_than_the_most() -> None:
+def test_slipping_particles_lose_at_most_max_slip() -> None:
     _, slips = move_particles(
         np.zeros((COUNT, 3)),
         np.zeros(COUNT, np.float32),

@@ -1,4 +1,4 @@
-"""Scan-to-map refinement: finds the true pose, and keeps its hands off when it should."""
+"""Scan-to-map refinement: finds the true pose, or rejects the refinement."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ TRUTH = Pose(3.0, 2.0, 0.4)
 CLOUD = np.diag([0.05**2, 0.05**2, 0.03**2])
 
 
-def test_surface_has_the_slope_of_its_own_values() -> None:
+def test_surface_gradient_is_that_of_its_values() -> None:
     rng = np.random.default_rng(1)
     cells = (rng.random((30, 40)) < 0.05).astype(np.uint8)
     surface = DistanceSurface(OccupancyMap(cells, 0.1, Pose(-1, 3, 0)), 2.0)
@@ -48,7 +48,7 @@ def test_surface_is_the_distance_field_at_cell_centres_and_far_outside() -> None
 @pytest.mark.parametrize(
     "off", [(0.08, -0.05, 0.03), (-0.1, 0.0, -0.04), (0.0, 0.1, 0.05), (0.03, 0.03, -0.06)]
 )
-def test_finds_the_true_pose_from_beside_it(room, off: tuple[float, float, float]) -> None:
+def test_refines_to_the_true_pose(room, off: tuple[float, float, float]) -> None:
     points = room.scan(TRUTH, np.random.default_rng(1))
     start = Pose(TRUTH.x + off[0], TRUTH.y + off[1], TRUTH.theta + off[2])
     refined = Refinement(room.map).refine(start, CLOUD, points)
@@ -58,7 +58,7 @@ def test_finds_the_true_pose_from_beside_it(room, off: tuple[float, float, float
     assert abs(pose.theta - TRUTH.theta) < math.radians(0.5)
 
 
-def test_people_do_not_pull(room) -> None:
+def test_people_have_no_influence(room) -> None:
     rng = np.random.default_rng(2)
     points = room.scan(TRUTH, rng)
     points[60:100] *= 0.4
@@ -69,8 +69,8 @@ def test_people_do_not_pull(room) -> None:
     assert math.hypot(pose.x - TRUTH.x, pose.y - TRUTH.y) < 0.03
 
 
-def test_never_jumps_beyond_its_limits(room) -> None:
-    """From anywhere near, with any scan: either refused or within the limits."""
+def test_refinement_beyond_the_limits_is_rejected(room) -> None:
+    """From any pose nearby, with any scan: either rejected or within the limits."""
     refinement = Refinement(room.map, limit_xy=0.15, limit_theta=0.08)
     rng = np.random.default_rng(3)
     accepted = 0
@@ -89,7 +89,7 @@ def test_never_jumps_beyond_its_limits(room) -> None:
     assert 0 < accepted < 300
 
 
-def test_a_bare_corridor_leaves_the_position_along_it_to_the_cloud() -> None:
+def test_in_a_bare_corridor_the_position_along_it_is_kept() -> None:
     cells = np.zeros((60, 400), dtype=np.uint8)
     cells[[10, 50], :] = OCCUPIED
     corridor = OccupancyMap(cells, 0.05, Pose(0, 0, 0))
@@ -105,11 +105,11 @@ def test_a_bare_corridor_leaves_the_position_along_it_to_the_cloud() -> None:
     assert refined.pose.theta == pytest.approx(0.0, abs=0.005)
     assert refined.pose.x == pytest.approx(start.x, abs=0.01)
     sigma_x, sigma_y, _ = np.sqrt(np.diag(refined.covariance))
-    assert sigma_x >= 0.05  # along the corridor it is no surer than the cloud was
+    assert sigma_x >= 0.05  # along the corridor the variance is not below that of the cloud
     assert sigma_y < 0.02
 
 
-def test_too_few_points_tell_nothing(room) -> None:
+def test_too_few_points_give_none(room) -> None:
     refinement = Refinement(room.map)
     points = room.scan(TRUTH)[:9]
     assert refinement.refine(TRUTH, CLOUD, points) is None

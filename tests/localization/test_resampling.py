@@ -19,7 +19,7 @@ def test_counts_are_expectations_rounded_up_or_down() -> None:
         assert counts[2] == 0
 
 
-def test_unbiased() -> None:
+def test_drawn_counts_are_unbiased() -> None:
     rng = np.random.default_rng(2)
     total = sum(np.bincount(draw_low_variance(WEIGHTS, 8, rng), minlength=5) for _ in range(4000))
     assert total / 32000 == pytest.approx(WEIGHTS, abs=0.005)
@@ -31,7 +31,7 @@ def test_weights_short_of_one_by_rounding_stay_in_range() -> None:
     assert max(draw_low_variance(short, 1000, rng)) == 2
 
 
-def test_effective_sample_size() -> None:
+def test_effective_sample_size_of_equal_and_single_weights() -> None:
     assert effective_sample_size(np.full(40, 1 / 40)) == pytest.approx(40)
     assert effective_sample_size(np.array([0.0, 1.0, 0.0])) == 1.0
     assert effective_sample_size(np.array([0.5, 0.5, 0.0])) == pytest.approx(2.0)

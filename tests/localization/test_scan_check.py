@@ -28,7 +28,7 @@ def test_fit_falls_with_the_distance_from_the_truth(room, check: ScanCheck) -> N
     assert fits[-1] < 0.35
 
 
-def test_too_few_points_tell_nothing(room, check: ScanCheck) -> None:
+def test_too_few_points_give_none(room, check: ScanCheck) -> None:
     points = room.scan(TRUTH)[:9]
     assert check.fit(TRUTH, points) is None
     assert check.wall_crossing(TRUTH, points) == 0.0
@@ -46,19 +46,19 @@ def test_people_are_left_out_of_the_fit_up_to_a_share_of_the_beams(room, check: 
 
 
 def test_beams_beyond_the_mapped_floor_are_not_left_out(room, check: ScanCheck) -> None:
-    """Who ends outside the map, in the unknown, is no person on the floor."""
+    """End points outside the map, in unknown cells, are not people on the floor."""
     points = room.scan(TRUTH)
     points[40:95] *= 20.0
     fit = check.fit(TRUTH, points)
     assert fit.whole == pytest.approx(fit.fit_without_dynamic)
 
 
-def test_no_beam_passes_through_walls_at_the_truth(room, check: ScanCheck) -> None:
+def test_at_the_true_pose_no_beam_crosses_walls(room, check: ScanCheck) -> None:
     assert check.wall_crossing(TRUTH, room.scan(TRUTH)) == 0.0
     assert check.wall_crossing(TRUTH, 0.5 * room.scan(TRUTH)) == 0.0
 
 
-def test_beams_that_pass_a_wall_are_counted(room, check: ScanCheck) -> None:
+def test_share_of_beams_that_cross_a_wall(room, check: ScanCheck) -> None:
     """Beams of 3 m to either side, of a robot that stands 1 m before a wall and looks along it."""
     pose = Pose(3.5, 1.0, 0.0)
     angles = np.concatenate((np.full(30, -np.pi / 2), np.full(30, np.pi / 2)))
@@ -66,7 +66,7 @@ def test_beams_that_pass_a_wall_are_counted(room, check: ScanCheck) -> None:
     assert check.wall_crossing(pose, points) == pytest.approx(0.5, abs=0.02)
 
 
-def test_a_beam_that_ends_just_behind_its_wall_does_not_pass_it(room, check: ScanCheck) -> None:
+def test_beam_that_ends_just_behind_a_wall_does_not_cross_it(room, check: ScanCheck) -> None:
     points = room.scan(TRUTH)
     length = np.linalg.norm(points, axis=1, keepdims=True)
     assert check.wall_crossing(TRUTH, points * (1.0 + 0.1 / length)) == 0.0
@@ -83,21 +83,21 @@ def with_board(points, ahead: float = 0.6, half_width: float = 0.7):
     return changed, on_board
 
 
-def test_what_hides_much_of_the_map_is_found(room, check: ScanCheck) -> None:
+def test_large_occluder_is_found(room, check: ScanCheck) -> None:
     points, on_board = with_board(room.scan(TRUTH))
     hiding = check.hiding(TRUTH, points)
     assert hiding is not None
     assert hiding.tolist() == on_board.tolist()
 
 
-def test_little_or_far_or_no_thing_hides_nothing(room, check: ScanCheck) -> None:
+def test_small_or_distant_or_no_object_is_no_occluder(room, check: ScanCheck) -> None:
     scan = room.scan(TRUTH)
     assert check.hiding(TRUTH, scan) is None
     assert check.hiding(TRUTH, with_board(scan, half_width=0.2)[0]) is None
     assert check.hiding(TRUTH, with_board(scan, ahead=1.6, half_width=1.5)[0]) is None
 
 
-def test_where_nothing_beside_it_fits_the_pose_is_not_trusted(room, check: ScanCheck) -> None:
+def test_no_occluder_if_the_rest_of_the_scan_does_not_fit(room, check: ScanCheck) -> None:
     points, _ = with_board(room.scan(TRUTH))
     elsewhere = Pose(TRUTH.x + 0.5, TRUTH.y + 0.6, TRUTH.theta + 0.5)
     assert check.hiding(elsewhere, points) is None

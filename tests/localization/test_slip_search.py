@@ -1,4 +1,4 @@
-"""The search back along a step: finds where slipping wheels left the robot, and nothing else."""
+"""The slip search: finds the pose where slipping wheels left the robot, and no other."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def search(room, min_gain: float = MIN_GAIN) -> SlipSearch:
 
 @pytest.mark.parametrize("lost", [0.15, 0.3, 0.45])
 @pytest.mark.parametrize("seed", range(4))
-def test_finds_where_the_wheels_slipped_to(corridor, lost: float, seed: int) -> None:
+def test_pose_after_slip_is_found(corridor, lost: float, seed: int) -> None:
     points = corridor.scan(TRUTH, np.random.default_rng(seed))
     counted = TRUTH.compose(Pose(lost * STEP.x, 0.01, 0.0))
     refined = search(corridor).find(counted, STEP, points)
@@ -34,12 +34,12 @@ def test_finds_where_the_wheels_slipped_to(corridor, lost: float, seed: int) -> 
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_leaves_a_good_pose_alone(corridor, seed: int) -> None:
+def test_good_pose_gives_none(corridor, seed: int) -> None:
     points = corridor.scan(TRUTH, np.random.default_rng(seed))
     assert search(corridor).find(TRUTH, STEP, points) is None
 
 
-def test_looks_ahead_where_the_robot_drove_backwards(corridor) -> None:
+def test_backward_step_is_searched_ahead(corridor) -> None:
     points = corridor.scan(TRUTH, np.random.default_rng(1))
     counted = TRUTH.compose(Pose(-0.4, 0.0, 0.0))
     assert search(corridor).find(counted, STEP, points) is None
@@ -48,22 +48,22 @@ def test_looks_ahead_where_the_robot_drove_backwards(corridor) -> None:
     assert refined.pose.x == pytest.approx(TRUTH.x, abs=0.06)
 
 
-def test_a_step_too_short_to_slip_far_is_not_looked_at(corridor) -> None:
+def test_too_short_step_gives_none(corridor) -> None:
     points = corridor.scan(TRUTH, np.random.default_rng(1))
     counted = TRUTH.compose(Pose(0.4, 0.0, 0.0))
     assert search(corridor).find(counted, Pose(0.19, 0.0, 0.0), points) is None
     assert search(corridor).find(counted, Pose(1.4, 0.0, 0.0), points) is not None
 
 
-def test_bare_walls_that_tell_nothing_move_nothing(corridor) -> None:
-    """Only beams to the sides: the same anywhere along the corridor."""
+def test_bare_walls_give_none(corridor) -> None:
+    """Only beams to the sides, which fit equally all along the corridor."""
     points = corridor.scan(TRUTH, np.random.default_rng(1))
     sides = points[np.abs(points[:, 0]) < 3.0]
     counted = TRUTH.compose(Pose(0.4, 0.0, 0.0))
     assert search(corridor).find(counted, STEP, sides) is None
 
 
-def test_a_higher_gain_asks_for_more(corridor) -> None:
+def test_higher_min_gain_rejects_the_pose(corridor) -> None:
     points = corridor.scan(TRUTH, np.random.default_rng(1))
     counted = TRUTH.compose(Pose(0.4, 0.0, 0.0))
     assert search(corridor, min_gain=1e3).find(counted, STEP, points) is None

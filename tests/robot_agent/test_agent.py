@@ -1,4 +1,4 @@
-"""The agent in lockstep with emulated devices: events in, effects out, nothing else."""
+"""The agent in lockstep with emulated devices: effects of events."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -33,7 +33,7 @@ MOTION = (CommandNumber.VEL, CommandNumber.RVEL, CommandNumber.VEL2)
 
 
 class Tape:
-    """Keeps everything that happens to an agent and all it does."""
+    """Records the events and effects of an agent."""
 
     def __init__(self) -> None:
         self.steps: list[tuple[Event, list[Effect]]] = []
@@ -125,7 +125,7 @@ def test_the_same_events_give_the_same_effects(folder: MapFolder) -> None:
         assert agent.handle(event) == effects
 
 
-def test_a_blind_laser_stops_the_robot(folder: MapFolder) -> None:
+def test_blind_laser_stops_the_robot(folder: MapFolder) -> None:
     fleet = make_fleet(folder)
     run_until(fleet, 15.0)
     robot = fleet.robots[0]
@@ -145,7 +145,7 @@ def test_a_blind_laser_stops_the_robot(folder: MapFolder) -> None:
     assert robot.rig.base.velocity[0] > 0.1, "goes on by itself once the laser is back"
 
 
-def test_a_blinded_laser_is_told_to_the_operator_and_moves_nothing(folder: MapFolder) -> None:
+def test_blind_laser_is_reported_and_robot_stands(folder: MapFolder) -> None:
     tape = Tape()
     fault = parse_fault("robot1:blind@15-22")
     starts = [START]
@@ -181,7 +181,7 @@ def _published(tape: Tape, stream: str) -> list[Any]:
     ]
 
 
-def test_a_lost_base_link_is_a_state_and_comes_back(folder: MapFolder) -> None:
+def test_lost_base_link_is_reported(folder: MapFolder) -> None:
     fleet = make_fleet(folder)
     run_until(fleet, 15.0)
     agent = fleet.robots[0].agent
@@ -190,7 +190,7 @@ def test_a_lost_base_link_is_a_state_and_comes_back(folder: MapFolder) -> None:
     assert agent.health_summary.health() == "base down"
 
 
-def test_without_a_border_it_localizes_and_never_moves(folder: MapFolder) -> None:
+def test_without_a_border_agent_localizes_and_never_moves(folder: MapFolder) -> None:
     tape = Tape()
     bare = replace(folder, border=None)
     run_until(make_fleet(bare, tape), 12.0)
@@ -203,7 +203,7 @@ def test_without_a_border_it_localizes_and_never_moves(folder: MapFolder) -> Non
     assert estimates, "it localizes all the same"
 
 
-def test_without_a_start_it_finds_itself(folder: MapFolder) -> None:
+def test_without_a_start_agent_localizes_globally(folder: MapFolder) -> None:
     config = AgentConfig()
     assert config.start is None
     agent = Agent(config, folder)
@@ -252,7 +252,7 @@ def test_a_bumper_stops_the_robot_before_it_pushes(folder: MapFolder) -> None:
     assert (decision.v, decision.w, decision.reason) == (0.0, 0.0, GateReason.BUMPER)
 
 
-def test_what_only_the_sonars_hear_behind_slows_a_turn_towards_it(folder: MapFolder) -> None:
+def test_sonar_echo_behind_slows_a_turn_towards_it(folder: MapFolder) -> None:
     fleet = make_fleet(folder)
     run_until(fleet, 15.0)
     agent = fleet.robots[0].agent
@@ -277,7 +277,7 @@ def test_what_only_the_sonars_hear_behind_slows_a_turn_towards_it(folder: MapFol
     assert turns[0].reason is GateReason.OBSTACLE
 
 
-def test_what_is_handled_late_is_an_overload_and_stops_the_robot(folder: MapFolder) -> None:
+def test_late_handling_is_an_overload_and_stops_the_robot(folder: MapFolder) -> None:
     tape = Tape()
     run_until(make_fleet(folder, tape), 15.0)
     agent = Agent(make_fleet(folder).robots[0].agent.config, folder)
@@ -295,7 +295,7 @@ def test_what_is_handled_late_is_an_overload_and_stops_the_robot(folder: MapFold
     assert agent.gate_decision.v == 0.0
 
 
-def test_a_robot_that_knows_no_pose_turns_slowly_and_finds_itself(folder: MapFolder) -> None:
+def test_lost_robot_turns_slowly_and_relocalizes(folder: MapFolder) -> None:
     fleet = make_fleet(folder)
     robot = fleet.robots[0]
     robot.agent.localizer.start_anywhere()
@@ -315,7 +315,7 @@ def test_a_robot_that_knows_no_pose_turns_slowly_and_finds_itself(folder: MapFol
     assert found.pose.y == pytest.approx(robot.rig.body.pose.y, abs=0.3)
 
 
-def test_a_stream_that_is_missed_is_an_alarm_until_it_is_back(folder: MapFolder) -> None:
+def test_stale_stream_raises_an_alarm_until_it_is_fresh(folder: MapFolder) -> None:
     tape = Tape()
     fleet = make_fleet(folder, tape)
     run_until(fleet, 8.0)
@@ -329,7 +329,7 @@ def test_a_stream_that_is_missed_is_an_alarm_until_it_is_back(folder: MapFolder)
     assert words == ["laser scan: none for 0.34 s: the robot stands", "laser scan: is back"]
 
 
-def test_what_had_waited_through_a_pause_is_not_believed(folder: MapFolder) -> None:
+def test_bytes_buffered_during_a_pause_are_rejected(folder: MapFolder) -> None:
     fleet = make_fleet(folder)
     run_until(fleet, 15.0)
     robot = fleet.robots[0]

@@ -59,7 +59,7 @@ def test_effective_configuration_survives_a_round_trip() -> None:
         ("\xff", "robot.toml: is not TOML"),
     ],
 )
-def test_mistakes_are_named_with_file_and_key(text: str, complaint: str) -> None:
+def test_errors_name_file_and_key(text: str, complaint: str) -> None:
     with pytest.raises(ConfigError) as caught:
         parse_config(text.encode("latin-1"), "robot.toml")
     message = str(caught.value)
@@ -68,7 +68,7 @@ def test_mistakes_are_named_with_file_and_key(text: str, complaint: str) -> None
     assert ";" in message, "a remedy follows"
 
 
-def test_missing_file_is_named(tmp_path: Path) -> None:
+def test_missing_file_raises_with_its_path(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"nowhere\.toml: cannot be read"):
         load_config(tmp_path / "nowhere.toml")
 
@@ -94,7 +94,7 @@ def test_defaults_are_the_odometry_noise_of_our_robots(model: str) -> None:
     )
 
 
-def test_odometry_is_as_noisy_as_that_of_the_model_unless_told() -> None:
+def test_odometry_noise_is_the_models_unless_set() -> None:
     motion = "translation_per_rotation = 0.5\n"
     told = f'[base]\nmodel = "p3at"\n[localization.motion]\n{motion}'
     config = parse_config(told.encode(), "x")
@@ -104,5 +104,5 @@ def test_odometry_is_as_noisy_as_that_of_the_model_unless_told() -> None:
     assert parse_config(format_config(config).encode(), "x") == config
 
 
-def test_unknown_model_is_left_to_those_who_need_it() -> None:
+def test_unknown_model_does_not_raise_in_parsing() -> None:
     assert parse_config(b'[base]\nmodel = "p9"\n', "x").base.model == "p9"

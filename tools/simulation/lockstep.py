@@ -116,7 +116,7 @@ class LockstepAgent:
                 self._local_baud[link] = baud
             case TakePicture():
                 if self._camera is not None:
-                    self._camera.want_picture()
+                    self._camera.request_picture()
 
     def _send(self, t: float, link: LinkName, data: bytes) -> None:
         device = self._devices[link]

@@ -12,7 +12,7 @@ from drivers.camera import Picture
 from drivers.camera_source import CameraSettings
 from robot_agent.messages.events import Event
 from robot_agent.perception.color_settings import ColorSettings
-from robot_agent.perception.picture_reader import CameraEye
+from robot_agent.perception.picture_reader import PictureReader
 
 
 class LockstepCamera:
@@ -27,15 +27,15 @@ class LockstepCamera:
         self._take = take
         self._settings = camera
         self._events: list[Event] = []
-        self._eye = CameraEye(camera, color, self._events.append)
+        self._picture_reader = PictureReader(camera, color, self._events.append)
         self._taken: deque[Picture] = deque()
         self._number = 0
         self._next = 0.0
         self._up = False
 
-    def want_picture(self) -> None:
-        """Deliver the next picture itself too."""
-        self._eye.want_picture()
+    def request_picture(self) -> None:
+        """Send the next picture too."""
+        self._picture_reader.request_picture()
 
     def advance(self, t: float) -> None:
         """Take a picture if one is due at ``t``."""
@@ -51,8 +51,8 @@ class LockstepCamera:
             picture = self._taken.popleft()
             if not self._up:
                 self._up = True
-                self._eye.camera_up(picture.t)
-            self._eye.picture(picture)
+                self._picture_reader.camera_up(picture.t)
+            self._picture_reader.picture(picture)
         events = self._events[:]
         self._events.clear()
         return events

@@ -139,7 +139,7 @@ def test_there_is_an_example_of_every_stream() -> None:
 
 
 @pytest.mark.parametrize("stream", STREAMS)
-def test_payload_comes_back(stream: str) -> None:
+def test_payload_survives_a_round_trip(stream: str) -> None:
     assert decode(stream, encode(PAYLOADS[stream])) == PAYLOADS[stream]
 
 
@@ -242,7 +242,7 @@ def test_beam_without_return_is_zero() -> None:
     assert (scan["start_angle"], scan["end_angle"]) == (-1.5, -0.5)
 
 
-def test_viewers_list_the_actions_there_are() -> None:
+def test_actions_of_viewers_equal_the_actions() -> None:
     assert set(ACTIONS) == {str(action) for action in Action}
     degrees = STREAMS["decision"].json_schema()["properties"]["degrees"]
     assert set(degrees["properties"]) == set(ACTIONS)
@@ -279,11 +279,11 @@ def test_time_stamp_counts_from_the_wall_clock_of_the_start() -> None:
         ("no such stream", b"{}"),
     ],
 )
-def test_what_is_no_payload_raises_one_typed_error(stream: str, data: bytes) -> None:
+def test_invalid_payload_raises_payload_error(stream: str, data: bytes) -> None:
     with pytest.raises(PayloadError, match=stream):
         decode(stream, data)
 
 
-def test_keys() -> None:
+def test_key_of_a_stream_and_of_a_robot() -> None:
     assert key_of("north", "anna", "pose") == "patrol/north/anna/pose"
     assert key_of("north", "anna") == "patrol/north/anna"

@@ -1,4 +1,4 @@
-"""What the gate must answer, case by case; every mutant of the gate must break one of them."""
+"""Table of cases for the safety gate; every mutant of the gate must fail one of them."""
 
 import math
 from dataclasses import dataclass, field
@@ -26,7 +26,7 @@ END = 1.2  # s, time of the last step
 
 @dataclass(frozen=True)
 class Case:
-    """A request held from standstill while all is well, and a last step with other inputs."""
+    """A request held from standstill with good inputs, and a last step with other inputs."""
 
     requested: tuple[float, float]
     expected: tuple[float, float]
@@ -86,7 +86,7 @@ R = stopping(0.3)
 
 
 def met(pose: float, side: int, aside: float = 0.0) -> tuple[float, float]:
-    """Where a point of the front margin is after that many twelfths of an arc of radius 0.5 m.
+    """Position of a point of the front margin after so many twelfths of an arc of radius 0.5 m.
 
     aside: m from the front's middle, towards the centre of the arc.
     """
@@ -391,7 +391,7 @@ CASES = [
 
 @dataclass(frozen=True)
 class Step:
-    """One call of the gate: at t, with some inputs changed; what must come of it."""
+    """One call of the gate at t, with some inputs changed, and the expected result."""
 
     t: float
     reason: str
@@ -412,7 +412,7 @@ class Story:
 
 
 def holds(story: Story, module: ModuleType = gate) -> bool:
-    """Tell whether a story comes true on the gate of a module."""
+    """Return whether the gate of a module passes a sequence of calls."""
     tested = module.SafetyGate(module.GateLimits(**story.settings))
     for step in story.steps:
         given = inputs(module, step.t, **step.inputs)
@@ -651,7 +651,7 @@ STORIES = [
 
 
 def all_hold(module: ModuleType) -> bool:
-    """Tell whether every case and story comes true on the gate of a module."""
+    """Return whether the gate of a module passes every case and sequence."""
     return all(fits(case, run(case, module)) for case in CASES) and all(
         holds(story, module) for story in STORIES
     )

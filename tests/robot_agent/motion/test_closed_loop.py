@@ -194,7 +194,7 @@ def test_two_robots_meeting_head_on(meeting, supervisor):
     assert distances(robots).max() < 0.03
 
 
-def test_seam_does_not_matter():
+def test_seam_does_not_change_the_path():
     """The same meeting with s = 0 elsewhere gives the same run."""
     runs = []
     for first in (0, 2, 3):  # first piece 3: the seam is under the left robot
@@ -207,7 +207,7 @@ def test_seam_does_not_matter():
 
 
 @pytest.mark.parametrize("first", [1, 3, 4, 6])
-def test_seam_does_not_matter_to_a_team(first):
+def test_seam_does_not_change_the_paths_of_a_team(first):
     """Three robots, random reversals, meetings everywhere: the same run wherever s = 0 lies."""
     team = [on(RECTANGLE, 1.0), on(RECTANGLE, 20.0, -1), on(RECTANGLE, 37.0)]
     one, other = (
@@ -228,7 +228,7 @@ def track(robot):
     return np.column_stack((x, y, np.cos(theta), np.sin(theta)))
 
 
-def test_seam_within_a_segment_does_not_matter():
+def test_seam_within_a_segment_does_not_change_the_path():
     """s = 0 in the middle of a straight, one robot standing on it as two meet there."""
     pieces = rounded_rectangle().primitives
     top = pieces[2]
@@ -295,7 +295,7 @@ def test_no_deadlock_where_robots_avoid_off_the_border(gap, supervisor):
     assert closest_approach(robots) > CONTACT
 
 
-def test_stopped_robot_is_a_wall():
+def test_stopped_robot_is_turned_back_from():
     """A wreck on the border turns its teammate 1.9 m before it, from both sides."""
     s = RECTANGLE.project(8.5, 10.0).abscissa
     robots = drive(RECTANGLE, [on(RECTANGLE, s), on(RECTANGLE, s - 4.0)], 160.0, stopped=(0,))
@@ -328,7 +328,7 @@ BENT = Border(
 
 
 @pytest.mark.parametrize("supervisor", SUPERVISORS)
-def test_no_metre_of_an_open_border_is_left_undriven(supervisor):
+def test_every_metre_of_an_open_border_is_patrolled(supervisor):
     """Three robots and random reversals; what is left at the ends is half a robot more or less."""
     team = [on(BENT, 3.0), on(BENT, 11.0, -1), on(BENT, 19.0)]
     robots = drive(BENT, team, 600.0, seed=2, probability=0.25, supervisor=supervisor)
@@ -350,7 +350,7 @@ def test_caught_between_end_and_teammate_holds_until_it_leaves(supervisor):
     assert np.count_nonzero(directions) <= 4  # it does not shuffle to and fro
 
 
-def test_caught_beside_a_wreck_stands_a_while_and_drives_what_there_is():
+def test_robot_caught_by_a_wreck_leaves_the_end_after_a_while():
     robots = drive(LINE, [on(LINE, 0.3, -1), on(LINE, 1.9)], 30.0, stopped=(1,))
     x = np.array([sample.pose.x for sample in robots[0].samples])
     assert np.ptp(x[40:110]) < 0.05

@@ -18,7 +18,7 @@ def test_three_misses_within_three_seconds_are_an_overload():
     assert not watch_of(1.0, 2.0, 4.1).overloaded(4.1)
 
 
-def test_it_ends_when_the_first_of_them_is_older():
+def test_overload_ends_when_the_first_miss_is_older():
     watch = watch_of(1.0, 1.5, 2.0)
     assert watch.overloaded(3.9)
     assert not watch.overloaded(4.0)
@@ -26,7 +26,7 @@ def test_it_ends_when_the_first_of_them_is_older():
     assert watch.overloaded(4.1)
 
 
-def test_what_is_in_time_is_no_miss():
+def test_event_in_time_is_no_miss():
     watch = DeadlineWatch()
     for step in range(100):
         watch.update(0.01 * step, IN_TIME)

@@ -1,4 +1,4 @@
-"""Where the robot's own body is."""
+"""The footprint of the robot's body."""
 
 import numpy as np
 import pytest
@@ -11,16 +11,16 @@ FOOTPRINT = Footprint(GATE)
 CORNERS = np.array([(0.2, 0.4), (0.2, -0.4), (-0.3, 0.4), (-0.3, -0.4)])
 
 
-def test_what_is_on_its_rim_is_not_in_the_body():
+def test_points_on_the_edge_are_not_covered():
     assert not FOOTPRINT.covers(CORNERS).any()
     assert FOOTPRINT.covers(CORNERS * 0.99).all()
 
 
-def test_a_margin_goes_all_round_it():
+def test_margin_grows_the_footprint_on_all_sides():
     beside = np.array([(0.24, 0.0), (-0.34, 0.0), (0.0, 0.44), (0.0, -0.44)])
     assert not FOOTPRINT.covers(beside).any()
     assert FOOTPRINT.covers(beside, margin=0.05).all()
 
 
-def test_the_farthest_corner_is_its_reach():
+def test_corner_reach_is_the_distance_of_the_farthest_corner():
     assert FOOTPRINT.corner_reach == pytest.approx(np.hypot(*CORNERS.T).max())

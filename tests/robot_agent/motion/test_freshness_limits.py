@@ -1,4 +1,4 @@
-"""What is trusted for how long: one table for gate, alarms and the README of the room."""
+"""Freshness limits: one table for gate, alarms and the README of the room."""
 
 from pathlib import Path
 
@@ -16,17 +16,17 @@ from robot_agent.motion.gate_limits import GateLimits
 README = Path(__file__).parents[3] / "robot_agent" / "motion" / "README.md"
 
 
-def test_the_rooms_readme_has_the_table():
+def test_readme_has_the_table_of_limits():
     assert markdown() in README.read_text()
 
 
-def test_the_gate_has_its_limits_from_the_table():
+def test_gate_limits_equal_the_table():
     settings = GateLimits()
     assert settings.max_base_age == BASE.max_age
     assert settings.scan_age == LASER.max_age
 
 
-def test_the_age_of_a_scan_follows_the_lasers_rate():
+def test_scan_age_limit_follows_the_scan_period():
     usual = LaserSettings()
     assert abs(scan_age_limit(usual.scan_period) - LASER.max_age) < 0.001
     fast, slow = LaserSettings(baud=500000), LaserSettings(baud=19200)
@@ -44,18 +44,18 @@ def test_one_scan_may_be_lost_at_the_usual_rate():
         assert scan_age_limit(period) > 2.0 * period
 
 
-def test_every_stream_may_miss_one_of_its_own():
+def test_every_limit_allows_one_lost_datum():
     for stream in LIMITS:
         assert stream.max_age >= 1.0 / stream.rate
 
 
-def test_a_stream_is_missed_once_and_comes_back_once():
+def test_stale_and_fresh_again_are_each_reported_once():
     watch = FreshnessWatch()
     assert watch.changes(0.0) == []
-    watch.well(BASE, 1.0)
+    watch.mark_valid(BASE, 1.0)
     assert watch.changes(0.99 + BASE.max_age) == []
     assert watch.changes(1.01 + BASE.max_age) == [(BASE, False)]
     assert watch.changes(2.0) == []
-    watch.well(BASE, 2.1)
+    watch.mark_valid(BASE, 2.1)
     assert watch.changes(2.1) == [(BASE, True)]
     assert watch.changes(2.2) == []

@@ -12,14 +12,14 @@ def test_frozen_after_repeats_while_moving_until_a_reading_differs():
     assert seen == [False, False, True, True, False, False, False]
 
 
-def test_at_rest_a_sensor_may_repeat_itself():
+def test_repeated_readings_at_rest_are_not_frozen():
     watch = FrozenWatch(2)
     for _ in range(10):
         watch.update(b"a", moving=False)
     assert not watch.frozen
 
 
-def test_standing_still_does_not_make_a_frozen_sensor_well():
+def test_standing_still_does_not_clear_a_frozen_sensor():
     watch = FrozenWatch(1)
     watch.update(b"a", moving=True)
     watch.update(b"a", moving=True)

@@ -1,4 +1,4 @@
-"""The safety gate: its cases, and what must be so in any case."""
+"""The safety gate: its cases, and its invariants."""
 
 import math
 
@@ -25,13 +25,13 @@ from tests.robot_agent.motion.gate_cases import (
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda c: f"{c.reason}-{c.requested}-{c.inputs}"[:70])
-def test_case(case):
+def test_case_of_the_table(case):
     decision = run(case)
     assert fits(case, decision), (decision, case.expected, case.reason)
 
 
 @pytest.mark.parametrize("story", STORIES, ids=range(len(STORIES)))
-def test_story(story):
+def test_sequence_of_the_table(story):
     assert holds(story)
 
 
@@ -93,8 +93,8 @@ def body_hits(points, x, y, theta, settings):
 @pytest.mark.parametrize(
     "seed", [*range(20), 87, 306, 502, 754, 1010, 1273, 2365, 2556, 2843, 3854]
 )
-def test_never_touches_a_still_obstacle(seed):
-    """Random wishes among random posts; the base brakes as promised, one cycle late."""
+def test_robot_never_touches_a_static_obstacle(seed):
+    """Random requests among random posts; the base brakes as specified, one cycle late."""
     rng = np.random.default_rng(seed)
     settings = GateLimits()
     tested = gate.SafetyGate(settings)
@@ -132,7 +132,7 @@ def test_never_touches_a_still_obstacle(seed):
     st.one_of(st.none(), st.floats()),
     st.lists(st.tuples(st.floats(), st.floats()), max_size=4),
 )
-def test_any_input_gives_a_finite_command_no_larger_than_wished(v, w, base, scan, points):
+def test_any_input_gives_a_finite_command_no_larger_than_requested(v, w, base, scan, points):
     tested = gate.SafetyGate(GateLimits())
     for t in (0.0, 0.1, 0.2):
         decision = tested.permit(

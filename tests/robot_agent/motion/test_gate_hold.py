@@ -1,4 +1,4 @@
-"""What the gate's last word means: held, pinned."""
+"""Classification of gate decisions: held, pinned."""
 
 import pytest
 

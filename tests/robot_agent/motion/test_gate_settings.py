@@ -1,4 +1,4 @@
-"""What is set of the gate, and what comes of it."""
+"""Settings of the gate and the limits that result."""
 
 import pytest
 
@@ -11,16 +11,16 @@ def test_without_settings_the_limits_are_the_defaults():
     assert gate_limits(GateSettings()) == GateLimits()
 
 
-def test_what_is_set_is_the_limit():
+def test_settings_become_limits():
     limits = gate_limits(GateSettings(front=0.3, max_speed=0.2, battery_cutoff=11.5))
     assert (limits.front, limits.max_speed, limits.battery_cutoff) == (0.3, 0.2, 11.5)
 
 
-def test_the_lasers_rate_sets_the_age_of_scans():
+def test_scan_period_sets_the_age_limit_of_scans():
     assert gate_limits(GateSettings(), 0.05).scan_age == scan_age_limit(0.05)
     assert gate_limits(GateSettings()).scan_age == LASER.max_age
 
 
-def test_a_battery_low_and_well_at_once_is_refused():
+def test_battery_resume_below_cutoff_raises():
     with pytest.raises(ValueError, match="battery_resume"):
         GateSettings(battery_cutoff=11.5, battery_resume=11.0)

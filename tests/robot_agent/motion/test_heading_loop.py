@@ -1,4 +1,4 @@
-"""The heading loop: steering, turning on the spot, limits."""
+"""The heading loop: steering, turning in place, limits, pins."""
 
 import math
 
@@ -19,7 +19,7 @@ def toward(angle, speed=0.35):
     return speed * math.cos(angle), speed * math.sin(angle)
 
 
-def test_straight_ahead():
+def test_aligned_velocity_drives_straight_at_its_speed():
     assert settled((0.35, 0.0), 0.0) == pytest.approx((0.35, 0.0))
 
 
@@ -46,7 +46,7 @@ def test_first_command_is_standstill_and_acceleration_is_limited():
     assert w == pytest.approx(0.2)
 
 
-def test_standstill_when_nothing_is_wanted():
+def test_zero_velocity_stops_the_robot():
     assert settled((0.0, 0.0), 1.0) == (0.0, 0.0)
     assert settled((0.004, 0.0), 3.0) == (0.0, 0.0)
 
@@ -57,7 +57,7 @@ def turning(errors):
     return [loop.command(DT * k, toward(e), 0.0) for k, e in enumerate(errors)]
 
 
-def test_large_error_turns_on_the_spot():
+def test_large_error_turns_in_place():
     v, w = settled(toward(2.0), 0.0)
     assert v == 0.0
     assert w == pytest.approx(1.2)
@@ -84,7 +84,7 @@ def test_turn_side_is_kept_through_the_opposite_heading():
         assert all(x * first > 0.0 for x in w[1:])
 
 
-def test_turn_side_is_chosen_anew_for_the_next_turn():
+def test_next_turn_chooses_its_side_again():
     errors = [2.0] * 5 + [0.1] * 10 + [-2.0] * 20
     w = [command[1] for command in turning(errors)]
     assert w[4] > 0.0
@@ -121,22 +121,22 @@ def pinned_turn(times, theta=0.0, error=1.3):
     return rates
 
 
-def test_pinned_for_a_second_it_turns_the_other_way():
+def test_pinned_for_a_second_turns_the_other_way():
     rates = pinned_turn([(0.5, 2.0)])
     assert all(w > 0.0 for w in rates[1:15])
     assert all(w < 0.0 for w in rates[30:])  # all the way round
 
 
-def test_pinned_for_less_it_goes_on():
+def test_pinned_for_less_than_a_second_continues():
     assert all(w > 0.0 for w in pinned_turn([(0.5, 1.4), (1.6, 2.5)])[1:])
 
 
-def test_pinned_on_both_sides_it_tries_them_in_turn():
+def test_pinned_on_both_sides_alternates():
     rates = pinned_turn([(0.5, 6.0)])
     assert min(rates) < 0.0 < max(rates[30:])
 
 
-def test_pinned_on_one_side_the_other_and_the_first_again_it_edges_straight_ahead():
+def test_third_pin_of_a_turn_edges_straight_ahead():
     loop = HeadingLoop()
     steps = [loop.command(DT * k, toward(1.3), 0.0, pinned=k >= 5) for k in range(80)]
     edging = [k for k, (v, _) in enumerate(steps) if v > 0.05]
@@ -147,7 +147,7 @@ def test_pinned_on_one_side_the_other_and_the_first_again_it_edges_straight_ahea
     assert max(abs(w) for _, w in steps[edging[-1] :]) > 0.5  # and tries to turn again
 
 
-def test_where_it_cannot_edge_ahead_either_it_tries_that_turned_to_the_other_side_next():
+def test_pinned_while_edging_ahead_turns_to_the_other_side_next():
     """Pinned throughout: of two attempts to edge ahead, one comes after each side."""
     loop, sides = HeadingLoop(), []
     w_before = v_before = 0.0
@@ -160,15 +160,15 @@ def test_where_it_cannot_edge_ahead_either_it_tries_that_turned_to_the_other_sid
     assert sides[:4] == [1.0, -1.0, 1.0, -1.0]
 
 
-def test_once_it_edged_ahead_it_turns_the_shorter_way_again():
+def test_after_edging_ahead_turns_the_shorter_way():
     loop = HeadingLoop()
     edged = [loop.command(DT * k, toward(1.3), 0.0, pinned=5 <= k < 42)[0] > 0.0 for k in range(80)]
     assert any(edged)
     assert loop.command(8.0, toward(1.3), 0.0)[1] > 0.5
 
 
-def test_a_turn_that_came_round_forgets_where_it_was_pinned():
-    """Each period of 6 s: pinned for 2 s, so once; then it gets there, and is sent off again."""
+def test_reaching_the_heading_resets_the_pins():
+    """In each period of 6 s: pinned for 2 s, so once; then aligned, and turned away again."""
     loop, speeds = HeadingLoop(), []
     for k in range(300):
         pinned, theta = 10 < k % 60 < 30, 1.3 if k % 60 > 50 else 0.0
@@ -178,10 +178,10 @@ def test_a_turn_that_came_round_forgets_where_it_was_pinned():
     assert max(speeds) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_pinned_without_a_wish_to_turn_it_keeps_its_side():
+def test_pinned_without_a_turn_rate_keeps_the_side():
     assert pinned_turn([(0.5, 6.0)], error=0.0) == pytest.approx([0.0] * 60)
 
 
-def test_wedged_with_a_small_error_it_turns_round_the_other_way():
+def test_pinned_with_a_small_error_turns_the_other_way_round():
     rates = pinned_turn([(0.5, 2.0)], error=0.6)
     assert rates[10] > 0.0 > rates[30]

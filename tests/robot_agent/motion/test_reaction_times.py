@@ -1,4 +1,4 @@
-"""How soon the agent orders a stop, in the events' time, whenever in the cycle a fault comes."""
+"""Delay from a fault at any time in the cycle to the agent's stop command, in events' time."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ PHASES = [0.013 * step for step in range(9)]
 
 
 class Tape:
-    """Keeps what happens to an agent."""
+    """Records the events of an agent."""
 
     def __init__(self) -> None:
         self.events: list[Event] = []
@@ -49,7 +49,7 @@ def folder() -> MapFolder:
 
 @pytest.fixture(scope="module")
 def drive(folder: MapFolder) -> tuple[Fleet, list[Event]]:
-    """A robot that drives along the border, and all its agent is told."""
+    """A robot that drives along the border, and the events of its agent."""
     tape = Tape()
     start = Pose(5.0, 13.4, 0.3)
     fleet = Fleet(folder, 1, seed=5, starts=[start], observer=lambda *_: tape)
@@ -99,7 +99,7 @@ def unplugged(events: list[Event], link: LinkName, since: float) -> Iterator[Eve
 
 
 def standing_order(agent: Agent, events: Iterator[Event], since: float) -> float | None:
-    """Return how long after ``since``, s, the base had last been told VEL 0 and RVEL 0."""
+    """Return the time, s, from ``since`` to the last command VEL 0 and RVEL 0."""
     framer = PacketFramer()
     told = {CommandNumber.VEL: 0, CommandNumber.RVEL: 0}
     for event in events:
@@ -122,7 +122,7 @@ def standing_order(agent: Agent, events: Iterator[Event], since: float) -> float
     ],
     ids=lambda value: value if isinstance(value, str) else value.__name__,
 )
-def test_stop_is_ordered_in_time(folder, drive, fault, link, phase):
+def test_stop_is_sent_in_time_after_data_cease(folder, drive, fault, link, phase):
     fleet, events = drive
     since = DRIVING_S + phase
     agent = Agent(fleet.robots[0].agent.config, folder, publishes=False)
@@ -131,7 +131,7 @@ def test_stop_is_ordered_in_time(folder, drive, fault, link, phase):
     assert 0.0 < ordered <= LIMIT_S
 
 
-def test_one_lost_report_or_scan_is_no_reason_to_stop(folder, drive):
+def test_one_lost_report_or_scan_does_not_stop_the_robot(folder, drive):
     fleet, events = drive
     for link in ("base", "laser"):
         lost = next(

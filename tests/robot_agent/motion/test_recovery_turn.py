@@ -1,4 +1,4 @@
-"""A robot that is lost stands, then turns left and right by turns."""
+"""The recovery behavior: wait, then turn left and right alternately."""
 
 import math
 
@@ -8,7 +8,7 @@ WAIT, REST = 3.0, 8.0
 TURNING = math.radians(400.0) / 0.4  # s
 
 
-def test_stands_then_turns_to_both_sides_with_rests():
+def test_lost_robot_waits_then_turns_alternately():
     turn = RecoveryTurn()
     first = WAIT + TURNING
     second = first + REST
@@ -20,7 +20,7 @@ def test_stands_then_turns_to_both_sides_with_rests():
     ]
 
 
-def test_found_again_it_begins_anew():
+def test_recovery_starts_again_after_the_pose_was_known():
     turn = RecoveryTurn()
     assert not turn.end()
     turn.requested(0.0)
@@ -30,7 +30,7 @@ def test_found_again_it_begins_anew():
     assert turn.requested(5.0) == (0.0, 0.0)
 
 
-def test_a_turn_shows_all_round():
+def test_one_turn_covers_a_full_circle():
     turn = RecoveryTurn()
     turn.requested(0.0)
     turned = sum(0.1 * turn.requested(WAIT + 0.1 * k)[1] for k in range(round(10 * TURNING)))

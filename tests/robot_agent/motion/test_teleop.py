@@ -116,7 +116,7 @@ def test_robot_stops_before_a_wall(tmp_path: Path) -> None:
     assert drive.pose.x < 7.9 - 0.21
 
 
-def test_without_fresh_scans_nothing_moves(tmp_path: Path) -> None:
+def test_without_fresh_scans_robot_does_not_move(tmp_path: Path) -> None:
     drive = start(tmp_path)
     drive.rig.laser.power_off(drive.t)
     drive.go_on(1.0)
@@ -125,7 +125,7 @@ def test_without_fresh_scans_nothing_moves(tmp_path: Path) -> None:
     assert math.dist(begun[:2], drive.pose[:2]) < 0.005
 
 
-def test_a_patrolling_agent_hears_no_keys(tmp_path: Path) -> None:
+def test_patrolling_agent_ignores_keys(tmp_path: Path) -> None:
     drive = start(tmp_path, enabled=False)
     begun = drive.pose
     drive.go_on(3.0, key=(1, 0))
@@ -154,7 +154,7 @@ def test_a_drive_replays_identically(tmp_path: Path) -> None:
         (0.0, 9, 9, (0.15, 0.4)),
     ],
 )
-def test_a_key_is_good_for_its_moment_and_within_limits(
+def test_key_expires_after_hold_time_and_is_limited(
     age: float, ahead: int, left: int, expected: tuple[float, float]
 ) -> None:
     teleop = Teleop()
@@ -163,8 +163,8 @@ def test_a_key_is_good_for_its_moment_and_within_limits(
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_a_turn_away_from_somebody_close_beside_spares_him(tmp_path: Path, side: float) -> None:
-    """He leaves the laser's sight before a rear corner, which reaches him, comes round."""
+def test_turn_beside_a_person_does_not_touch_them(tmp_path: Path, side: float) -> None:
+    """A person leaves the laser's view before a rear corner that would reach them comes round."""
     drive = start(tmp_path)
     place = drive.pose.compose(Pose(0.30, side * 0.46, side * -0.3))
     drive.world.add_body(place, PERSON).kind = BodyKind.PERSON

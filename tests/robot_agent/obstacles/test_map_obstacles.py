@@ -1,4 +1,4 @@
-"""Walls about the robot, from the map."""
+"""Walls near the robot, from the map."""
 
 import math
 
@@ -21,7 +21,7 @@ def walls() -> MapObstacles:
     return MapObstacles(OccupancyMap(cells, 0.05, Pose(-0.05, -0.05, 0.0)), GateLimits())
 
 
-def test_a_wall_near_by_is_where_it_is(walls: MapObstacles) -> None:
+def test_wall_nearby_is_at_its_distance(walls: MapObstacles) -> None:
     behind = walls.around(Pose(0.38, 2.0, 0.0))
     assert behind[:, 0].max() == pytest.approx(-0.38, abs=0.005)  # its surface
     ahead = walls.around(Pose(3.6, 2.0, 0.0))
@@ -31,7 +31,7 @@ def test_a_wall_near_by_is_where_it_is(walls: MapObstacles) -> None:
 
 
 @pytest.mark.parametrize("heading", [0.0, 0.5, -2.0])
-def test_a_turn_stops_before_the_corner_meets_the_wall(walls: MapObstacles, heading: float) -> None:
+def test_turn_stops_before_a_corner_touches_the_wall(walls: MapObstacles, heading: float) -> None:
     # The robot stands along the wall at its right; its rear right corner would swing into it.
     pose = Pose(2.0, 0.30, 0.0)
     body = SweptFootprint(GateLimits())
@@ -41,7 +41,7 @@ def test_a_turn_stops_before_the_corner_meets_the_wall(walls: MapObstacles, head
     assert body.free_share(0.0, math.pi / 2, walls.around(away)) == 1.0
 
 
-def test_a_wall_in_the_body_is_an_error_of_the_pose(walls: MapObstacles) -> None:
+def test_map_points_inside_the_footprint_are_left_out(walls: MapObstacles) -> None:
     pose = Pose(0.25, 2.0, 0.0)  # its rear would be 5 cm deep in the wall
     points = walls.around(pose)
     assert not ((points[:, 0] > -0.24) & (np.abs(points[:, 1]) < 0.15)).any()

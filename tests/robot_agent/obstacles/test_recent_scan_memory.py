@@ -1,4 +1,4 @@
-"""What was seen beside the robot is still there when it has turned away."""
+"""Points beside the robot are kept when they leave the laser's view."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ def turned(degrees: float) -> Pose:
     return START.compose(Pose(0.0, 0.0, math.radians(degrees)))
 
 
-def test_a_turn_stops_before_a_rear_corner_meets_who_stood_beside() -> None:
-    """Somebody stands beside the left front corner, and leaves the laser's sight as it turns."""
+def test_turn_stops_before_a_rear_corner_touches_a_person_beside() -> None:
+    """A person beside the left front corner leaves the laser's view as the robot turns."""
     left, body = RecentScanMemory(GATE), SweptFootprint(GATE)
     person = move_points(np.array([(0.10, 0.31), (0.02, 0.31), (0.20, 0.33)]), START)
     reached = 0.0
@@ -48,7 +48,7 @@ def test_a_turn_stops_before_a_rear_corner_meets_who_stood_beside() -> None:
     assert -80.0 < reached < -30.0, "it turns as far as there is room"
 
 
-def test_what_is_seen_again_is_told_by_the_laser_alone() -> None:
+def test_points_back_in_view_are_dropped() -> None:
     left = RecentScanMemory(GATE)
     someone = move_points(np.array([(0.05, 0.4)]), START)
     seen = move_points(someone, turned(-20.0).between(Pose(0.0, 0.0, 0.0)))
@@ -60,7 +60,7 @@ def test_what_is_seen_again_is_told_by_the_laser_alone() -> None:
     assert left.around(turned(-20.0)).size == 0, "it has gone meanwhile"
 
 
-def test_old_far_and_touching_points_are_forgotten() -> None:
+def test_old_far_and_touching_points_are_dropped() -> None:
     left = RecentScanMemory(GATE)
     touching, near, far = (-0.1, 0.22), (-0.1, 0.4), (-0.1, 0.8)
     left.update(1.0, START, np.array([touching, near, far]), in_view)
@@ -75,8 +75,8 @@ def test_old_far_and_touching_points_are_forgotten() -> None:
     assert len(left.around(ahead)) == 0
 
 
-def test_where_no_pose_is_known_nothing_is_forgotten_for_its_age() -> None:
-    """The map tells of no wall then: a lost robot that looks around would turn into it."""
+def test_without_a_pose_points_do_not_expire() -> None:
+    """Without a pose the map's walls are missing, and the recovery turn would touch one."""
     left = RecentScanMemory(GATE)
     left.lasts = True
     left.update(1.0, START, np.array([(-0.1, 0.4)]), in_view)

@@ -25,7 +25,7 @@ def report(t: float, *readings: tuple[int, float]) -> BaseState:
     return replace(base_state(t, sip, Odometer(), MODEL), sonar=readings)
 
 
-def test_only_what_is_beside_or_behind_is_told() -> None:
+def test_only_sonars_beside_and_behind_are_used() -> None:
     sonar = SonarObstacles(MODEL)
     sonar.update(report(1.0, *[(number, 1.0) for number in range(16)]), ORIGIN, MODEL)
     points = sonar.around(1.0, ORIGIN)
@@ -53,7 +53,7 @@ def test_old_echoes_and_silent_transducers_are_left_out() -> None:
     assert len(sonar.around(1.1 + SONAR.max_age, ORIGIN)) == 0
 
 
-def test_another_model_forgets_what_was_heard() -> None:
+def test_change_of_model_drops_echoes() -> None:
     sonar = SonarObstacles(MODEL)
     sonar.update(report(1.0, (0, 1.0)), ORIGIN, MODEL)
     other = load_model("p2at")

@@ -1,4 +1,4 @@
-"""What stands about the robot, put together."""
+"""Obstacle points around the robot from all sources."""
 
 import math
 
@@ -31,7 +31,7 @@ def surroundings() -> Surroundings:
 
 
 def looked(surroundings: Surroundings, heading: float) -> None:
-    """Take a scan that sees nothing, at the origin with a heading."""
+    """Process a scan without returns, at the origin with a heading."""
     scan = Scan(
         t=1.0,
         angle_min=-math.pi / 2,
@@ -51,20 +51,22 @@ def around(surroundings: Surroundings, heading: float) -> np.ndarray:
     return surroundings.around(1.0, pose, pose, []).points
 
 
-def test_a_wall_beside_comes_into_view_only_with_the_next_scan(surroundings: Surroundings) -> None:
+def test_wall_beside_a_turning_robot_is_unseen_until_the_next_scan(
+    surroundings: Surroundings,
+) -> None:
     looked(surroundings, heading=0.0)
     assert around(surroundings, 0.0) == pytest.approx(np.array([POST]), abs=0.03)
-    # Turned left, the post is where the laser looks now, but it has not looked yet.
+    # Turned left, the post is in the laser's view, but there is no scan of it yet.
     turned = around(surroundings, 0.4)
     assert np.hypot(*turned.T) == pytest.approx(0.3, abs=0.01)
     assert turned[0, 0] > 0.1
 
 
-def test_what_the_latest_scan_looked_at_is_left_to_it(surroundings: Surroundings) -> None:
+def test_map_walls_in_view_of_the_latest_scan_are_left_out(surroundings: Surroundings) -> None:
     looked(surroundings, heading=0.4)
     assert not len(around(surroundings, 0.4))
-    assert not len(around(surroundings, 0.0))  # turned back: it has seen that there is nothing
+    assert not len(around(surroundings, 0.0))  # turned back: the scan has shown it to be free
 
 
-def test_without_a_scan_the_map_tells_of_all_sides(surroundings: Surroundings) -> None:
+def test_without_a_scan_map_walls_of_all_sides_are_returned(surroundings: Surroundings) -> None:
     assert len(around(surroundings, 0.4)) == 1

@@ -1,4 +1,4 @@
-"""Room that teammates need to turn."""
+"""Keep-out circles round teammates."""
 
 import math
 
@@ -10,8 +10,8 @@ from robot_agent.motion.swept_footprint import SweptFootprint
 from robot_agent.obstacles.teammate_keep_out import RADIUS, teammate_keep_out
 
 
-def test_a_robot_stops_before_another_ones_circle_where_both_can_turn() -> None:
-    """Also before one that faces it, whose axle is nearer than its middle."""
+def test_robot_stops_where_both_can_turn() -> None:
+    """Also before a teammate that faces the robot, whose axle is nearer than its middle."""
     body, gate = SweptFootprint(GateLimits()), GateLimits()
     corner = math.hypot(gate.rear, gate.half_width)
     axle_before_middle = (gate.rear - gate.front) / 2.0
@@ -22,7 +22,7 @@ def test_a_robot_stops_before_another_ones_circle_where_both_can_turn() -> None:
 
 
 @pytest.mark.parametrize("distance", [0.45, 0.6, 0.75])
-def test_nobody_is_kept_from_turning_away(distance: float) -> None:
+def test_points_within_the_own_circle_are_left_out(distance: float) -> None:
     room = teammate_keep_out(np.array([[distance, 0.0], [0.0, -distance]]))
     assert SweptFootprint(GateLimits()).free_share(0.0, math.pi, room) == 1.0
     assert np.hypot(*room.T).min() > RADIUS

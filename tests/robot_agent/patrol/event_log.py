@@ -1,4 +1,4 @@
-"""An observer of an agent that keeps what it says."""
+"""An observer of an agent that keeps its events."""
 
 from robot_agent.messages.effects import Publish
 

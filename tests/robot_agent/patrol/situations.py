@@ -22,13 +22,13 @@ def situation(
     direction=1,
     held=False,
 ):
-    """A robot at a position, m, with the closest teammate as the rules see it."""
+    """The situation of a robot at a position, m, with a view of the closest teammate."""
     foot = border.project(*position)
     return Situation(t, position, 0.0, foot, None, neighbor, ends, None, direction, held)
 
 
 def choice(winner, *, caught=False):
-    """The rules' choice; caught: they call for both directions."""
+    """The rules' choice; caught: both directions are activated."""
     degrees = {action: float(action is winner) for action in Action}
     if caught:
         degrees |= {Action.PATROL_CLOCKWISE: 0.9, Action.PATROL_COUNTER_CLOCKWISE: 0.9}

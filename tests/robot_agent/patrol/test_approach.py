@@ -1,4 +1,4 @@
-"""The approach round walls: what a hidden border does to a decision, and a run out of a room."""
+"""The approach round walls: decisions with a border behind a wall, and a run out of rooms."""
 
 from pathlib import Path
 
@@ -26,7 +26,7 @@ def decide(x, y, *, walls=True):
     return patrol.step(0.0, Pose(x, y, 0.0), None)
 
 
-def test_beside_the_border_behind_a_wall_is_not_on_it():
+def test_border_behind_a_wall_is_reached_through_the_door():
     """1.5 m off the border in a straight line, but 2 m and more on the way through the door."""
     hidden = decide(5.4 + 0.4, 7.6)  # core room; the border is the west corridor's middle
     assert hidden.distance_from_border < 1.9
@@ -35,15 +35,15 @@ def test_beside_the_border_behind_a_wall_is_not_on_it():
     assert hidden.velocity[1] < -0.2  # along the wall to its door, not at the wall
 
 
-def test_in_sight_it_is_equation_6():
+def test_without_a_wall_between_the_decision_is_equation_6():
     for place in ((3.2, 9.0), (17.5, 10.9), (4.2, 13.2), (8.0, 14.5)):
         free, walled = decide(*place, walls=False), decide(*place)
         assert walled == free
         assert walled.way_to_border == walled.distance_from_border
 
 
-def test_never_patrols_along_a_hidden_border():
-    """Whatever the action behind a wall, no velocity is along the border's tangent by itself."""
+def test_no_tangential_velocity_along_a_border_behind_a_wall():
+    """With any action behind a wall, the velocity is that of the approach alone."""
     for x, y in ((2.3, 10.0), (2.0, 4.4), (8.0, 15.35), (12.4, 15.3)):
         decision = decide(x, y)
         if decision.way_to_border == decision.distance_from_border:
@@ -57,8 +57,8 @@ def test_never_patrols_along_a_hidden_border():
             )
 
 
-def test_out_of_the_room_through_the_door():
-    """Three rooms, one behind another room: through the real agents, no contact."""
+def test_robots_in_rooms_reach_the_border_through_the_doors():
+    """Three rooms, one of them behind another room: full agents, no contact."""
     starts = [Pose(1.0, 1.3, -1.5), Pose(7.6, 9.2, 0.0), Pose(16.5, 7.8, 0.0)]
     for start in starts:
         foot = LAB.border.project(start.x, start.y)

@@ -63,14 +63,14 @@ def first(**inputs):
         ({"left": 0.2, "border": 3.0}, ARF),
     ],
 )
-def test_state_called_for(inputs, action):
+def test_inputs_select_the_state(inputs, action):
     choice = first(**inputs)
     assert choice.winner is choice.raw_winner is action
     assert choice.degrees == {a: float(a is action) for a in Action}
     assert choice.runner_up is not action
 
 
-def test_caught_between_end_and_teammate_calls_for_both():
+def test_end_and_teammate_activate_both_directions():
     choice = first(left=0.2, neighbor=1.5, gamma=1.0)
     assert choice.degrees[PCW] == choice.degrees[PCCW] == 1.0
     assert {choice.winner, choice.runner_up} == {PCW, PCCW}
@@ -96,7 +96,7 @@ def test_caught_between_end_and_teammate_calls_for_both():
         ({"left": 0.45}, {"left": 0.65}, {"left": 0.55}, (PCW, AKG)),
     ],
 )
-def test_between_thresholds_the_state_stays(inside, outside, between, states):
+def test_state_is_kept_within_the_hysteresis(inside, outside, between, states):
     for inputs, state in zip((inside, outside), states, strict=True):
         machine = automaton(dwell=0.0)
         assert machine.choose(0.0, situation(**inputs)).winner is state
@@ -108,7 +108,7 @@ def test_between_thresholds_the_state_stays(inside, outside, between, states):
     assert tuple(winners) == states
 
 
-def test_dwell_and_danger_at_once():
+def test_dwell_delays_all_actions_but_avoid_teammate():
     machine = automaton()
     machine.choose(0.0, situation(border=3.0))
     early = machine.choose(0.4, ALONE)
@@ -137,7 +137,7 @@ def test_agrees_with_the_rules_away_from_the_thresholds():
     assert agreed / asked > 0.9  # R2 reaches the border where the automaton keeps going
 
 
-def test_same_inputs_same_choices():
+def test_same_inputs_give_the_same_choices():
     rng = np.random.default_rng(1)
     one, other = automaton(), automaton()
     for k in range(300):
@@ -145,7 +145,7 @@ def test_same_inputs_same_choices():
         assert one.choose(0.1 * k, inputs) == other.choose(0.1 * k, inputs)
 
 
-def test_selected_in_the_settings():
+def test_setting_supervisor_selects_the_automaton():
     line = Border([Segment((0.0, 0.0), (20.0, 0.0))], closed=False)
     settings = PatrolSettings(supervisor="automaton", reversal_probability=0.0)
     decision = Patrol(settings, line, np.random.default_rng(0)).step(
@@ -155,7 +155,7 @@ def test_selected_in_the_settings():
     assert set(decision.degrees.values()) == {0.0, 1.0}
 
 
-def test_refuses_a_safety_distance_at_which_robots_lock():
+def test_too_small_safety_distance_raises():
     line = Border([Segment((0.0, 0.0), (20.0, 0.0))], closed=False)
     settings = PatrolSettings(supervisor="automaton", safety_distance=1.9)
     with pytest.raises(RulesError, match=r"safety_distance 1\.9 m must be at least 1\.95"):

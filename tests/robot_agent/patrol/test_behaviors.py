@@ -41,7 +41,7 @@ def test_reach_frontier_on_the_border_uses_the_normal(y):
     assert task.jacobian == pytest.approx(np.array([[0.0, 1.0]]))
 
 
-def test_reach_frontier_just_off_the_border():
+def test_reach_frontier_just_off_the_border_heads_for_it():
     assert reach(4.0, 1.1e-3).velocity == pytest.approx([0.0, -0.33e-3])
 
 
@@ -86,5 +86,5 @@ def test_teammate_avoidance_never_attracts():
     assert avoid((0.0, 0.0), (2.6, 0.0)).velocity == pytest.approx([0.0, 0.0])
 
 
-def test_teammate_on_the_same_spot():
+def test_teammate_avoidance_at_equal_positions_uses_the_fallback():
     assert avoid((1.0, 1.0), (1.0, 1.0)).velocity == pytest.approx([0.0, 0.3])

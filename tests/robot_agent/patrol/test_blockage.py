@@ -1,4 +1,4 @@
-"""An object on the border that is no teammate: wait, then turn back and say so."""
+"""The modifier blockage: wait before an object that is no teammate, then turn back and report."""
 
 import math
 from pathlib import Path
@@ -24,7 +24,7 @@ HERE = (0.0, 0.0)
 
 
 def when(held, places=None, neighbors=None, duration=40.0):
-    """Times at which the waiting ends; each argument is a function of t."""
+    """Times of the turns; each argument is a function of t."""
     watch = Blockage()
     found = []
     for k in range(round(duration / 0.1)):
@@ -39,34 +39,34 @@ def when(held, places=None, neighbors=None, duration=40.0):
     return found
 
 
-def test_ends_after_ten_seconds_and_starts_anew():
+def test_turns_after_ten_seconds_held_and_counts_again():
     assert when(lambda t: t >= 1.0, duration=33.0) == [11.0, 21.1, 31.2]
 
 
-def test_never_without_an_obstacle():
+def test_without_an_obstacle_never_turns():
     assert when(lambda t: False) == []
 
 
-def test_short_flicker_does_not_start_it_anew_but_a_pause_does():
+def test_count_survives_flicker_but_not_a_pause():
     assert when(lambda t: round(10 * t) % 8 == 0, duration=12.0) == [10.4]
     assert when(lambda t: not 5.0 < t < 6.5, duration=16.4) == []
     assert when(lambda t: not 5.0 < t < 6.5, duration=17.0) == [16.5]
 
 
-def test_moving_on_starts_it_anew():
+def test_moving_restarts_the_count():
     assert when(lambda t: True, places=lambda t: (0.02 * t, 0.0), duration=40.0) == []
     assert when(lambda t: True, places=lambda t: (0.2 if t >= 5 else 0, 0.0), duration=16.0) == [
         15.0
     ]
 
 
-def test_a_teammate_near_by_is_waited_for():
+def test_with_a_teammate_near_does_not_turn():
     assert when(lambda t: True, neighbors=lambda t: 0.9) == []
     assert when(lambda t: True, neighbors=lambda t: 0.9 if t < 8 else 1.1, duration=19.0) == [18.0]
 
 
 @pytest.mark.parametrize("heading", [0.0, math.pi])
-def test_keep_going_turns_back(heading):
+def test_blockage_reverses_keep_going(heading):
     patrol = Patrol(PatrolSettings(reversal_probability=0.0), LAB.border, np.random.default_rng(0))
     found = [patrol.step(0.1 * k, Pose(8.0, 13.75, heading), None, held=True) for k in range(102)]
     assert [d.blocked for d in found].index(True) == 100
@@ -76,7 +76,7 @@ def test_keep_going_turns_back(heading):
     assert found[101].direction == after
 
 
-def test_box_on_the_border():
+def test_box_on_the_border_is_waited_for_and_reported():
     """Slows, stops short of it, waits ten seconds, turns round and patrols the other way."""
     log = EventLog()
     fleet = Fleet(LAB, 1, seed=1, starts=[Pose(5.5, 13.4, 0.0)], observer=lambda name, config: log)
@@ -99,7 +99,7 @@ def test_box_on_the_border():
     assert len(turned) == 1
     assert 9.0 < turned[0] - stop < 11.5
     assert np.ptp(x[(t > stop + 1.0) & (t < turned[0])]) < 0.05
-    # 3. It is on its way back and has said why.
+    # 3. It is on its way back and has reported the object.
     assert x[-1] < x.max() - 0.8
     assert robot.agent.decision.action is Action.KEEP_GOING
     said = [line for _, line in log.lines if "unknown object near s = 3." in line]

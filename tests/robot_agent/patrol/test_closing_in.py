@@ -1,4 +1,4 @@
-"""Coming closer to teammates that send a robot back at one place again and again."""
+"""The modifier closing_in: after repeated turns at one place, a wait and a closer turning point."""
 
 import math
 from pathlib import Path
@@ -31,13 +31,13 @@ ONWARD, BACK = Action.KEEP_GOING, Action.PATROL_COUNTER_CLOCKWISE
 
 
 def rules():
-    """The shipped rules, as the modifier asks them."""
+    """The shipped rules, as the modifier evaluates them."""
     system = load_rules(RULES_FILE, reading="R1", safety_distance=2.4, open_border=False)
     return Supervisor(system, 0.0)
 
 
 class Robot:
-    """A robot on the circle that only closes in, whatever it is sent back by."""
+    """A robot on the circle with this modifier alone."""
 
     def __init__(self, probability=1.0, seed=1, border=CIRCLE):
         self.turns, self.t, self.border = TurnLog(), 0.0, border
@@ -61,55 +61,55 @@ class Robot:
         return override
 
 
-def sent_back(places, **how):
-    """A robot that teammates have turned at these abscissae, m, one after the other."""
+def turned_at(places, **how):
+    """A robot that teammates have turned back at these abscissae, m, one after the other."""
     robot = Robot(**how)
     for place in places:
         robot.step(AHEAD, at=place)
     return robot
 
 
-def test_who_was_sent_back_thrice_at_one_place_comes_on_slowly_to_1_4_m():
-    robot = sent_back([10.0, 10.3, 9.9])
+def test_after_three_turns_at_one_place_approaches_slowly_to_1_4_m():
+    robot = turned_at([10.0, 10.3, 9.9])
     for distance in (2.3, 2.0, 1.5):
         override = robot.step(NeighborView(distance, 1.0))
         assert (override.reason, override.action) == (OverrideReason.CLOSING_IN, ONWARD)
         assert override.speed_limit == 0.2
     assert robot.step(NeighborView(1.35, 1.0)).action is BACK
-    near = sent_back([10.0] * 3).step(NeighborView(0.8, 1.0))
+    near = turned_at([10.0] * 3).step(NeighborView(0.8, 1.0))
     assert near.action is Action.AVOID_TEAMMATE
 
 
 @pytest.mark.parametrize(
     "places", [[10.0, 10.0], [10.0, 10.0, 11.0], [11.0, 10.0, 10.0], [10.0, 11.0, 10.0, 10.0]]
 )
-def test_sent_back_less_often_or_elsewhere_nothing_is_changed(places):
-    assert sent_back(places).step(NeighborView(2.0, 1.0)) is None
+def test_fewer_turns_or_turns_elsewhere_change_nothing(places):
+    assert turned_at(places).step(NeighborView(2.0, 1.0)) is None
 
 
-def test_the_place_may_lie_on_the_seam():
-    robot = sent_back([0.1, CIRCLE.length - 0.1, 0.1])
+def test_turns_on_both_sides_of_the_seam_count_as_one_place():
+    robot = turned_at([0.1, CIRCLE.length - 0.1, 0.1])
     assert robot.step(NeighborView(2.0, 1.0)).reason is OverrideReason.CLOSING_IN
 
 
-def test_a_teammate_behind_or_far_off_or_beside_the_border_changes_nothing():
-    robot = sent_back([10.0] * 3)
+def test_teammate_behind_far_away_or_off_the_border_changes_nothing():
+    robot = turned_at([10.0] * 3)
     for view in (NeighborView(2.0, -1.0), NeighborView(2.4, 1.0), NeighborView(2.0, 0.0)):
         assert robot.step(view) is None
     assert robot.step(NeighborView(2.0, 1.0), direction=-1) is None
 
 
-def test_chance_decides_and_never_without_a_probability():
-    closes = [sent_back([10.0] * 3, probability=0.5, seed=seed) for seed in range(200)]
+def test_closes_in_with_the_given_probability():
+    closes = [turned_at([10.0] * 3, probability=0.5, seed=seed) for seed in range(200)]
     count = sum(robot.step(NeighborView(2.0, 1.0)) is not None for robot in closes)
     assert 70 < count < 130
-    assert sent_back([10.0] * 9, probability=0.0).step(NeighborView(2.0, 1.0)) is None
+    assert turned_at([10.0] * 9, probability=0.0).step(NeighborView(2.0, 1.0)) is None
 
 
-def test_who_was_sent_back_thrice_waits_as_long_as_chance_has_it_but_avoids_at_once():
+def test_waits_a_random_time_after_three_turns_at_one_place():
     waits = []
     for seed in range(50):
-        robot = sent_back([10.0] * 2, seed=seed)
+        robot = turned_at([10.0] * 2, seed=seed)
         robot.step(AHEAD)
         begun, waited = robot.t, 0.0
         for k in range(50):
@@ -127,12 +127,12 @@ def test_who_was_sent_back_thrice_waits_as_long_as_chance_has_it_but_avoids_at_o
 
 
 def heads():
-    """A random generator whose first toss of the coin is heads."""
+    """A random generator whose first draw for closing in succeeds."""
     return next(np.random.default_rng(seed) for seed in range(99) if _third_draw(seed) < 0.5)
 
 
 def _third_draw(seed):
-    """After the phase of the reversal comes the coin."""
+    """The draw for closing in, after that of the reversal's phase."""
     rng = np.random.default_rng(seed)
     rng.uniform(0.0, 27.0)
     return rng.random()
@@ -145,12 +145,12 @@ def approach(robot, teammate_x, t=0.0):
         robot.step(t, Pose(9.0 + 0.1 * k, 0.0, 0.0), None)
     decision = robot.step(t + 0.6, Pose(10.0, 0.0, 0.0), (teammate_x, 0.0))
     robot.step(t + 1.2, Pose(9.0, 0.0, math.pi), (teammate_x, 0.0))
-    for k in range(20):  # away, and sent back by somebody else
+    for k in range(20):  # away, and turned back by another teammate
         robot.step(t + 2.0 + 0.1 * k, Pose(8.0, 0.0, math.pi), (6.5, 0.0))
     return decision, t + 4.5
 
 
-def test_the_fourth_time_it_comes_on_slowly_past_the_place_where_it_turned():
+def test_fourth_approach_passes_the_turning_point_slowly():
     settings = PatrolSettings(reversal_probability=0.0)
     robot, t, actions = Patrol(settings, LINE, heads()), 0.0, []
     for _ in range(3):
@@ -166,8 +166,8 @@ def test_the_fourth_time_it_comes_on_slowly_past_the_place_where_it_turned():
 
 @pytest.mark.long
 @pytest.mark.parametrize(("off", "gaps"), [("closing_in", True), ("", False)])
-def test_among_wrecks_it_leaves_no_gap(off, gaps):
-    """Five of twenty robots die on 51 m; seed 4 of ``wrecks_20.toml``."""
+def test_among_wrecks_no_gap_stays_undriven(off, gaps):
+    """Five of twenty robots fail on 51 m; seed 4 of ``wrecks_20.toml``."""
     folder = load_map_folder(Path("maps/paper_lab"), "border")
     names = [f"robot{number}" for number in range(1, 21)]
     modifiers = [name for name in DEFAULT_MODIFIERS if name != off]

@@ -1,4 +1,4 @@
-"""Even gaps, by itself on points that go round a ring: what is learnt, and what comes of it."""
+"""The modifier even_gaps on points moving on a ring: estimated team size and resulting gaps."""
 
 import numpy as np
 import pytest
@@ -14,14 +14,14 @@ RING = Border([Arc((0.0, 0.0), RADIUS, np.pi, -2.0 * np.pi)], closed=True)
 
 
 class Ring:
-    """Points on a ring, in order, that turn back where they meet."""
+    """Points on a ring, in order, that turn back when they meet."""
 
     def __init__(self, places, directions, seed=0, blocked=None):
         self.t = 0.0
         self.place = np.array(places, dtype=float)
         self.direction = list(directions)
         self.logs = [TurnLog() for _ in places]
-        self.minds = [
+        self.modifiers = [
             EvenGaps(RING, SPEED, log, np.random.default_rng([seed, i]))
             for i, log in enumerate(self.logs)
         ]
@@ -45,10 +45,10 @@ class Ring:
             if 0.0 <= ahead < 0.2 and count > 1:
                 self.turn(one, -1, TurnCause.TEAMMATE)
                 self.turn(other, 1, TurnCause.TEAMMATE)
-        for i, mind in enumerate(self.minds):
+        for i, modifier in enumerate(self.modifiers):
             if i == self.blocked:
                 continue
-            if mind.turns_back(self.t, self.place[i], self.direction[i], keeps_going=True):
+            if modifier.turns_back(self.t, self.place[i], self.direction[i], keeps_going=True):
                 self.turn(i, -self.direction[i], TurnCause.EVEN_GAPS)
 
     def turn(self, i, direction, cause):
@@ -64,28 +64,28 @@ class Ring:
     ("count", "directions"),
     [(2, (1, -1)), (3, (1, -1, 1)), (3, (-1, 1, -1)), (3, (1, 1, 1)), (3, (-1, -1, -1))],
 )
-def test_robots_come_to_go_one_way_evenly_spaced(count, directions):
+def test_robots_converge_to_one_direction_evenly_spaced(count, directions):
     places = np.sort(np.random.default_rng(count).uniform(0.0, LENGTH, count))
     ring = Ring(places, directions)
     ring.run(3000.0)
-    assert [mind.team for mind in ring.minds] == [count] * count
+    assert [modifier.team for modifier in ring.modifiers] == [count] * count
     assert ring.direction == [1] * count
     assert ring.gaps() == pytest.approx(np.full(count, LENGTH / count), rel=0.2)
 
 
-def test_nothing_is_decided_for_one_that_does_not_keep_going():
-    mind = EvenGaps(RING, SPEED, TurnLog(), np.random.default_rng(0))
-    asked = [mind.turns_back(0.1 * i, 0.0, 1, keeps_going=False) for i in range(6000)]
+def test_no_turn_unless_the_action_is_keep_going():
+    modifier = EvenGaps(RING, SPEED, TurnLog(), np.random.default_rng(0))
+    asked = [modifier.turns_back(0.1 * i, 0.0, 1, keeps_going=False) for i in range(6000)]
     assert not any(asked)
 
 
-def test_what_the_way_round_leaves_of_the_border_is_driven_on_though_a_wreck_blocks_it():
+def test_with_a_wreck_on_the_border_all_the_rest_is_visited():
     ring = Ring([1.0, 18.0, 35.0], [1, 1, -1])
     ring.run(2500.0)
     assert ring.direction == [1, 1, 1]
     ring.blocked = 0
     wreck = ring.place[0]
-    ring.run(900.0)  # until they no longer wait for the way round
+    ring.run(900.0)  # until they have detected the blocked way round
     visited = set()
     for _ in range(12000):
         ring.step()

@@ -101,7 +101,7 @@ def test_equals_skfuzzy_functions_at_random_points(open_border):
         assert ours == pytest.approx(theirs, abs=1e-9), values
 
 
-def test_knows_nothing_of_patrols():
+def test_evaluates_a_rule_base_of_another_domain():
     service = Variable("service", {"poor": Trapezoid(0, 0, 2, 5), "good": Trapezoid(3, 8, 10, 10)})
     tip = Variable("tip", {"small": Trapezoid(0, 0, 5, 15), "large": Trapezoid(5, 18, 18, 25)})
     system = MamdaniSystem(
@@ -133,7 +133,7 @@ ascending = st.lists(st.integers(0, 20), min_size=4, max_size=4).map(sorted)
 
 @settings(max_examples=60, deadline=None)
 @given(st.lists(ascending, min_size=1, max_size=4), st.data())
-def test_any_sets_any_overlap(corners, data):
+def test_centroid_of_any_sets_equals_a_dense_sampling(corners, data):
     """Three and more sets over one point, vertical edges, gaps: as a dense sampling has it."""
     sets = {str(i): Trapezoid(*map(float, c)) for i, c in enumerate(corners)}
     cuts = {name: data.draw(st.floats(0.05, 1.0)) for name in sets}
@@ -153,14 +153,14 @@ def test_any_sets_any_overlap(corners, data):
     assert system.evaluate(cuts)["out"] == pytest.approx(sampled, abs=2e-3)
 
 
-def test_unsaid_output_is_zero():
+def test_output_without_an_active_rule_is_zero():
     x = Variable("x", {"low": Trapezoid(0, 0, 1, 1), "high": Trapezoid(2, 2, 3, 3)})
     system = MamdaniSystem([x], [x], [Rule((("x", "low"),), (("x", "high"),))])
     assert system.evaluate({"x": 1.0})["x"] == pytest.approx(2.5)
     assert system.evaluate({"x": 1.5})["x"] == 0.0
 
 
-def test_unknown_names_are_refused():
+def test_unknown_names_in_rules_raise():
     x = Variable("x", {"low": Trapezoid(0, 0, 1, 1)})
     with pytest.raises(KeyError):
         MamdaniSystem([x], [x], [Rule((("x", "high"),), (("x", "low"),))])
@@ -181,12 +181,12 @@ def test_right_shoulder_reaches_infinity(x, degree):
     assert Trapezoid(1.0, 2.0, math.inf, math.inf)(x) == pytest.approx(degree)
 
 
-def test_trapezoid_refuses_disorder():
+def test_trapezoid_with_descending_points_raises():
     with pytest.raises(ValueError, match="do not ascend"):
         Trapezoid(0.0, 2.0, 1.0, 3.0)
 
 
-def test_of_skfuzzy_the_runtime_has_the_sets_and_no_control_system():
+def test_agent_does_not_import_skfuzzy_control():
     code = (
         "import sys, robot_agent.patrol.patrol, robot_agent.motion.gate,"
         " robot_agent.motion.heading_loop;"

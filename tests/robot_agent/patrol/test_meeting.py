@@ -1,4 +1,4 @@
-"""Two robots that meet head-on, through every byte: they turn, part and stay on the border."""
+"""Two full agents that meet head-on turn back and stay on the border."""
 
 import math
 from pathlib import Path
@@ -19,7 +19,7 @@ from tools.bench.fleet import Fleet, run_bench
         pytest.param([Pose(20.84, 9.66, -1.0), Pose(21.05, 6.33, 1.57)], id="bend"),
     ],
 )
-def test_a_teammate_behind_a_turning_robot_is_not_avoided_as_if_it_were_nearer(starts):
+def test_head_on_meeting_turns_both_back_without_avoiding(starts):
     folder = load_map_folder(find_map("paper_lab", Path.cwd()))
     figures = run_bench(Fleet(folder, 2, seed=105, starts=starts), 20.0)
     (meeting,) = figures["meetings"]

@@ -43,7 +43,7 @@ def task_lists(draw):
 
 @settings(max_examples=200, deadline=None)
 @given(task_lists(), st.one_of(st.just(np.inf), st.floats(0.05, 3.0)))
-def test_a_task_never_changes_the_velocity_of_those_before(tasks, limit):
+def test_task_never_changes_velocities_of_higher_priority(tasks, limit):
     for count in range(1, len(tasks)):
         alone, more = compose(tasks[:count], limit), compose(tasks[: count + 1], limit)
         for task in tasks[:count]:
@@ -53,7 +53,7 @@ def test_a_task_never_changes_the_velocity_of_those_before(tasks, limit):
 
 @settings(max_examples=200, deadline=None)
 @given(task_lists(), st.floats(0.05, 3.0))
-def test_never_faster_than_the_limit(tasks, limit):
+def test_speed_never_exceeds_the_limit(tasks, limit):
     assert np.linalg.norm(compose(tasks, limit)) <= limit * (1 + 1e-9)
 
 
@@ -86,7 +86,7 @@ def test_saturation_keeps_the_first_and_scales_the_rest():
     assert compose([first, second], 0.3) == pytest.approx([0.0, -0.3])
 
 
-def test_a_third_task_gets_what_two_leave():
+def test_third_task_gets_the_remaining_null_space():
     x, y, z = np.eye(3)
     tasks = [Task(0.1 * x, x[None]), Task(y + x, y[None]), Task(x + y + z, z[None])]
     assert compose(tasks) == pytest.approx([0.1, 1.0, 1.0])
@@ -144,7 +144,7 @@ place = st.tuples(st.floats(-2.0, 18.0), st.floats(-2.0, 18.0))
     direction=st.floats(-math.pi, math.pi),
     limit=st.sampled_from([0.2, 0.5, math.inf]),
 )
-def test_no_behavior_changes_the_task_of_one_before_it(
+def test_no_behavior_changes_one_of_higher_priority(
     first, second, border, position, teammate, direction, limit
 ):
     primary, secondary = (
@@ -154,9 +154,9 @@ def test_no_behavior_changes_the_task_of_one_before_it(
     (claimed,) = primary.jacobian
     assert np.dot(claimed, both) == pytest.approx(np.dot(claimed, alone), abs=1e-9)
     assert math.hypot(*both) <= limit * (1 + 1e-9)
-    # What the first leaves free is the second's, as far as the limit has room for it.
+    # The free component is that of the second task, within the rest of the limit.
     free = (-claimed[1], claimed[0])
     wanted = np.dot(free, alone) + np.dot(free, secondary.velocity)
-    # At the limit to the last bits there is no room, whatever their rounding says.
+    # Exactly at the limit nothing is left, apart from rounding.
     if math.hypot(np.dot(claimed, alone), wanted) < limit * (1.0 - 1e-9):
         assert np.dot(free, both) == pytest.approx(wanted, abs=1e-9)

@@ -33,7 +33,7 @@ def on_circle(angle, *, heading=1, outward=0.0):
     return Pose(r * math.cos(angle), r * math.sin(angle), angle - heading * math.pi / 2)
 
 
-def test_reach_frontier_far_off():
+def test_far_from_the_border_reaches_it_at_the_speed_limit():
     decision = patrol().step(0.0, Pose(10.0, 0.0, 0.0), None)
     assert decision.action is Action.REACH_FRONTIER
     assert decision.velocity == pytest.approx((-0.5, 0.0))
@@ -42,7 +42,7 @@ def test_reach_frontier_far_off():
 
 
 @pytest.mark.parametrize("heading", [1, -1])
-def test_keep_going_starts_the_way_the_robot_faces(heading):
+def test_first_direction_is_that_of_the_heading(heading):
     decision = patrol().step(0.0, on_circle(0.0, heading=heading), None)
     assert decision.action is Action.KEEP_GOING
     assert decision.direction == heading
@@ -51,12 +51,12 @@ def test_keep_going_starts_the_way_the_robot_faces(heading):
     assert decision.curvature == pytest.approx(-heading / 6.0)
 
 
-def test_equation_11_adds_the_pull_of_the_border():
+def test_keep_going_beside_the_border_is_equation_11():
     decision = patrol().step(0.0, on_circle(0.0, outward=0.2), None)
     assert decision.velocity == pytest.approx((-0.06, -0.35))
 
 
-def test_keeps_the_start_direction_once_it_patrols():
+def test_direction_is_kept_when_the_heading_changes():
     robot = patrol()
     robot.step(0.0, on_circle(0.0, heading=-1), None)
     assert robot.step(0.1, on_circle(0.0, heading=1), None).direction == -1
@@ -73,7 +73,7 @@ def at_distance(distance, side):
     ("side", "action", "direction"),
     [(1, Action.PATROL_COUNTER_CLOCKWISE, -1), (-1, Action.PATROL_CLOCKWISE, 1)],
 )
-def test_meeting_turns_away_and_goes_on_that_way(heading, side, action, direction):
+def test_meeting_a_teammate_reverses_the_direction_for_good(heading, side, action, direction):
     robot = patrol()
     robot.step(0.0, on_circle(0.0, heading=heading), None)
     met = robot.step(0.6, on_circle(0.0, heading=heading), at_distance(1.5, side))
@@ -106,7 +106,7 @@ def test_avoid_teammate_without_one_reaches_the_border():
     assert velocity == pytest.approx((0.0, -0.3))
 
 
-def test_random_reversal_only_while_keeping_going():
+def test_random_reversal_happens_only_during_keep_going():
     robot = patrol(reversal_probability=1.0, reversal_period=1.0)
     directions = [robot.step(0.1 * k, on_circle(0.0), None).direction for k in range(60)]
     assert 4 <= np.count_nonzero(np.diff(directions)) <= 6
@@ -124,7 +124,7 @@ def test_no_random_reversal_near_an_end():
         assert {d.turn for d in found} - {None} == expected
 
 
-def test_every_turn_tells_its_cause():
+def test_every_turn_has_its_cause():
     robot = patrol()
     robot.step(0.0, on_circle(0.0), None)
     met = robot.step(0.6, on_circle(0.0), at_distance(1.5, 1))
@@ -136,8 +136,8 @@ def test_every_turn_tells_its_cause():
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_one_step_turns_once_however_many_want_it(seed):
-    """An object and chance at the same moment once cancelled each other."""
+def test_blockage_and_chance_in_one_step_turn_once(seed):
+    """Regression: a blockage and a random reversal in the same step cancelled each other."""
     robot = patrol(reversal_probability=1.0, reversal_period=0.7, seed=seed)
     directions, turns = [], []
     for k in range(230):
@@ -148,8 +148,8 @@ def test_one_step_turns_once_however_many_want_it(seed):
     assert {TurnCause.CHANCE, TurnCause.BLOCKAGE} == set(turns) - {None}
 
 
-def test_without_modifiers_it_is_the_paper_alone():
-    """No hold at an end, no dwell, no patience: the arbiter's choice of every step."""
+def test_without_modifiers_every_action_is_the_raw_winner():
+    """No hold at an end, no dwell, no timeouts: the arbiter's choice in every step."""
     robot = patrol(LINE, modifiers=())
     caught = [robot.step(0.1 * k, Pose(0.3, 0.0, math.pi), (1.7, 0.0)) for k in range(200)]
     assert {d.override for d in caught} == {None}
@@ -194,7 +194,7 @@ def test_beyond_an_end_comes_back_along_the_border_too():
 
 
 def test_tangential_velocity_is_cut_off_at_an_end():
-    """A teammate drives it off the border's end: it stays."""
+    """Avoiding a teammate does not move the robot beyond the border's end."""
     robot = patrol(LINE, modifiers=("hold_at_end",))
     robot.step(0.0, Pose(1.0, 0.0, math.pi), None)
     decision = robot.step(0.1, Pose(0.0, 0.0, math.pi), (1.8, 0.0))
@@ -211,7 +211,7 @@ def test_caught_between_end_and_teammate_holds():
 
 
 @pytest.mark.parametrize(("x", "mate", "vx"), [(0.2, 1.6, 0.2), (19.8, 18.4, -0.2)])
-def test_caught_by_somebody_who_will_not_move_it_leaves_the_end(x, mate, vx):
+def test_caught_by_a_standing_teammate_leaves_the_end_after_a_while(x, mate, vx):
     robot = patrol(LINE)
     steps = [robot.step(0.1 * k, Pose(x, 0.0, 0.0), (mate, 0.0)) for k in range(130)]
     assert all(step.holding for step in steps[10:119])
@@ -220,12 +220,12 @@ def test_caught_by_somebody_who_will_not_move_it_leaves_the_end(x, mate, vx):
     assert not steps[-1].holding
 
 
-def test_caught_and_too_near_avoids():
+def test_caught_with_a_teammate_too_near_avoids():
     decision = patrol(LINE).step(0.0, Pose(0.3, 0.0, math.pi), (0.9, 0.0))
     assert decision.action is Action.AVOID_TEAMMATE
 
 
-def test_keeps_its_stretch_half_way_between_two():
+def test_abscissa_does_not_jump_between_two_equally_near_stretches():
     """On the medial axis of a narrow border the projection does not jump to and fro."""
     strip = Border(
         [
@@ -245,14 +245,14 @@ def test_keeps_its_stretch_half_way_between_two():
     assert np.ptp(abscissae) < 0.1
 
 
-def test_same_events_same_decisions():
+def test_same_seed_and_inputs_give_the_same_decisions():
     robots = [patrol(reversal_probability=0.5, reversal_period=1.0, seed=4) for _ in range(2)]
     for k in range(50):
         one, other = (r.step(0.1 * k, on_circle(0.01 * k), None) for r in robots)
         assert one == other
 
 
-def test_own_rule_file(tmp_path):
+def test_rules_file_setting_replaces_the_shipped_rules(tmp_path):
     path = tmp_path / "own.toml"
     path.write_text("")
     with pytest.raises(RulesError, match=r"own\.toml: file: .* missing"):

@@ -12,7 +12,7 @@ def times(probability, *, seed=1, duration=300.0, permitted=lambda t: True, dist
     return [t for t in steps if reversal.due(t, permitted=permitted(t))]
 
 
-def test_every_27_s_after_a_random_phase():
+def test_fixed_intervals_are_the_period_after_a_random_phase():
     found = times(1.0)
     assert 0.0 <= found[0] <= 27.1
     assert np.diff(found) == pytest.approx(27.0, abs=0.11)
@@ -24,19 +24,19 @@ def test_phases_differ_and_cover_the_period():
     assert max(first) > 22.0
 
 
-def test_probability():
+def test_share_of_reversals_is_the_probability():
     assert times(0.0) == []
     count = len(times(0.25, duration=27.0 * 2000, seed=3))
     assert count == pytest.approx(500, abs=60)
 
 
-def test_a_time_not_permitted_is_lost():
+def test_scheduled_time_not_permitted_is_lost():
     found = times(1.0, permitted=lambda t: t > 60.0)
     assert found[0] > 60.0
     assert (found[0] - times(1.0)[0]) % 27.0 == pytest.approx(0.0, abs=0.2)
 
 
-def test_same_seed_same_times():
+def test_same_seed_gives_the_same_times():
     assert times(0.5, seed=9) == times(0.5, seed=9)
 
 

@@ -134,7 +134,7 @@ def test_ends_of_an_open_border():
     assert degrees(0.1, 3.0, 0.0, open_border=True, left=near)[KGL] == pytest.approx(1 / 6)
 
 
-def test_far_from_the_ends_an_open_border_is_as_a_closed_one():
+def test_far_from_the_ends_an_open_border_equals_a_closed_one():
     for border in (0.1, 0.7, 1.2, 3.0):
         for neighbor in (0.5, 1.2, 1.7, 3.0):
             for state in (-1.0, -0.3, 0.0, 0.5):
@@ -203,7 +203,7 @@ def test_far_from_the_ends_an_open_border_is_as_a_closed_one():
         (r'left_end_low = "PCWL high"', 'left_end_low = "PCWL low"', "left_end_low: chooses"),
     ],
 )
-def test_refuses_with_file_place_and_remedy(tmp_path, old, new, message):
+def test_error_names_file_place_and_remedy(tmp_path, old, new, message):
     text, count = re.subn(old, new, RULES_FILE.read_text(), count=1)
     assert count == 1
     path = tmp_path / "mine.toml"
@@ -217,8 +217,8 @@ def test_refuses_with_file_place_and_remedy(tmp_path, old, new, message):
 
 
 @pytest.mark.parametrize("junk", ["3", "[]", "[[1]]", '"x"', "{}", "nan", "[nan, 0, 0]", "true"])
-def test_junk_anywhere_is_a_rules_error(tmp_path, junk):
-    """Whatever stands in place of one value or one table: a RulesError, never another one."""
+def test_any_wrong_value_raises_rules_error(tmp_path, junk):
+    """Any wrong type in place of one value or one table raises RulesError, no other error."""
     lines = RULES_FILE.read_text().splitlines()
     path = tmp_path / "mine.toml"
     for i, line in enumerate(lines):
@@ -234,7 +234,7 @@ def test_junk_anywhere_is_a_rules_error(tmp_path, junk):
 
 
 @pytest.mark.parametrize("points", ["[1.0, 1.2, 2.0, inf]", "[-inf, 0.0, 0.4, 1.0]"])
-def test_a_side_without_end_is_refused(tmp_path, points):
+def test_fuzzy_set_with_an_infinite_side_raises(tmp_path, points):
     path = tmp_path / "mine.toml"
     text, count = re.subn(
         r"(?m)^low = .*1\.0\].*meets.*$", f"low = {points}", RULES_FILE.read_text()
@@ -249,7 +249,7 @@ POINTS = st.floats(-4.0, 4.0).map(lambda x: round(x, 2)) | st.floats(-4.0, 4.0, 
 
 
 @given(st.lists(POINTS, min_size=3, max_size=4).map(sorted), st.lists(POINTS), st.booleans())
-def test_sets_are_skfuzzys_to_the_last_bit(points, places, shoulder):
+def test_fuzzy_sets_are_bit_identical_to_skfuzzy(points, places, shoulder):
     if shoulder and len(points) == 4:
         points = [*points[:2], math.inf, math.inf]
     exact = _fuzzy_set(points)
@@ -258,7 +258,7 @@ def test_sets_are_skfuzzys_to_the_last_bit(points, places, shoulder):
     assert [exact(x) for x in places] == theirs.tolist()
 
 
-def test_refuses_a_missing_reading(tmp_path):
+def test_missing_reading_raises(tmp_path):
     path = tmp_path / "mine.toml"
     text, count = re.subn(r"\[reading\.R2[^\[]*", "", RULES_FILE.read_text())
     assert count == 1
@@ -267,12 +267,12 @@ def test_refuses_a_missing_reading(tmp_path):
         load_rules(path, reading="R2", safety_distance=2.4, open_border=False)
 
 
-def test_refuses_a_missing_file(tmp_path):
+def test_missing_file_raises(tmp_path):
     with pytest.raises(RulesError, match="No such file"):
         load_rules(tmp_path / "none.toml", reading="R1", safety_distance=2.4, open_border=False)
 
 
-def test_a_complete_table_needs_no_readings(tmp_path):
+def test_complete_table_without_readings_loads(tmp_path):
     text = RULES_FILE.read_text()
     text = text[: text.index("# Three readings")] + text[text.index("[open_border]") :]
     text = text.replace(
@@ -284,14 +284,14 @@ def test_a_complete_table_needs_no_readings(tmp_path):
     assert len(system.rules) == 27
 
 
-def test_safety_distance_inside_the_avoiding_zone_is_refused():
+def test_safety_distance_inside_the_avoiding_zone_raises():
     load_rules(RULES_FILE, reading="R1", safety_distance=1.9, open_border=False)
     with pytest.raises(RulesError, match=r"cross at 1\.90 m.*raise safety_distance"):
         load_rules(RULES_FILE, reading="R1", safety_distance=1.89, open_border=False)
 
 
-def test_check_looks_at_every_reading(tmp_path):
-    """A fault of R3 alone does not hinder R1, but the check finds it."""
+def test_check_covers_every_reading(tmp_path):
+    """A fault in R3 alone does not affect R1, but the check finds it."""
     check_rules(RULES_FILE, safety_distance=2.4)
     text = RULES_FILE.read_text()
     start = text.index("[reading.R3.border_medium.patrolling_on_my_right]")

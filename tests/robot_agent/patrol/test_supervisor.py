@@ -21,7 +21,7 @@ def supervisor():
 
 
 def tied(*actions: Action) -> MamdaniSystem:
-    """A system that gives some actions one and the same degree whatever its inputs."""
+    """A system with equal degrees of some actions for any inputs."""
     sets = {"all": Trapezoid(-math.inf, -math.inf, math.inf, math.inf)}
     level = {"low": Trapezoid(0.0, 0.0, 0.0, 0.5), "high": Trapezoid(0.5, 1.0, 1.0, 1.0)}
     then = tuple((a.value, "high" if a in actions else "low") for a in Action)
@@ -33,7 +33,7 @@ def tied(*actions: Action) -> MamdaniSystem:
     )
 
 
-def test_winner_and_runner_up():
+def test_winner_has_the_largest_degree_and_runner_up_the_next():
     choice = supervisor().choose(0.0, ALONE | {"distance_from_border": 1.4})
     assert choice.winner is choice.raw_winner is Action.KEEP_GOING
     assert choice.runner_up is Action.REACH_FRONTIER
@@ -63,7 +63,7 @@ def test_dwell_at_ten_hertz_is_five_steps():
     assert steps == 5
 
 
-def test_avoid_teammate_enters_at_once():
+def test_avoid_teammate_starts_within_the_dwell():
     arbiter = supervisor()
     arbiter.choose(0.0, ALONE)
     assert arbiter.choose(0.1, TOO_NEAR).winner is Action.AVOID_TEAMMATE
@@ -71,7 +71,7 @@ def test_avoid_teammate_enters_at_once():
     assert arbiter.choose(0.6, MEETING).winner is Action.PATROL_CLOCKWISE
 
 
-def test_avoid_teammate_ends_with_the_teammate():
+def test_avoid_teammate_ends_at_once_without_a_teammate():
     arbiter = supervisor()
     arbiter.choose(0.0, TOO_NEAR)
     assert arbiter.choose(0.1, ALONE).winner is Action.KEEP_GOING
@@ -97,7 +97,7 @@ ATA, ARF, AKG, PCW, PCCW = (
         ((PCW, PCCW), 1.0, (PCCW, PCW)),
     ],
 )
-def test_tie_takes_the_safest(actions, gamma, order):
+def test_tie_selects_the_safest_action(actions, gamma, order):
     choice = Supervisor(tied(*actions), 0.5).choose(0.0, ALONE | {"neighbor_state": gamma})
     assert (choice.raw_winner, choice.runner_up) == order
 

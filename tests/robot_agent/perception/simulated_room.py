@@ -78,6 +78,6 @@ def _to_box(pose: Pose, bearings: NDArray[np.float64], box: Box) -> NDArray[np.f
 
 
 def shaken(pose: Pose, rng: np.random.Generator) -> Pose:
-    """Return a pose as a localizer would tell it: off by 0.05 m and 1 degree, one sigma."""
+    """Return a pose with the errors of a localizer: 0.05 m and 1 degree, one sigma."""
     dx, dy = rng.normal(0.0, 0.05, 2)
     return Pose(pose.x + dx, pose.y + dy, pose.theta + rng.normal(0.0, math.radians(1.0)))

@@ -1,4 +1,4 @@
-"""Bands in painted pictures: bearing, range, shape, and pictures that tell nothing."""
+"""Bands in painted pictures: bearing, range, shape, and unusable pictures."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_bearing_and_range_of_a_band(distance: float, bearing: float) -> None:
     assert blob.confidence > 0.5
 
 
-def test_nearest_first_is_not_promised_but_both_bands_are_told() -> None:
+def test_both_bands_of_a_picture_are_found() -> None:
     picture = room()
     put_band(picture, 1.0, 0.4)
     put_band(picture, 2.0, -0.3)
@@ -83,14 +83,14 @@ def test_pictures_of_another_size_are_scaled() -> None:
 
 
 @pytest.mark.parametrize(("value", "sight"), [(0, "dark"), (255, "glare"), (120, "covered")])
-def test_blind_pictures_are_named_and_tell_nothing(value: int, sight: str) -> None:
+def test_unusable_pictures_are_classified_and_give_no_bands(value: int, sight: str) -> None:
     picture = np.full((240, 320, 3), value, dtype=np.uint8)
     assert judge_sight(picture) == sight
     assert BandDetector(CAMERA, COLOR).look(picture).blobs == ()
     assert judge_sight(room()) == "clear"
 
 
-def test_bands_are_found_from_10_to_2000_lux_before_any_background() -> None:
+def test_bands_are_found_from_10_to_2000_lux_on_any_background() -> None:
     trial = run_color_trial(120, seed=7)
     assert trial.recall >= 0.95
     assert trial.recall_near >= 0.95

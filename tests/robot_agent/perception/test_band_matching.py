@@ -1,4 +1,4 @@
-"""Bands in pictures go to the tracks they are on; tracks without the band they should show."""
+"""Association of bands with tracks, and tracks whose band is missing."""
 
 from __future__ import annotations
 
@@ -34,25 +34,25 @@ def band(distance: float, bearing: float) -> Blob:
     return Blob(bearing, 0.0, 0.2, 0.05, distance - 0.2, 0.15, 0.8)
 
 
-def test_each_band_goes_to_its_track_whatever_the_order() -> None:
+def test_each_band_is_assigned_to_its_track_in_any_order() -> None:
     tracks = [track(1.5, 0.3), track(2.2, -0.2)]
     found = MATCHER.match(HERE, tracks, [band(2.2, -0.2), band(1.5, 0.3)], NOTHING)
     assert found.banded == {0: 0.8, 1: 0.8}
     assert found.bare == []
 
 
-def test_a_band_in_the_same_direction_but_far_behind_is_another_ones() -> None:
+def test_band_far_behind_a_track_is_not_assigned_to_it() -> None:
     found = MATCHER.match(HERE, [track(1.2, 0.1)], [band(2.6, 0.1)], NOTHING)
     assert found.banded == {}
     assert found.bare == [0]
 
 
-def test_whoever_is_hardly_in_the_picture_too_near_or_far_is_not_judged() -> None:
+def test_track_at_the_picture_edge_or_out_of_range_is_not_bare() -> None:
     outside = [track(1.5, 1.2), track(0.35, 0.0), track(3.9, 0.0), track(1.5, 0.64)]
     assert MATCHER.match(HERE, outside, [], NOTHING).bare == []
 
 
-def test_of_whoever_is_cut_by_the_edge_of_the_picture_the_rest_tells() -> None:
+def test_band_cut_by_the_picture_edge_is_matched_by_its_visible_part() -> None:
     edge = math.atan(0.5 * CAMERA.width / CAMERA.focal_length)
     distance, bearing = 0.7, 0.5
     half = math.asin(0.25 / distance)
@@ -69,13 +69,13 @@ def test_of_whoever_is_cut_by_the_edge_of_the_picture_the_rest_tells() -> None:
 
 
 @pytest.mark.parametrize(("distance", "bearing"), [(1.0, 0.0), (1.0, -0.1), (1.9, 0.14)])
-def test_whoever_is_hidden_or_may_be_in_part_is_not_judged(distance: float, bearing: float) -> None:
+def test_occluded_track_is_not_bare(distance: float, bearing: float) -> None:
     between = LENS.compose(Pose(distance * math.cos(bearing), distance * math.sin(bearing), 0.0))
     seen = np.array([between[:2], (20.0, 20.0)])
     assert MATCHER.match(HERE, [track(2.5, 0.05)], [], seen).bare == []
 
 
-def test_own_surface_and_what_is_beside_or_behind_hide_nobody() -> None:
+def test_points_of_its_surface_beside_or_behind_do_not_occlude() -> None:
     places = [(2.1, 0.05), (1.0, 0.6), (1.0, -0.5), (3.5, 0.05)]
     seen = np.array(
         [LENS.compose(Pose(d * math.cos(b), d * math.sin(b), 0.0))[:2] for d, b in places]
@@ -83,7 +83,7 @@ def test_own_surface_and_what_is_beside_or_behind_hide_nobody() -> None:
     assert MATCHER.match(HERE, [track(2.5, 0.05)], [], seen).bare == [0]
 
 
-def test_one_band_makes_one_of_two_neighbours_a_teammate() -> None:
+def test_one_band_makes_only_one_of_two_tracks_a_teammate() -> None:
     tracks = [track(2.0, 0.25), track(2.0, -0.1)]
     found = MATCHER.match(HERE, tracks, [band(2.0, 0.23)], NOTHING)
     assert list(found.banded) == [0]

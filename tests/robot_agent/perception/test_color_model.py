@@ -1,4 +1,4 @@
-"""The colour model tells the team's colour whatever the light's strength, and no other."""
+"""The colour model recognizes the team's colour at any brightness, and no other."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def is_team(color: object, table: ColorTable = TABLE) -> bool:
 
 
 @pytest.mark.parametrize("strength", [0.3, 0.5, 0.8, 1.0, 1.1])
-def test_the_teams_colour_is_known_at_any_strength_of_light(strength: float) -> None:
+def test_team_colour_is_recognized_at_any_brightness(strength: float) -> None:
     assert is_team(MAGENTA * strength)
 
 
@@ -27,7 +27,7 @@ def test_the_teams_colour_is_known_at_any_strength_of_light(strength: float) -> 
     [(40, 40, 200), (50, 160, 60), (190, 90, 40), (40, 190, 220), (128, 128, 128), (140, 170, 215),
      (170, 60, 110), (3, 0, 5), (255, 255, 255), (0, 0, 0)],
 )  # fmt: skip
-def test_other_colours_are_not_the_teams(other: tuple[int, int, int]) -> None:
+def test_other_colours_are_not_recognized(other: tuple[int, int, int]) -> None:
     assert not is_team(other)
 
 
@@ -43,6 +43,6 @@ def test_a_pixel_goes_to_the_likelier_of_two_teams() -> None:
     assert is_team(MAGENTA, both)
 
 
-def test_a_covariance_that_is_none_is_refused() -> None:
+def test_covariance_not_positive_definite_raises() -> None:
     with pytest.raises(ValueError, match="positive definite"):
         ColorModelSettings(covariance=(0.01, 0.02, 0.01))

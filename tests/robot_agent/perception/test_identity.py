@@ -1,4 +1,4 @@
-"""Evidence adds up to who somebody is, and doubt does not make it flap."""
+"""Accumulation of evidence to the kind of a track, with hysteresis."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from robot_agent.perception.identity import Identity, Kind
 
 
-def test_nobody_is_known_at_first() -> None:
+def test_kind_is_unknown_at_first() -> None:
     identity = Identity()
     assert identity.kind is Kind.UNKNOWN
     assert identity.probabilities.unknown == 1.0
@@ -30,7 +30,7 @@ def test_two_pictures_without_one_make_a_stranger() -> None:
     assert identity.probabilities.stranger > 0.5
 
 
-def test_a_teammate_whose_band_is_hidden_for_a_second_stays_one() -> None:
+def test_teammate_with_a_band_hidden_for_a_second_remains_one() -> None:
     identity = Identity()
     for _ in range(10):
         identity.on_band(0.9)
@@ -42,7 +42,7 @@ def test_a_teammate_whose_band_is_hidden_for_a_second_stays_one() -> None:
     assert identity.kind is Kind.STRANGER, "but not for ever"
 
 
-def test_what_looks_and_moves_like_a_robot_is_a_teammate_until_pictures_say_otherwise() -> None:
+def test_robot_shape_and_speed_make_a_teammate_until_pictures_contradict() -> None:
     identity = Identity()
     for _ in range(3):
         identity.on_robot_shape()
@@ -59,7 +59,7 @@ def test_what_looks_and_moves_like_a_robot_is_a_teammate_until_pictures_say_othe
     assert identity.kind is Kind.STRANGER
 
 
-def test_a_second_of_another_shape_makes_a_stranger_until_pictures_show_a_band() -> None:
+def test_other_shape_makes_a_stranger_until_pictures_show_a_band() -> None:
     identity = Identity()
     for _ in range(5):
         identity.on_other_shape()
@@ -71,7 +71,7 @@ def test_a_second_of_another_shape_makes_a_stranger_until_pictures_show_a_band()
     assert identity.kind is Kind.TEAMMATE
 
 
-def test_shape_does_not_undo_what_pictures_have_settled() -> None:
+def test_shape_does_not_change_a_kind_decided_by_pictures() -> None:
     banded, bare = Identity(), Identity()
     for _ in range(4):
         banded.on_band(0.9)

@@ -1,4 +1,4 @@
-"""Strangers who stay near the border are reported once, whatever their tracks do."""
+"""Strangers that stay near the border are reported once, also when their tracks change."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_a_stranger_is_reported_after_three_seconds_and_only_once(intruders: Int
     assert known.last_seen == pytest.approx(30.0)
 
 
-def test_a_new_track_of_the_same_stranger_is_no_news(intruders: Intruders) -> None:
+def test_new_track_of_a_known_stranger_is_not_reported_again(intruders: Intruders) -> None:
     assert stay(intruders, STRANGER, 0.0, 5.0) == [1]
     again = replace(STRANGER, id=9, x=7.0, first_seen=12.0)
     assert stay(intruders, again, 12.0, 20.0) == []
@@ -59,10 +59,10 @@ def test_a_new_track_of_the_same_stranger_is_no_news(intruders: Intruders) -> No
 
 @pytest.mark.parametrize(("x", "back", "updated"), [(5.2, 9.0, True), (5.9, 9.0, False),
                                                     (5.2, 18.0, False)])  # fmt: skip
-def test_whoever_stands_where_an_intruder_was_is_the_same_before_it_is_known_who_it_is(
+def test_unknown_track_at_the_place_of_a_lost_intruder_is_that_intruder(
     intruders: Intruders, x: float, back: float, updated: bool
 ) -> None:
-    """A robot turns round beside him, and sees him face on, as wide as a robot."""
+    """A robot turns round beside a person and sees them from the front, as wide as a robot."""
     assert stay(intruders, STRANGER, 0.0, 5.0) == [1]
     unknown = replace(STRANGER, id=9, x=x, kind=Kind.UNKNOWN, robot_sized=True)
     assert stay(intruders, unknown, back, back + 5.0) == []
@@ -71,7 +71,7 @@ def test_whoever_stands_where_an_intruder_was_is_the_same_before_it_is_known_who
     assert (known.track == 9) == updated
 
 
-def test_two_strangers_are_two(intruders: Intruders) -> None:
+def test_two_strangers_are_two_intruders(intruders: Intruders) -> None:
     other = replace(STRANGER, id=8, x=12.0)
     numbers = []
     for k in range(60):
@@ -90,9 +90,7 @@ def test_a_track_lost_for_a_moment_does_not_restart_the_three_seconds(
 
 
 @pytest.mark.parametrize("robot_sized", [False, True])
-def test_all_of_a_stay_counts_once_it_is_known_who_it_is(
-    intruders: Intruders, robot_sized: bool
-) -> None:
+def test_stay_before_the_classification_counts(intruders: Intruders, robot_sized: bool) -> None:
     unknown = replace(STRANGER, kind=Kind.UNKNOWN, robot_sized=robot_sized)
     assert stay(intruders, unknown, 0.0, 2.7) == []
     assert stay(intruders, STRANGER, 2.8, 3.1) == [1]
@@ -113,21 +111,21 @@ def test_the_time_as_a_teammate_does_not_count(intruders: Intruders) -> None:
         replace(STRANGER, y=2.5),
     ],
 )
-def test_teammates_robots_not_yet_looked_at_and_those_far_away_are_not_reported(
+def test_teammates_unclassified_robots_and_distant_tracks_are_not_reported(
     intruders: Intruders, nobody: Track
 ) -> None:
     assert stay(intruders, nobody, 0.0, 20.0) == []
 
 
-def test_whoever_comes_back_after_a_minute_is_news(intruders: Intruders) -> None:
+def test_stranger_back_after_a_minute_is_reported_again(intruders: Intruders) -> None:
     assert stay(intruders, STRANGER, 0.0, 5.0) == [1]
     assert stay(intruders, replace(STRANGER, id=9, first_seen=80.0), 80.0, 90.0) == [2]
 
 
-def test_a_stay_counts_from_its_start_though_the_stranger_passed_for_a_teammate(
+def test_stay_counts_from_its_start_though_taken_for_a_teammate(
     intruders: Intruders,
 ) -> None:
-    """Somebody who comes straight up, seen from afar; told apart when he is near."""
+    """A person approaches straight from afar and is classified when near."""
     unknown = replace(STRANGER, kind=Kind.UNKNOWN, robot_sized=True)
     assert stay(intruders, unknown, 0.0, 1.0) == []
     assert stay(intruders, replace(STRANGER, kind=Kind.TEAMMATE), 1.1, 2.5) == []
@@ -136,7 +134,7 @@ def test_a_stay_counts_from_its_start_though_the_stranger_passed_for_a_teammate(
     assert intruders.known[0].first_seen == pytest.approx(0.0)
 
 
-def test_a_teammate_that_passes_for_a_stranger_for_a_moment_is_not_reported(
+def test_teammate_briefly_taken_for_a_stranger_is_not_reported(
     intruders: Intruders,
 ) -> None:
     unknown, teammate = (replace(STRANGER, kind=kind) for kind in (Kind.UNKNOWN, Kind.TEAMMATE))

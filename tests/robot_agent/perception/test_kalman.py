@@ -20,7 +20,7 @@ print(scipy.ndimage.shift([1.0, 2.0], 1).tolist())
 """
 
 
-def test_scipys_heavy_parts_come_only_when_asked_for_and_are_the_real_ones():
+def test_deferred_scipy_modules_are_imported_on_use():
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM], capture_output=True, text=True, check=True
     )

@@ -1,4 +1,4 @@
-"""A Pioneer's outline fitted to what a laser sees of one."""
+"""Fit of a Pioneer's outline to laser points."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def body(rng: np.random.Generator, *size: float) -> Box:
     )
 
 
-def test_centres_are_right_and_covariances_tell_how_right(room: Room) -> None:
+def test_centres_are_right_within_their_covariances(room: Room) -> None:
     rng = np.random.default_rng(11)
     errors, squared = [], []
     for _ in range(200):
@@ -60,7 +60,7 @@ def test_centres_are_right_and_covariances_tell_how_right(room: Room) -> None:
     assert np.mean(squared) > 0.2, "and not far too wide"
 
 
-def test_other_bodies_as_large_as_a_robot_fit_worse(room: Room) -> None:
+def test_other_objects_as_large_as_a_robot_have_a_larger_misfit(room: Room) -> None:
     rng = np.random.default_rng(12)
     misfits = {
         size: np.array([seen(room, body(rng, *size), rng).misfit for _ in range(120)])
@@ -73,8 +73,8 @@ def test_other_bodies_as_large_as_a_robot_fit_worse(room: Room) -> None:
         assert np.median(others) > 2.0 * np.median(robots)
 
 
-def test_a_side_seen_along_it_is_no_edge_to_end_at(room: Room) -> None:
-    """The beams along a side are so far apart that the segment ends: the outline goes on."""
+def test_grazed_side_is_not_taken_as_an_edge(room: Room) -> None:
+    """Beams along a side are so far apart that the segment ends, though the side continues."""
     rng = np.random.default_rng(13)
     for theta in np.radians((3.0, 5.0, 8.0, 11.0)).tolist():
         box = Box(HERE.x + 2.3, HERE.y + 0.1, theta)
@@ -84,7 +84,7 @@ def test_a_side_seen_along_it_is_no_edge_to_end_at(room: Room) -> None:
         assert math.hypot(segment.x - truth.x, segment.y - truth.y) < 0.06
 
 
-def test_the_fewer_edges_are_in_sight_the_less_sure_is_the_place_along_a_side() -> None:
+def test_fewer_visible_edges_give_a_larger_covariance_along_a_side() -> None:
     # The middle of the rear end of a robot that drives away, straight ahead; edges at its sides.
     rear = np.column_stack((np.full(9, 2.0), np.linspace(-0.1, 0.1, 9)))
     both = (SightEdge(0.0, 1.0, HALF_WIDTH, 0.02), SightEdge(0.0, -1.0, HALF_WIDTH, 0.02))
@@ -97,7 +97,7 @@ def test_the_fewer_edges_are_in_sight_the_less_sure_is_the_place_along_a_side() 
     assert fits[2].y == pytest.approx(0.0, abs=0.02)
 
 
-def test_each_segment_is_fitted_for_itself() -> None:
+def test_segments_are_fitted_independently() -> None:
     rng = np.random.default_rng(14)
     parts = [
         np.column_stack((np.full(n, x), np.linspace(-0.2, 0.2, n))) + rng.normal(0, 0.01, (n, 2))
@@ -114,5 +114,5 @@ def test_each_segment_is_fitted_for_itself() -> None:
         assert (one.x, one.y, one.misfit) == pytest.approx((other.x, other.y, other.misfit))
 
 
-def test_nothing_gives_nothing() -> None:
+def test_no_segments_give_no_fits() -> None:
     assert fit_outlines([], [], []) == []

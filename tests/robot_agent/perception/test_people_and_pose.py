@@ -75,7 +75,7 @@ def test_beams_on_a_track_are_covered_and_no_others(room: Room) -> None:
     assert not forgotten.any()
 
 
-def test_a_scan_mostly_on_tracks_is_not_believed(room: Room) -> None:
+def test_covered_is_none_for_a_scan_mostly_on_tracks(room: Room) -> None:
     rng = np.random.default_rng(3)
     tracker = TeammateTracker(PerceptionSettings(), room.map, max_covered=0.05)
     pose = Pose(3.0, 4.0, 0.0)

@@ -16,7 +16,7 @@ from maps.pose import Pose
 from robot_agent.messages.events import BlobsSeen, Event, LinkDown, LinkUp, PictureTaken
 from robot_agent.perception.camera_watch import CameraWatch
 from robot_agent.perception.color_settings import ColorSettings
-from robot_agent.perception.picture_reader import CameraEye
+from robot_agent.perception.picture_reader import PictureReader
 from tools.simulation.emulated_camera import CameraServer, EmulatedCamera
 from tools.simulation.world import World
 
@@ -45,15 +45,15 @@ def next_of(inbox: SimpleQueue[Event], kind: type, server: CameraServer | None =
     raise AssertionError(f"no {kind.__name__} within {LIMIT_S:g} s")
 
 
-def test_a_band_arrives_as_an_event_and_an_unplugged_camera_too() -> None:
+def test_band_and_lost_camera_arrive_as_events() -> None:
     scene = world()
     own = scene.add_body(Pose(3.0, 3.0, 0.0))
     scene.add_body(Pose(5.0, 3.4, 2.0))
     server = CameraServer(EmulatedCamera(scene, own).picture_at)
     inbox: SimpleQueue[Event] = SimpleQueue()
     settings = CameraSettings(url=server.url, delay=0.15)
-    eye = CameraEye(settings, ColorSettings(), inbox.put)
-    camera = Camera(settings, time.monotonic, eye)
+    reader = PictureReader(settings, ColorSettings(), inbox.put)
+    camera = Camera(settings, time.monotonic, reader)
     camera.start()
     try:
         assert next_of(inbox, LinkUp, server).t > 0.0
@@ -64,7 +64,7 @@ def test_a_band_arrives_as_an_event_and_an_unplugged_camera_too() -> None:
         [blob] = seen.blobs
         assert blob.bearing == pytest.approx(math.atan2(0.4, 1.9), abs=0.06)
         assert blob.range == pytest.approx(1.75, abs=0.35)
-        eye.want_picture()
+        reader.request_picture()
         picture = next_of(inbox, PictureTaken, server)
         assert isinstance(picture, PictureTaken)
         assert picture.jpeg.startswith(b"\xff\xd8")
@@ -78,7 +78,7 @@ def test_a_band_arrives_as_an_event_and_an_unplugged_camera_too() -> None:
         server.close()
 
 
-def test_the_watch_tells_what_the_camera_is_worth() -> None:
+def test_watch_reports_the_state_of_the_camera() -> None:
     watch = CameraWatch(CameraSettings())
     assert watch.state(0.0) == "off"
     assert watch.trouble(0.0) == ""

@@ -1,4 +1,4 @@
-"""Reflecting tape, from the bytes of an LMS 200 to who somebody is."""
+"""Reflecting tape, from the bytes of an LMS 200 to the kind of a track."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ HERE = Pose(4.0, 4.0, 0.0)
 PERIOD = 0.2
 LASER = 0x80  # a telegram's address from the laser to its host
 FIELD_A = 0x2000  # bit 13: what a mode without reflectors says of a field
-# The bits above the distance by which a mode tells of a reflector, as sick_lms200.md lists them.
+# The bits above the distance that mark a reflector in each mode, as sick_lms200.md lists them.
 REFLECTOR = {0x01: 0xE000, 0x03: 0xC000, 0x05: 0x8000}
 
 
@@ -47,7 +47,7 @@ def as_decoded(sent: bytes, mode: int, t: float) -> Scan:
 
 
 def kinds_seen(room: Room, mode: int, bits: int, settings: PerceptionSettings) -> set[Kind]:
-    """Return who a standing robot is taken for, whose middle beams come back with bits set."""
+    """Return the kinds of the track of a standing robot whose middle beams have bits set."""
     rng = np.random.default_rng(5)
     tracker = TeammateTracker(settings, room.map)
     projector = ScanProjector(Pose(0.0, 0.0, 0.0))
@@ -66,7 +66,9 @@ def kinds_seen(room: Room, mode: int, bits: int, settings: PerceptionSettings) -
 
 
 @pytest.mark.parametrize("mode", sorted(REFLECTOR))
-def test_tape_makes_a_teammate_in_every_mode_that_tells_of_it(room: Room, mode: int) -> None:
+def test_reflecting_tape_makes_a_teammate_in_every_mode_with_reflectors(
+    room: Room, mode: int
+) -> None:
     wearing = PerceptionSettings(reflecting_bands=True)
     bits = REFLECTOR[mode]
     assert kinds_seen(room, mode, bits, wearing) == {Kind.TEAMMATE}

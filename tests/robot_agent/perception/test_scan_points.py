@@ -1,4 +1,4 @@
-"""Scans become points in base_link; an asymmetric scene tells mirrored and turned geometry."""
+"""Projection of scans to base_link; an asymmetric scene reveals mirrored or rotated geometry."""
 
 import math
 from dataclasses import replace
@@ -27,7 +27,7 @@ def scan_of(ranges: list[float], increment: float = math.pi / 2) -> Scan:
     )
 
 
-def test_right_ahead_left_are_where_rep_103_says() -> None:
+def test_points_follow_the_axes_of_rep_103() -> None:
     points = ScanProjector(Pose(0.0, 0.0, 0.0)).points(scan_of([1.0, 2.0, 3.0]))
     assert points == pytest.approx(np.array([(0.0, -1.0), (2.0, 0.0), (0.0, 3.0)]))
 
@@ -45,14 +45,14 @@ def test_beams_without_return_are_left_out() -> None:
     assert projector.points(scan_of([math.inf] * 3)).shape == (0, 2)
 
 
-def test_a_change_of_geometry_is_followed() -> None:
+def test_change_of_scan_geometry_updates_directions() -> None:
     projector = ScanProjector(Pose(0.0, 0.0, 0.0))
     projector.points(scan_of([1.0, 1.0, 1.0]))
     finer = projector.points(scan_of([1.0] * 5, math.pi / 4))
     assert finer[1] == pytest.approx((math.sqrt(0.5), -math.sqrt(0.5)))
 
 
-def test_a_scan_looks_between_its_outermost_beams() -> None:
+def test_view_is_between_the_outermost_beams() -> None:
     projector = ScanProjector(Pose(0.1, 0.0, math.pi))  # looks back
     places = np.array([(0.0, 0.5), (0.2, 0.5), (-3.0, 0.0), (3.0, 0.0), (0.0, -0.5)])
     assert not projector.in_view(places).any(), "nothing before the first scan"
@@ -60,7 +60,7 @@ def test_a_scan_looks_between_its_outermost_beams() -> None:
     assert projector.in_view(places).tolist() == [True, False, True, False, True]
 
 
-def test_beams_are_measured_as_the_mirror_turns() -> None:
+def test_beam_delays_follow_the_mirror() -> None:
     delays = beam_time_offsets(181, -math.pi / 2, math.radians(1.0), 1)
     assert delays[90] == pytest.approx(0.0, abs=1e-12)
     assert (delays[0], delays[180]) == pytest.approx((-TURN / 4, TURN / 4))
@@ -71,7 +71,7 @@ def test_beams_are_measured_as_the_mirror_turns() -> None:
 
 @pytest.mark.parametrize("increment", [1.0, 0.5])
 def test_a_wall_seen_while_turning_at_1_rad_per_s_does_not_smear(increment: float) -> None:
-    """A wall 3 m ahead, each beam measured from where the robot is at its own moment."""
+    """A wall 3 m ahead, each beam measured from the robot's pose at the beam's own time."""
     v, w, base_from_laser = 0.3, 1.0, Pose(0.15, 0.0, 0.0)
     n = round(180.0 / increment) + 1
     step = math.radians(increment)

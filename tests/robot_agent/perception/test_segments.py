@@ -108,7 +108,7 @@ def test_a_half_hidden_robot_is_found_about_where_it_is(room: Room) -> None:
     assert 0.02 < math.sqrt(part.var_y) < 0.15
 
 
-def test_the_nearest_comes_first(room: Room) -> None:
+def test_segments_are_sorted_by_distance(room: Room) -> None:
     rng = np.random.default_rng(8)
     found = segments_of(room, [at(2.4, -0.7, 0.0), at(1.2, 0.4, 1.0)], rng)
     assert [round(math.hypot(segment.x, segment.y), 1) for segment in found] == [1.2, 2.4]

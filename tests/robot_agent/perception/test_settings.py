@@ -15,7 +15,7 @@ from robot_agent.perception.settings import PerceptionSettings
         ("memmory = 3.0", "memmory"),
     ],
 )
-def test_wrong_settings_are_refused_by_name(toml: str, message: str) -> None:
+def test_invalid_settings_raise_with_their_name(toml: str, message: str) -> None:
     with pytest.raises(msgspec.ValidationError, match=message):
         msgspec.toml.decode(toml, type=PerceptionSettings)
 

@@ -1,4 +1,4 @@
-"""Teammates in a simulated room: found, told from clutter, remembered."""
+"""Tracking of teammates in a simulated room: detection, classification, memory."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def run(
     rng: np.random.Generator,
     after_each: Callable[[float, Pose], None] = lambda t, told: None,
 ) -> None:
-    """Feed scans taken on a path, with the pose told as a localizer would."""
+    """Feed scans taken on a path, with the pose errors of a localizer."""
     for step in range(round(duration / PERIOD)):
         t = start + step * PERIOD
         told = shaken(path(t), rng)
@@ -56,7 +56,7 @@ def round_the_middle(t: float) -> Pose:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_an_approaching_robot_is_known_throughout_the_visibility_range(
+def test_approaching_robot_is_tracked_throughout_the_visibility_range(
     room: Room, seed: int
 ) -> None:
     rng = np.random.default_rng(seed)
@@ -115,7 +115,7 @@ def test_a_pose_a_decimetre_or_two_degrees_off_makes_no_tracks_of_walls(
         assert tracker.tracks == []
 
 
-def test_an_unsure_pose_explains_more(room: Room) -> None:
+def test_larger_pose_sigma_explains_more_points(room: Room) -> None:
     rng = np.random.default_rng(21)
     pose, box = Pose(3.0, 4.0, 0.0), Box(5.0, 7.5, 0.0)
     sure, unsure = new_tracker(room), new_tracker(room)
@@ -167,7 +167,7 @@ def test_a_walking_person_is_followed_and_never_a_teammate(room: Room) -> None:
     assert kinds == {Kind.UNKNOWN, Kind.STRANGER}
 
 
-def test_a_teammate_that_stops_stays_one(room: Room) -> None:
+def test_teammate_that_stops_remains_a_teammate(room: Room) -> None:
     rng = np.random.default_rng(13)
     tracker = new_tracker(room)
 
@@ -185,7 +185,7 @@ def crossing(t: float) -> list[Box]:
     return [Box(4.5, 3.0 + 0.35 * t, math.pi / 2)]
 
 
-def test_a_teammate_out_of_sight_is_remembered_three_seconds_and_does_not_run_away(
+def test_unseen_teammate_is_kept_for_3_s_with_decaying_velocity(
     room: Room,
 ) -> None:
     rng = np.random.default_rng(14)
@@ -210,7 +210,7 @@ def test_a_teammate_out_of_sight_is_remembered_three_seconds_and_does_not_run_aw
     assert tracker.tracks == []
 
 
-def test_memory_ends_even_without_scans(room: Room) -> None:
+def test_track_memory_ends_without_scans(room: Room) -> None:
     rng = np.random.default_rng(15)
     tracker = new_tracker(room)
     run(tracker, room, standing, crossing, duration=3.0, rng=rng)
@@ -236,7 +236,7 @@ def test_visibility_ends_at_its_range_with_a_margin_for_those_in_view(room: Room
     assert tracker.closest(t, at_distance(2.55)) is None
 
 
-def test_two_robots_are_kept_apart_and_the_nearer_is_told(room: Room) -> None:
+def test_two_robots_are_two_tracks_and_the_nearer_is_the_closest(room: Room) -> None:
     rng = np.random.default_rng(17)
     tracker = new_tracker(room)
     ids: set[tuple[int, ...]] = set()
@@ -277,14 +277,14 @@ def test_equal_inputs_give_equal_tracks(room: Room) -> None:
     assert first == outcome()
 
 
-def test_a_scan_without_returns_is_taken(room: Room) -> None:
+def test_scan_without_returns_is_accepted(room: Room) -> None:
     tracker = new_tracker(room)
     tracker.update(0.0, Pose(3.0, 4.0, 0.0), np.empty((0, 2)))
     assert tracker.tracks == []
     assert tracker.closest(0.0, Pose(3.0, 4.0, 0.0)) is None
 
 
-def test_whoever_sets_off_at_once_keeps_the_number(room: Room) -> None:
+def test_track_that_starts_abruptly_keeps_its_id(room: Room) -> None:
     """A person who stood walks off at 1.2 m/s between two scans."""
     rng = np.random.default_rng(21)
     tracker = TeammateTracker(PerceptionSettings(), room.map)
@@ -301,8 +301,8 @@ def test_whoever_sets_off_at_once_keeps_the_number(room: Room) -> None:
     assert math.hypot(track.vx, track.vy) == pytest.approx(1.2, abs=0.3)
 
 
-def test_a_leap_within_one_body_goes_on_under_the_older_number(room: Room) -> None:
-    """Found again a little aside, farther than any gate allows: two bodies cannot stand so."""
+def test_two_tracks_of_one_object_merge_under_the_older_id(room: Room) -> None:
+    """Detected again slightly aside, outside the gate, but nearer than two objects can be."""
     rng = np.random.default_rng(22)
     tracker = TeammateTracker(SETTINGS, room.map, gate_distance=0.2)
     here = Pose(4.0, 4.0, 0.0)
@@ -318,8 +318,8 @@ def test_a_leap_within_one_body_goes_on_under_the_older_number(room: Room) -> No
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_robot_that_turns_on_the_spot_counts_where_no_camera_tells(room: Room, seed: int) -> None:
-    """Round a corner it comes in sight at 1.8 m and does not move: there is no time to wait."""
+def test_without_camera_a_robot_turning_in_place_counts_as_closest(room: Room, seed: int) -> None:
+    """It comes into view at 1.8 m round a corner and does not move: too near to wait for motion."""
     tracker, rng = new_tracker(room), np.random.default_rng(seed)
 
     def turning(t: float) -> list[Box]:
@@ -329,12 +329,12 @@ def test_a_robot_that_turns_on_the_spot_counts_where_no_camera_tells(room: Room,
     (track,) = tracker.tracks
     assert track.kind is Kind.UNKNOWN
     assert tracker.closest(0.9, standing(0.9)) is not None
-    # Pictures that say nothing of it: it is waited for what they will show.
+    # With pictures it does not count before they give evidence.
     tracker.on_bands(0.95, standing(0.95), [])
     assert tracker.closest(1.0, standing(1.0)) is None
 
 
-def test_what_has_no_robots_outline_does_not_count_before_it_is_known(room: Room) -> None:
+def test_unknown_track_without_a_robots_outline_does_not_count(room: Room) -> None:
     tracker, rng = new_tracker(room), np.random.default_rng(1)
 
     def standing_bench(t: float) -> list[Box]:

@@ -1,4 +1,4 @@
-"""What pictures, sonars and reflectors add to the laser's tracks."""
+"""Evidence of pictures, sonars and reflectors for the laser's tracks."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_a_stranger_as_large_as_a_robot_is_never_the_closest_teammate(room: Room
         (0.511, 0.425, 0.9, Kind.STRANGER),  # faster than any robot
     ],
 )
-def test_beside_the_picture_outline_and_motion_tell(
+def test_outside_the_picture_outline_and_motion_classify(
     room: Room, length: float, width: float, speed: float, kind: Kind, *, pictures: bool
 ) -> None:
     rng = np.random.default_rng(2)
@@ -79,7 +79,7 @@ def test_beside_the_picture_outline_and_motion_tell(
     assert [track.kind for track in tracker.tracks] == [kind]
 
 
-def test_a_sonar_keeps_up_a_teammate_behind_for_a_while(room: Room) -> None:
+def test_sonar_echoes_extend_a_teammates_track_for_a_while(room: Room) -> None:
     tracker = watched(room, 2.0, worn=(True,))
     [mate] = tracker.tracks
     turned = Pose(HERE.x, HERE.y, math.pi)
@@ -88,14 +88,14 @@ def test_a_sonar_keeps_up_a_teammate_behind_for_a_while(room: Room) -> None:
     for step in range(120):
         t = last + PERIOD * (step + 1)
         tracker.update(t, turned, room.scan(turned, [], np.random.default_rng(step)))
-        if tracker.awaits_echo(t):
+        if tracker.needs_echoes(t):
             tracker.on_echoes(t, turned, np.array([[echo.x, echo.y]]))
         if tracker.closest(t, turned) is not None:
             remembered = t - last
     assert 6.0 < remembered <= 9.1, "as long as a sonar counts, then the usual memory"
 
 
-def test_a_teammate_that_only_sonars_hear_is_not_taken_to_be_nearer(room: Room) -> None:
+def test_sonar_echo_does_not_bring_a_teammate_nearer(room: Room) -> None:
     tracker = watched(room, 2.0, worn=(True,))
     [mate] = tracker.tracks
     turned = Pose(HERE.x, HERE.y, math.pi)
@@ -111,7 +111,7 @@ def test_a_teammate_that_only_sonars_hear_is_not_taken_to_be_nearer(room: Room) 
     assert math.dist((heard.x, heard.y), HERE[:2]) == pytest.approx(distance, abs=0.05)
 
 
-def test_an_echo_of_a_wall_keeps_up_nobody(room: Room) -> None:
+def test_echo_of_a_wall_extends_no_track(room: Room) -> None:
     tracker = watched(room, 2.0, worn=(True,))
     last = tracker.tracks[0].last_seen
     turned = Pose(HERE.x, HERE.y, math.pi)
@@ -123,7 +123,7 @@ def test_an_echo_of_a_wall_keeps_up_nobody(room: Room) -> None:
     assert tracker.tracks == []
 
 
-def test_reflecting_bands_tell_a_teammate_where_no_camera_looks(room: Room) -> None:
+def test_reflector_makes_a_teammate_without_a_camera(room: Room) -> None:
     rng = np.random.default_rng(4)
     for reflecting, kind in ((True, Kind.TEAMMATE), (False, Kind.UNKNOWN)):
         settings = PerceptionSettings(reflecting_bands=reflecting)

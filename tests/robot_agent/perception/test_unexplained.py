@@ -1,4 +1,4 @@
-"""What the map explains, and what it does not."""
+"""Points that the map explains, and those that it does not."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def unexplained(room: Room) -> UnexplainedPoints:
 def unexplained_in_map(
     unexplained: UnexplainedPoints, pose: Pose, points: list[tuple[float, float]]
 ) -> list[bool]:
-    """Ask about points given in the map frame."""
+    """Return the mask for points given in the map frame."""
     seen = np.array([pose.between(Pose(x, y, 0.0))[:2] for x, y in points])
     return unexplained.mask(pose, seen, np.hypot(seen[:, 0], seen[:, 1])).tolist()
 
@@ -47,7 +47,7 @@ def test_the_distance_explained_grows_with_range(unexplained: UnexplainedPoints)
     assert unexplained_in_map(unexplained, Pose(6.0, 4.0, 0.0), [(6.0, from_wall)]) == [False]
 
 
-def test_a_robot_stands_out_and_walls_do_not(unexplained: UnexplainedPoints, room: Room) -> None:
+def test_robot_is_unexplained_and_walls_are_not(unexplained: UnexplainedPoints, room: Room) -> None:
     rng = np.random.default_rng(1)
     pose = Pose(4.0, 4.0, 0.0)
     points = room.scan(pose, [Box(6.0, 4.0, 0.4)], rng)

@@ -1,4 +1,4 @@
-"""Where the robot was at a time: interpolated, carried forward, forgotten."""
+"""Odometry at a time: interpolated, extrapolated, or None."""
 
 import math
 
@@ -30,7 +30,7 @@ def state(t: float, x: float, *, theta: float = 0.0, v: float = 0.0, w: float = 
     )
 
 
-def test_nothing_is_known_before_the_first_report() -> None:
+def test_pose_is_none_before_the_first_report() -> None:
     history = OdometryHistory()
     assert history.at(1.0) is None
     assert history.latest is None
@@ -53,7 +53,7 @@ def test_theta_is_wrapped_though_reports_are_not() -> None:
     assert pose.theta == pytest.approx(3.3 - math.tau)
 
 
-def test_carries_the_newest_report_forward() -> None:
+def test_extrapolates_past_the_newest_report() -> None:
     history = OdometryHistory()
     history.add(state(1.0, 0.0, v=0.5, w=0.2))
     pose = history.at(1.1)
@@ -63,7 +63,7 @@ def test_carries_the_newest_report_forward() -> None:
     assert pose.theta == pytest.approx(0.02)
 
 
-def test_older_than_what_is_kept_is_unknown() -> None:
+def test_pose_is_none_for_times_before_the_history() -> None:
     history = OdometryHistory()
     for step in range(50):
         history.add(state(step * 0.1, step * 0.01))
@@ -88,7 +88,7 @@ def test_speeds_are_those_of_the_nearest_report() -> None:
     assert history.twist_at(9.0) == (0.3, 0.4)
 
 
-def test_nothing_is_known_long_after_the_newest_report() -> None:
+def test_pose_is_none_long_after_the_newest_report() -> None:
     history = OdometryHistory()
     history.add(state(1.0, 0.0, v=0.5))
     assert history.at(1.0 + CARRIED_S) is not None

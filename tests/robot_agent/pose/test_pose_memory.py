@@ -1,4 +1,4 @@
-"""The pose over a restart: what is noted when, what is believed, and that the scans must agree."""
+"""The pose over a restart: when it is stored, when it is valid, and that scans must confirm it."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ MM = 0.001  # metres per count
 KEEPING = MemorySettings(file="pose.json")
 
 
-# --- what is believed ------------------------------------------------------------------------
+# --- validity after a restart ----------------------------------------------------------------
 
 
-def test_the_same_reading_is_the_same_pose() -> None:
+def test_same_reading_gives_the_same_pose() -> None:
     start = NOTED.carried_to((5000, -2000, 1024), MM)
     assert start is not None
     assert start.pose == pytest.approx((3.0, 4.0, 1.0))
 
 
-def test_a_robot_pushed_since_is_where_it_was_pushed_to() -> None:
+def test_pose_is_moved_by_the_counts_since() -> None:
     """The odometer's heading is a quarter turn: its y is ahead."""
     start = NOTED.carried_to((5000, -1500, 1024 + 512), MM)
     assert start is not None
@@ -54,7 +54,7 @@ def test_a_robot_pushed_since_is_where_it_was_pushed_to() -> None:
     assert start.sigma_theta > unmoved.sigma_theta
 
 
-def test_counters_that_wrapped_since_agree() -> None:
+def test_wrapped_counters_continue() -> None:
     noted = msgspec.structs.replace(NOTED, odometer_x=0x7FF0, odometer_heading=4090)
     start = noted.carried_to((0x10, -2000, 2), MM)
     assert start is not None
@@ -65,17 +65,17 @@ def test_counters_that_wrapped_since_agree() -> None:
 @pytest.mark.parametrize(
     "now", [(5000, -499, 1024), (0, 0, 0), (2, 0x7FFF, 1), (5000 + 4096, -2000, 1024)]
 )
-def test_an_odometer_too_far_on_or_zeroed_is_not_believed(now: tuple[int, int, int]) -> None:
+def test_odometer_too_far_on_or_zeroed_gives_none(now: tuple[int, int, int]) -> None:
     assert NOTED.carried_to(now, MM) is None
 
 
-def test_a_note_taken_at_zero_is_not_believed() -> None:
+def test_pose_stored_at_zero_counts_gives_none() -> None:
     """Every odometer reads that after it was switched on."""
     noted = msgspec.structs.replace(NOTED, odometer_x=0, odometer_y=0, odometer_heading=0)
     assert noted.carried_to((300, 0, 0), MM) is None
 
 
-# --- what is noted ---------------------------------------------------------------------------
+# --- storing ---------------------------------------------------------------------------------
 
 
 def estimate(health: Health) -> Estimate:
@@ -105,7 +105,7 @@ def note(
     )
 
 
-def test_a_sure_pose_is_noted_now_and_then_and_forgotten_once_lost() -> None:
+def test_localized_pose_is_stored_periodically_and_deleted_once_lost() -> None:
     memory = PoseMemory(KEEPING)
     expected = RememberedPose(
         x=1.0, y=2.0, theta=0.5, odometer_x=7, odometer_y=8, odometer_heading=9
@@ -121,7 +121,7 @@ def test_a_sure_pose_is_noted_now_and_then_and_forgotten_once_lost() -> None:
     assert note(memory, 9.1, Health.LOCALIZED) == expected
 
 
-def test_nothing_is_noted_unless_wanted() -> None:
+def test_without_a_file_nothing_is_stored() -> None:
     assert note(PoseMemory(MemorySettings()), 0.0, Health.LOCALIZED) is None
     assert PoseMemory(KEEPING).update(0.0, None, Pose(0.0, 0.0, 0.0), (7, 8, 9)) is None
     unread = PoseMemory(KEEPING).update(0.0, estimate(Health.LOCALIZED), Pose(0.0, 0.0, 0.0), None)
@@ -136,7 +136,7 @@ def folder() -> MapFolder:
     return load_map_folder(find_map("paper_lab", Path()))
 
 
-def test_the_file_gives_back_what_it_was_told_last(tmp_path: Path, folder: MapFolder) -> None:
+def test_file_returns_the_last_stored_pose(tmp_path: Path, folder: MapFolder) -> None:
     file = PoseFile(tmp_path / "state" / "pose.json", "r1", folder)
     assert file.load() is None
     file.keep(msgspec.json.encode(msgspec.structs.replace(NOTED, x=9.0)))
@@ -149,9 +149,7 @@ def test_the_file_gives_back_what_it_was_told_last(tmp_path: Path, folder: MapFo
     assert file.failed == ""
 
 
-def test_another_robots_pose_or_one_in_another_map_is_left_alone(
-    tmp_path: Path, folder: MapFolder
-) -> None:
+def test_pose_of_another_robot_or_map_gives_none(tmp_path: Path, folder: MapFolder) -> None:
     path = tmp_path / "pose.json"
     PoseFile(path, "r1", folder).keep(msgspec.json.encode(NOTED))
     changed = replace(folder, files={**folder.files, "border.toml": b"# moved"})
@@ -161,7 +159,7 @@ def test_another_robots_pose_or_one_in_another_map_is_left_alone(
 
 
 @pytest.mark.parametrize("content", [b"", b"\xff\xfe", b'{"robot": "r1"}', b"[1, 2]"])
-def test_a_damaged_file_is_told_and_no_reason_not_to_start(
+def test_damaged_file_sets_failed_and_gives_none(
     tmp_path: Path, folder: MapFolder, content: bytes
 ) -> None:
     path = tmp_path / "pose.json"
@@ -171,7 +169,7 @@ def test_a_damaged_file_is_told_and_no_reason_not_to_start(
     assert file.failed.startswith(f"{path}: no remembered pose: ")
 
 
-def test_a_disk_that_refuses_is_told(tmp_path: Path, folder: MapFolder) -> None:
+def test_disk_error_sets_failed(tmp_path: Path, folder: MapFolder) -> None:
     (tmp_path / "not_a_folder").write_bytes(b"")
     file = PoseFile(tmp_path / "not_a_folder" / "pose.json", "r1", folder)
     file.keep(msgspec.json.encode(NOTED))
@@ -182,7 +180,7 @@ def test_a_disk_that_refuses_is_told(tmp_path: Path, folder: MapFolder) -> None:
 
 
 class Tape:
-    """Keeps everything that happens to an agent and all it does."""
+    """Records the events and effects of an agent."""
 
     def __init__(self) -> None:
         self.steps: list[tuple[Event, list[Effect]]] = []
@@ -219,7 +217,7 @@ def patrolled(folder: MapFolder) -> tuple[Fleet, Tape]:
 
 
 def killed_run(folder: MapFolder) -> tuple[Fleet, RememberedPose]:
-    """Patrol for a while, then lose the agent; the base's watchdog stops the robot."""
+    """Patrol for a while, then kill the agent; the base's watchdog stops the robot."""
     fleet, tape = patrolled(folder)
     rig = fleet.robots[0].rig
     assert rig.base.velocity[0] > 0.1
@@ -238,7 +236,7 @@ def last_note(tape: Tape) -> RememberedPose:
 
 
 def restart(fleet: Fleet, folder: MapFolder, remembered: RememberedPose) -> Tape:
-    """Start another agent, that was told no pose, on the same robot."""
+    """Start another agent without a start pose on the same robot."""
     robot, tape = fleet.robots[0], Tape()
     config = msgspec.structs.replace(robot.agent.config, start=None, remembered=remembered)
     devices = {"base": robot.rig.base, "laser": robot.rig.laser}
@@ -255,7 +253,7 @@ def error(fleet: Fleet) -> float:
     return math.hypot(found.pose.x - truth.x, found.pose.y - truth.y)
 
 
-def test_a_restarted_agent_knows_where_it_is_and_a_replay_agrees(folder: MapFolder) -> None:
+def test_restarted_agent_starts_from_the_stored_pose_and_replays(folder: MapFolder) -> None:
     fleet, remembered = killed_run(folder)
     tape = restart(fleet, folder, remembered)
     healths = run_until(fleet, fleet.t + 8.0)
@@ -271,8 +269,8 @@ def test_a_restarted_agent_knows_where_it_is_and_a_replay_agrees(folder: MapFold
         assert again.handle(event) == effects
 
 
-def test_with_an_odometer_that_began_anew_the_robot_looks_for_itself(folder: MapFolder) -> None:
-    """The agent ended in good order: in the next session the base counts from zero."""
+def test_with_a_reset_odometer_the_agent_searches_globally(folder: MapFolder) -> None:
+    """After a normal end of the agent the base counts from zero in the next session."""
     fleet, tape = patrolled(folder)
     fleet.shut_down()
     at_the_end = last_note(tape)
@@ -283,10 +281,10 @@ def test_with_an_odometer_that_began_anew_the_robot_looks_for_itself(folder: Map
     assert healths[0] is Health.LOST
 
 
-def test_a_robot_carried_away_does_not_take_the_remembered_place_for_its_own(
+def test_carried_robot_is_not_localized_at_the_stored_pose(
     folder: MapFolder,
 ) -> None:
-    """Its wheels were off the floor: the odometer agrees, the scans do not."""
+    """The wheels were off the floor: the odometer continues, the scans do not fit."""
     fleet, remembered = killed_run(folder)
     fleet.robots[0].rig.body.pose = Pose(9.0, 5.0, -2.0)
     tape = restart(fleet, folder, remembered)

@@ -12,7 +12,7 @@ EVENT = encode(
 )
 
 
-def test_a_line_for_people() -> None:
+def test_line_for_a_terminal() -> None:
     out = io.StringIO()
     Journal(out, {}).write(EVENT)
     assert out.getvalue() == "warning: gate: holds it\n"
@@ -24,7 +24,7 @@ def test_a_line_for_the_systems_journal() -> None:
     assert out.getvalue() == "<4>gate: holds it\n"
 
 
-def test_an_output_that_is_gone_is_no_reason_to_stop() -> None:
+def test_closed_output_is_ignored() -> None:
     class Gone(io.StringIO):
         def write(self, _text: str) -> int:
             raise BrokenPipeError

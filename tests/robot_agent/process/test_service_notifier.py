@@ -1,4 +1,4 @@
-"""What the manager of services hears, over a real socket."""
+"""Notifications to the service manager, over a real socket."""
 
 import socket
 from collections.abc import Iterator
@@ -26,7 +26,7 @@ def heard(manager: socket.socket) -> list[str]:
             return found
 
 
-def test_tells_that_it_is_ready_alive_and_stopping(manager: socket.socket) -> None:
+def test_sends_ready_watchdog_and_stopping(manager: socket.socket) -> None:
     notifier = ServiceNotifier({"NOTIFY_SOCKET": manager.getsockname(), "WATCHDOG_USEC": "3000000"})
     assert notifier.period == pytest.approx(1.0)
     notifier.ready()
@@ -39,14 +39,14 @@ def test_tells_that_it_is_ready_alive_and_stopping(manager: socket.socket) -> No
     assert messages[-1] == "STOPPING=1"
 
 
-def test_an_abstract_socket_is_one_too() -> None:
+def test_abstract_socket_is_supported() -> None:
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as listener:
         listener.bind("\0patrol-test-notify")
         ServiceNotifier({"NOTIFY_SOCKET": "@patrol-test-notify"}).ready()
         assert listener.recv(100).startswith(b"READY=1")
 
 
-def test_without_a_manager_it_is_silent(tmp_path: Path) -> None:
+def test_without_a_manager_nothing_is_sent(tmp_path: Path) -> None:
     alone = ServiceNotifier({"WATCHDOG_USEC": "3000000"})
     assert alone.period is None
     alone.ready()

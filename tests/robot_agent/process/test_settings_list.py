@@ -1,4 +1,4 @@
-"""The listing of the settings: whole, described, and short enough to be read."""
+"""The list of the settings: complete, described, and of bounded length."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_default_and_unit_are_those_of_the_structs() -> None:
     assert listed["perception.color.others"].default == "[]"
 
 
-def test_there_are_no_more_settings_than_somebody_sets() -> None:
+def test_number_of_settings_is_bounded() -> None:
     assert len(list_settings()) <= LIMIT
 
 

@@ -31,7 +31,7 @@ def endpoint() -> str:
 
 
 class Listener:
-    """An operator that hands over what it hears as it comes."""
+    """An operator that queues what it receives."""
 
     def __init__(self, listen: str) -> None:
         self.heard: queue.Queue[tuple[str, bytes]] = queue.Queue()
@@ -84,7 +84,9 @@ def tell() -> Iterator[Tell]:
         telemetry.close()
 
 
-def test_operator_hears_payloads_and_presence(endpoint: str, listen: Listen, tell: Tell) -> None:
+def test_operator_receives_payloads_and_liveliness(
+    endpoint: str, listen: Listen, tell: Tell
+) -> None:
     operator = listen(endpoint)
     telemetry = tell(endpoint)
     assert operator.liveliness.get(timeout=PATIENCE_S) == ("patrol/north/anna", True)
@@ -97,7 +99,7 @@ def test_operator_hears_payloads_and_presence(endpoint: str, listen: Listen, tel
     assert (telemetry.failed, telemetry.dropped, telemetry.sent) == ("", 0, 2)
 
 
-def test_operator_that_appears_later_is_found(endpoint: str, listen: Listen, tell: Tell) -> None:
+def test_operator_started_later_is_connected(endpoint: str, listen: Listen, tell: Tell) -> None:
     telemetry = tell(endpoint)
     telemetry.publish("status", b"nobody hears this")
     operator = listen(endpoint)
@@ -106,7 +108,7 @@ def test_operator_that_appears_later_is_found(endpoint: str, listen: Listen, tel
     assert operator.heard.get(timeout=PATIENCE_S) == ("patrol/north/anna/status", b"now")
 
 
-def test_operator_that_restarts_is_found_again(endpoint: str, listen: Listen, tell: Tell) -> None:
+def test_restarted_operator_is_reconnected(endpoint: str, listen: Listen, tell: Tell) -> None:
     telemetry = tell(endpoint)
     for word in (b"first", b"second", b"third"):
         operator = listen(endpoint)
@@ -117,7 +119,7 @@ def test_operator_that_restarts_is_found_again(endpoint: str, listen: Listen, te
     assert telemetry.failed == ""
 
 
-def test_absent_operator_holds_nobody_up(endpoint: str, tell: Tell) -> None:
+def test_absent_operator_does_not_block(endpoint: str, tell: Tell) -> None:
     start = time.monotonic()
     telemetry = tell(endpoint)
     for _ in range(10_000):
@@ -127,8 +129,8 @@ def test_absent_operator_holds_nobody_up(endpoint: str, tell: Tell) -> None:
     assert telemetry.failed == ""
 
 
-def test_hanging_operator_holds_nobody_up(tell: Tell) -> None:
-    """A host that takes the connection and never says a word."""
+def test_hanging_operator_does_not_block(tell: Tell) -> None:
+    """A host that accepts the connection and never sends a byte."""
     with socket.create_server(("127.0.0.1", 0)) as mute:
         start = time.monotonic()
         telemetry = tell(f"tcp/127.0.0.1:{mute.getsockname()[1]}")
@@ -138,7 +140,7 @@ def test_hanging_operator_holds_nobody_up(tell: Tell) -> None:
         assert time.monotonic() - start < 5.0
 
 
-def test_frozen_operator_costs_old_payloads_that_are_counted(endpoint: str, tell: Tell) -> None:
+def test_frozen_operator_drops_and_counts_the_oldest_payloads(endpoint: str, tell: Tell) -> None:
     """An operator that stops in mid-message: the network fills up, then the queue."""
     command = program("tools.cli", "monitor", "--text", "--listen", endpoint)
     with subprocess.Popen(command, env=environment(), stdout=subprocess.DEVNULL) as operator:
@@ -244,7 +246,7 @@ def open_router(endpoint: str) -> Iterator[zenoh.Session]:
 
 
 class Spy:
-    """Somebody else on the network who wants to know what the robots say."""
+    """Another client on the network that subscribes to the robots' payloads."""
 
     def __init__(self, endpoint: str, mode: str) -> None:
         config = session_config(endpoint)
@@ -266,7 +268,7 @@ class Spy:
 
 
 @pytest.mark.parametrize("mode", ["peer", "client", "router"])
-def test_nobody_else_hears_a_robot_through_the_operator(
+def test_other_clients_receive_nothing_through_the_operator(
     endpoint: str, listen: Listen, tell: Tell, mode: str
 ) -> None:
     operator = listen(endpoint)
@@ -285,7 +287,7 @@ def test_nobody_else_hears_a_robot_through_the_operator(
 
 
 @pytest.mark.parametrize("mode", ["client", "router"])
-def test_the_same_spy_hears_robots_through_an_open_router(
+def test_same_client_receives_through_an_open_router(
     endpoint: str, open_router: zenoh.Session, tell: Tell, mode: str
 ) -> None:
     spy = Spy(endpoint, mode)

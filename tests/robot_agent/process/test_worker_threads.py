@@ -1,4 +1,4 @@
-"""Threads beside the agent that die of what nobody expected: it is known, nobody waits."""
+"""Worker threads that end by an unexpected exception: it is reported, and nothing blocks."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def die(*_: object) -> None:
     raise SystemExit
 
 
-def test_recorder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_dead_recorder_thread_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(RecordingWriter, "write_event", die)
     recorder = Recorder(tmp_path / "run.mcap", HEADER)
     recorder.record_event(Tick(0.0))
@@ -34,7 +34,7 @@ def test_recorder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert recorder.lost == 1
 
 
-def test_telemetry(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_dead_telemetry_thread_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Telemetry, "_publish_all", die)
     telemetry = Telemetry(
         TelemetrySettings(operator="tcp/127.0.0.1:1"), robot="robot1", team="north"
@@ -44,7 +44,7 @@ def test_telemetry(monkeypatch: pytest.MonkeyPatch) -> None:
     assert telemetry.connected is None
 
 
-def test_camera(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_dead_camera_thread_is_not_alive(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Camera, "_open_and_grab", die)
     camera = Camera(CameraSettings(url="http://127.0.0.1:1/"))
     assert not camera.alive

@@ -28,7 +28,7 @@ def test_every_kind_of_event_has_a_codec() -> None:
     assert kinds | {BytesReceived} == set(get_args(Event))
 
 
-def test_a_new_kind_of_event_is_one_entry() -> None:
+def test_new_kind_of_event_needs_one_codec() -> None:
     codec = plain_event("spots", SpotsSeen, "patrol.Spots")
     event = SpotsSeen(1.25, 1.125, (Spot("red", 40), Spot("green", 7)))
     message = codec.encode(event)
@@ -37,11 +37,11 @@ def test_a_new_kind_of_event_is_one_entry() -> None:
     assert codec.decode(1.25, message) == event
 
 
-def test_bytes_stay_bytes() -> None:
+def test_bytes_are_stored_unchanged() -> None:
     assert encode_event(BytesReceived(1.0, "laser", b"\x02\x80")) == ("laser/rx", b"\x02\x80")
 
 
 @pytest.mark.parametrize("codec", CODECS, ids=lambda codec: codec.topic)
-def test_a_message_that_does_not_fit_is_a_value_error(codec: EventCodec) -> None:
+def test_invalid_message_raises_value_error(codec: EventCodec) -> None:
     with pytest.raises(ValueError, match=r"JSON|Expected|truncated"):
         codec.decode(0.0, b"[")

@@ -172,7 +172,7 @@ def test_every_discontinuity_is_marked_when_the_disk_cannot_keep_up(tmp_path: Pa
     assert 0 < recorder.lost < count
 
 
-def test_full_disk_is_a_state_and_not_an_exception() -> None:
+def test_full_disk_sets_failed_without_raising() -> None:
     recorder = Recorder(Path("/dev/full"), HEADER)
     recorder.record_event(Tick(0.0))
     recorder.close()
@@ -182,13 +182,13 @@ def test_full_disk_is_a_state_and_not_an_exception() -> None:
     assert recorder.lost == before + 1
 
 
-def test_file_that_cannot_be_made_is_a_state(tmp_path: Path) -> None:
+def test_file_that_cannot_be_created_sets_failed(tmp_path: Path) -> None:
     recorder = Recorder(tmp_path / "missing" / "run.mcap", HEADER)
     recorder.close()
     assert "No such file or directory" in recorder.failed
 
 
-def test_a_disk_that_hangs_costs_the_recording_and_nothing_else(tmp_path: Path) -> None:
+def test_hanging_disk_sets_failed_and_does_not_block(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     os.mkfifo(path)  # opening it waits for a reader, as a hanging disk makes one wait
     recorder = Recorder(path, HEADER, capacity=100, close_wait=0.05)

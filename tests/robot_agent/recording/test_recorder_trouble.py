@@ -1,4 +1,4 @@
-"""A robot whose disk is full goes on, and says so."""
+"""A robot whose disk is full continues and reports it."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from robot_agent.config import AgentConfig, format_config
 from tools.deploy.child_program import environment, program
 
 
-def test_a_full_disk_is_told_and_the_agent_goes_on(tmp_path: Path) -> None:
+def test_full_disk_is_reported_and_the_agent_continues(tmp_path: Path) -> None:
     config = tmp_path / "robot1.toml"
     defaults = AgentConfig()
     nowhere = str(tmp_path / "no_port")

@@ -27,21 +27,21 @@ def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-def test_oldest_runs_make_room(tmp_path: Path) -> None:
+def test_oldest_runs_are_deleted(tmp_path: Path) -> None:
     for number in (1, 2, 3):
         make_run(tmp_path, number, 400_000)
     current = make_run(tmp_path, 9, 400_000)
     (tmp_path / "other.mcap").write_bytes(bytes(9_000_000))
     room = RecordingRetention(current, RecorderSettings(keep_mb=1.0, leave_free_mb=0.0), "r-*.mcap")
-    assert room.make() == ""
+    assert room.free_space() == ""
     assert names(tmp_path) == ["other.mcap", "r-3.mcap", "r-9.mcap"]
 
 
-def test_a_run_that_is_too_large_alone_has_to_end(tmp_path: Path) -> None:
+def test_run_too_large_alone_returns_the_reason(tmp_path: Path) -> None:
     make_run(tmp_path, 1, 10)
     current = make_run(tmp_path, 9, 1_000_001)
     room = RecordingRetention(current, RecorderSettings(keep_mb=1.0, leave_free_mb=0.0), "r-*.mcap")
-    assert "keep_mb = 1" in room.make()
+    assert "keep_mb = 1" in room.free_space()
     assert names(tmp_path) == ["r-9.mcap"]
 
 
@@ -49,12 +49,13 @@ def test_without_a_pattern_nothing_is_deleted(tmp_path: Path) -> None:
     make_run(tmp_path, 1, 2_000_000)
     current = make_run(tmp_path, 9, 10)
     assert (
-        RecordingRetention(current, RecorderSettings(keep_mb=1.0, leave_free_mb=0.0)).make() == ""
+        RecordingRetention(current, RecorderSettings(keep_mb=1.0, leave_free_mb=0.0)).free_space()
+        == ""
     )
     assert names(tmp_path) == ["r-1.mcap", "r-9.mcap"]
 
 
-def test_a_disk_nearly_full_ends_the_recording_in_good_order(tmp_path: Path) -> None:
+def test_nearly_full_disk_ends_the_recording_orderly(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     room = RecordingRetention(path, RecorderSettings(leave_free_mb=1e12))
     recorder = Recorder(path, HEADER, drain_period=0.001, flush_period=0.02, room=room)
@@ -71,6 +72,6 @@ def test_a_disk_nearly_full_ends_the_recording_in_good_order(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("settings", [{"keep_mb": 0.0}, {"leave_free_mb": -1.0}])
-def test_senseless_limits_are_refused(settings: dict[str, float]) -> None:
+def test_invalid_limits_raise(settings: dict[str, float]) -> None:
     with pytest.raises(msgspec.ValidationError):
         msgspec.convert(settings, RecorderSettings)

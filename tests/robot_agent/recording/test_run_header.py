@@ -1,4 +1,4 @@
-"""What a recording says of the libraries its decisions were made with."""
+"""The versions in a recording of the libraries that affect decisions."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from robot_agent.recording.run_header import DEPENDENCIES, same_versions, versio
 EARLIER = ", shapely 2.0.0, scikit-fuzzy 0.4.0"
 
 
-def test_every_library_that_decides_is_named_with_its_version() -> None:
+def test_header_has_the_versions_of_all_deciding_libraries() -> None:
     named = versions().split(", ")[1:]
     assert named == [f"{name} {version(name)}" for name in DEPENDENCIES]
 
 
 @pytest.mark.parametrize("recorded", ["", versions(), versions() + EARLIER])
-def test_recordings_of_the_same_libraries(recorded: str) -> None:
+def test_same_versions_is_true_for_the_same_libraries(recorded: str) -> None:
     assert same_versions(recorded)
 
 
 @pytest.mark.parametrize(
     "recorded", ["python 3.9.2 x86_64", versions().replace("numpy", "numpy 1")]
 )
-def test_recordings_of_other_libraries(recorded: str) -> None:
+def test_same_versions_is_false_for_other_libraries(recorded: str) -> None:
     assert not same_versions(recorded)
 
 
-def test_a_robot_decides_without_skfuzzys_and_shapelys_arithmetic() -> None:
+def test_decisions_do_not_depend_on_skfuzzy_and_shapely() -> None:
     """They may be called while rules and border are loaded, and never after."""
     program = """
 import sys
