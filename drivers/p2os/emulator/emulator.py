@@ -185,7 +185,7 @@ class P2osEmulator:
             if self.session_open:
                 self._obey(command, t)
             else:
-                self._shake_hands(command, t)
+                self._on_handshake(command, t)
 
     def pop_output(self, t: float) -> list[TimedBytes]:
         """Send reports if a cycle has ended; return everything that has left the wire by ``t``."""
@@ -222,7 +222,7 @@ class P2osEmulator:
 
     # Session
 
-    def _shake_hands(self, command: Command, t: float) -> None:
+    def _on_handshake(self, command: Command, t: float) -> None:
         """Answer SYNC0, SYNC1, SYNC2 in order, then OPEN; anything else starts over."""
         if command.number == CommandNumber.SYNC0:
             self._send(bytes((CommandNumber.SYNC0,)), t)
