@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from robot_agent.config import FIXED_KEYS, RENAMED_KEYS
+from robot_agent.process.settings_list import list_settings
 from tools.cli import COMMANDS, ROOMS, load_command
 
 ROOT = Path(__file__).parents[1]
@@ -139,3 +141,20 @@ def test_files_exist(readme):
 @pytest.mark.parametrize("readme", READMES, ids=identity)
 def test_no_path_of_one_machine_is_named(readme):
     assert not re.search(r"/work/|/tmp/|/home/|/root/", readme.read_text())
+
+
+@pytest.mark.parametrize("readme", READMES, ids=identity)
+def test_quoted_tests_exist(readme):
+    for path, name in re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", readme.read_text()):
+        assert f"def {name}(" in (ROOT / path).read_text(), f"{path}::{name}"
+
+
+@pytest.mark.parametrize("readme", READMES, ids=identity)
+def test_settings_exist(readme):
+    keys = {setting.key for setting in list_settings()}
+    sections = {key.split(".")[0] for key in {*keys, *RENAMED_KEYS, *FIXED_KEYS}} - {"map"}
+    named = re.findall(r"`([a-z_]+(?:\.[a-z_]+)+)\b(?!\.\w)", readme.read_text())
+    for key in named:
+        if key.split(".")[0] in sections and not key.endswith((".py", ".toml", ".md")):
+            section = any(each.startswith(f"{key}.") for each in keys)
+            assert key in keys or section, key
