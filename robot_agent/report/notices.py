@@ -10,8 +10,17 @@ from robot_agent.motion.gate_reason import LATCHED
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.modifier import OverrideReason
 from robot_agent.patrol.patrol import PatrolDecision
+from robot_agent.patrol.turn_log import TurnCause
 from robot_agent.perception.intruders import Intruder
 
+TURN_WORDS: dict[str, str] = {
+    TurnCause.TEAMMATE: "from a teammate ahead",
+    TurnCause.RULES: "at an end, or from a teammate behind",
+    TurnCause.CHANCE: "by chance",
+    TurnCause.BLOCKAGE: "from an object on its way",
+    TurnCause.EVEN_GAPS: "for even gaps",
+}
+"""Why a robot turned back, by the cause in its decision."""
 _REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
 
 

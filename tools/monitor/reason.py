@@ -8,7 +8,7 @@ from robot_agent.messages.streams import DecisionPayload
 from robot_agent.motion.gate_reason import DENIALS, GateReason
 from robot_agent.motion.obstacle_points import ObstacleSource
 from robot_agent.patrol.modifier import OverrideReason
-from robot_agent.patrol.turn_log import TurnCause
+from robot_agent.report.notices import TURN_WORDS
 from tools.monitor.robot_state import RobotState
 
 STALE_S = 1.5
@@ -52,13 +52,6 @@ OVERRIDE_WORDS: dict[str, str] = {
     OverrideReason.EVEN_GAPS: "for even gaps",
 }
 STANDING_OVERRIDES = frozenset({OverrideReason.HOLD_AT_END, OverrideReason.WAIT})
-TURN_WORDS: dict[str, str] = {
-    TurnCause.TEAMMATE: "from a teammate",
-    TurnCause.RULES: "at an end, or from a teammate behind",
-    TurnCause.CHANCE: "by chance",
-    TurnCause.BLOCKAGE: "from an object on its way",
-    TurnCause.EVEN_GAPS: "for even gaps",
-}
 HOLDING_REASONS = frozenset({*DENIALS, GateReason.OBSTACLE})
 """Reasons of the gate that can stop a robot, not merely slow it."""
 

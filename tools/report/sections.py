@@ -7,7 +7,7 @@ from typing import Any
 
 from matplotlib import figure as mpl_figure
 
-from robot_agent.patrol.turn_log import TurnCause
+from robot_agent.report.notices import TURN_WORDS
 from tools.report import machine_figures, patrol_figures, style
 from tools.report.blocks import Block, Figure, Folded, Paragraph, Table, row, table
 from tools.report.numbers import process_numbers
@@ -16,13 +16,6 @@ from tools.report.team import Team
 Blocks = Iterator[Block]
 
 SHOWN_EVENTS = 400
-TURN_WORDS = {
-    TurnCause.TEAMMATE: "from a teammate ahead",
-    TurnCause.RULES: "at an end, or from a teammate behind",
-    TurnCause.CHANCE: "by chance",
-    TurnCause.BLOCKAGE: "from an object on its way",
-    TurnCause.EVEN_GAPS: "for even gaps",
-}
 _LEVELS = {1: "debug", 2: "info", 3: "warning", 4: "error", 5: "fatal"}
 
 

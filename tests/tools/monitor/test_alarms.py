@@ -23,6 +23,7 @@ from robot_agent.motion.gate_reason import GateReason
 from robot_agent.motion.obstacle_points import ObstacleSource
 from robot_agent.patrol.modifier import OverrideReason
 from robot_agent.patrol.turn_log import TurnCause
+from robot_agent.report.notices import TURN_WORDS
 from tests.tools.monitor.reports import decision, device, status
 from tools.monitor.alarm import Condition, Severity
 from tools.monitor.alarm_board import MAX_ALARMS, Alarm, AlarmBoard
@@ -30,7 +31,6 @@ from tools.monitor.reason import (
     GATE_WORDS,
     OVERRIDE_WORDS,
     SOURCE_WORDS,
-    TURN_WORDS,
     turn_words,
     why,
 )

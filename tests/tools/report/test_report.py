@@ -18,6 +18,7 @@ from tools.bench.fleet import Fleet
 from tools.bench.fleet_recorder import FleetRecorder
 from tools.cli import main
 from tools.report.alignment import AlignmentError, align
+from tools.report.incidents import override_times
 from tools.report.numbers import numbers
 from tools.report.page import page
 from tools.report.run_log import RunLog, read_run
@@ -80,6 +81,21 @@ def test_numbers_equal_those_of_the_run(report: Path) -> None:
         assert 0.0 < robot["localization"]["bound_m"]["median"] < 0.3
         assert robot["ended_in_order"]
         assert robot["truncated"] is None
+
+
+def test_turns_are_told_with_their_cause(report: Path) -> None:
+    found = json.loads((report / "report.json").read_text())
+    assert [robot["turns"] for robot in found["robots"]] == [{"teammate": 1}, {"teammate": 1}]
+    assert [robot["overrides"] for robot in found["robots"]] == [{}, {}]
+    assert "from a teammate ahead" in (report / "report.html").read_text()
+
+
+def test_overrides_are_told_with_their_times(runs: list[RunLog]) -> None:
+    [run, _other] = runs
+    run.override = ["wait" if 5.0 <= t < 7.0 else "" for t in run.decision_t]
+    [(reason, (times, seconds))] = override_times(run).items()
+    assert (reason, times) == ("wait", 1)
+    assert seconds == pytest.approx(2.0, abs=0.2)
 
 
 def test_fault_is_an_incident_with_time_and_reaction(report: Path) -> None:

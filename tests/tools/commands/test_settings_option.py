@@ -1,0 +1,51 @@
+"""``--set`` of bench, paper, demo and study."""
+
+import argparse
+import json
+from pathlib import Path
+
+import pytest
+
+from robot_agent.config import AgentConfig, ConfigError
+from tools import cli
+from tools.commands.settings_option import add_set_option, chosen_config
+
+
+def chosen(*words: str) -> AgentConfig:
+    parser = argparse.ArgumentParser()
+    add_set_option(parser)
+    return chosen_config(parser.parse_args(words))
+
+
+def test_without_the_option_the_configuration_is_the_default() -> None:
+    assert chosen() == AgentConfig()
+
+
+def test_values_are_read_as_toml_and_words_need_no_quotes() -> None:
+    config = chosen("--set", "patrol.modifiers=[]", "--set", "patrol.supervisor=automaton")
+    assert config.patrol.modifiers == ()
+    assert config.patrol.supervisor == "automaton"
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ("patrol.magic=1", "patrol.magic: unknown key"),
+        ("patrol.strategy=even_gaps", "is called patrol.modifiers now"),
+        ("patrol.reversal_rest=2.0", "no setting any more"),
+        ("patrol", "is not SECTION.KEY=VALUE"),
+    ],
+)
+def test_wrong_changes_are_refused_with_the_remedy(change: str, complaint: str) -> None:
+    with pytest.raises(ConfigError, match=complaint):
+        chosen("--set", change)
+
+
+def test_bench_runs_with_what_is_set(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    slow, usual = tmp_path / "slow.json", tmp_path / "usual.json"
+    words = ["bench", "--robots", "1", "--duration", "40", "--sensing", "ideal"]
+    assert cli.main([*words, "--json", str(usual)]) == 0
+    assert cli.main([*words, "--set", "patrol.approach_speed=0.36", "--json", str(slow)]) == 0
+    capsys.readouterr()
+    reached = [json.loads(path.read_text())["reach_s"][0] for path in (usual, slow)]
+    assert reached[0] < reached[1]
