@@ -50,6 +50,7 @@ from robot_agent.motion.obstacle_points import NO_OBSTACLES, ObstaclePoints
 from robot_agent.motion.recovery_turn import RecoveryTurn
 from robot_agent.motion.sensor_freshness import SensorFreshness
 from robot_agent.motion.teleop import Teleop
+from robot_agent.motion.unpinning import UnpinningManoeuvre
 from robot_agent.obstacles.surroundings import Surroundings
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.perception import NewIntruder, Perception
@@ -124,6 +125,7 @@ class Agent:
             else None
         )
         self.heading_loop = HeadingLoop()
+        self.unpinning = UnpinningManoeuvre()
         self.teleop = Teleop() if config.teleop.enabled else None
         self.recovery = RecoveryTurn()
         self.gate = SafetyGate(self._limits)
@@ -301,13 +303,11 @@ class Agent:
         track = self.perception.tracker.closest(t, pose)
         teammate = None if track is None else (track.x, track.y)
         decision = self.patrol.step(t, pose, teammate, held=held_by_obstacle(self.gate_decision))
-        # 2. Act: turn that velocity into wheel speeds.
+        # 2. Act: turn that velocity into wheel speeds, or free a robot that obstacles pin.
+        pinned = pinned_by_obstacle(self.gate_decision)
+        unpinning = self.unpinning.step(t, self.heading_loop.turn, pinned=pinned)
         requested = self.heading_loop.command(
-            t,
-            decision.velocity,
-            pose.theta,
-            decision.curvature,
-            pinned=pinned_by_obstacle(self.gate_decision),
+            t, decision.velocity, pose.theta, decision.curvature, unpinning
         )
         # 3. Gate: nothing moves the robot but what leaves here.
         gate = self._drive(t, requested, self._gate_inputs(t, state))

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 from maps.pose import wrap_angle
-from robot_agent.motion.unpinning import EDGING_SPEED, UnpinningManoeuvre
+from robot_agent.motion.unpinning import EDGING_SPEED, NO_UNPINNING, Turn, Unpinning
 
 _GAIN = 4.0  # 1/s, k
 _TURN_ANGLE = math.radians(60.0)  # rad of error beyond which to turn in place
@@ -33,7 +33,11 @@ class HeadingLoop:
         self._w = 0.0
         self._turn_side = 0  # +1 left, -1 right while turning in place, else 0
         self._aligned = False  # in the last step
-        self._unpinning = UnpinningManoeuvre()
+
+    @property
+    def turn(self) -> Turn:
+        """The turn of the last command."""
+        return Turn(self._w, self._turn_side, self._aligned)
 
     def command(
         self,
@@ -41,22 +45,14 @@ class HeadingLoop:
         velocity: tuple[float, float],
         theta: float,
         curvature: float = 0.0,
-        *,
-        pinned: bool = False,
+        unpinning: Unpinning = NO_UNPINNING,
     ) -> tuple[float, float]:
         """Return (v, w), m/s and rad/s, at t; call once per control step.
 
         velocity: target, m/s in the map frame; theta: heading in the map, rad; curvature: of the
-        path ahead in the direction of velocity, 1/m, + left. pinned: an obstacle permitted the
-        robot neither to drive nor to turn by its last command.
+        path ahead in the direction of velocity, 1/m, + left. unpinning: the side to turn to, or
+        straight ahead, while obstacles pin the robot.
         """
-        unpinning = self._unpinning.step(
-            t,
-            pinned=pinned,
-            turn_rate=self._w,
-            turn_side=self._turn_side,
-            aligned=self._aligned,
-        )
         self._turn_side = unpinning.turn_side or self._turn_side
         v, w = self._target(velocity, theta, curvature)
         if unpinning.edges:

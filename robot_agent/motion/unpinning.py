@@ -28,7 +28,18 @@ class Unpinning(NamedTuple):
     edges: bool
 
 
-_NOTHING = Unpinning(0, edges=False)
+NO_UNPINNING = Unpinning(0, edges=False)
+
+
+class Turn(NamedTuple):
+    """The turn of a command: rate, rad/s; side in place, +1 left, -1 right, 0 none.
+
+    aligned: the robot had reached its heading.
+    """
+
+    rate: float
+    side: int
+    aligned: bool
 
 
 class UnpinningManoeuvre:
@@ -39,28 +50,25 @@ class UnpinningManoeuvre:
         self._pins = 0  # of the present turn
         self._edges_until: float | None = None  # s, while edging ahead
 
-    def step(
-        self, t: float, *, pinned: bool, turn_rate: float, turn_side: int, aligned: bool
-    ) -> Unpinning:
+    def step(self, t: float, last: Turn, *, pinned: bool) -> Unpinning:
         """Return the override at t; call once per control step.
 
-        pinned: an obstacle permitted the robot neither to drive nor to turn by the last command,
-        whose turn rate, rad/s, and side (+1 left, -1 right, 0 none) are given. aligned: the robot
-        had reached its heading.
+        last: the turn of the last command. pinned: an obstacle permitted the robot neither to
+        drive nor to turn by it.
         """
-        if aligned:
+        if last.aligned:
             self._pins = 0
         side = 0
         if self._edges_until is not None and t >= self._edges_until:
             self._edges_until = None
             if pinned:
-                side = -turn_side
-        side = self._next_side(t, pinned=pinned, turn_rate=turn_rate) or side
+                side = -last.side
+        side = self._next_side(t, last.rate, pinned=pinned) or side
         if not side and self._edges_until is None:
-            return _NOTHING
+            return NO_UNPINNING
         return Unpinning(side, edges=self._edges_until is not None)
 
-    def _next_side(self, t: float, *, pinned: bool, turn_rate: float) -> int:
+    def _next_side(self, t: float, turn_rate: float, *, pinned: bool) -> int:
         """Return the side to turn to after a pin for the timeout, 0 for none.
 
         The third pin of a turn starts edging instead.

@@ -17,6 +17,7 @@ from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
 from robot_agent.motion.gate_hold import begins_hold, held_by_obstacle, pinned_by_obstacle
 from robot_agent.motion.gate_settings import gate_limits
 from robot_agent.motion.heading_loop import HeadingLoop
+from robot_agent.motion.unpinning import UnpinningManoeuvre
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from tools.simulation.robot_body import RobotBody
 
@@ -36,6 +37,7 @@ class IdealRobot:
     body: RobotBody
     patrol: Patrol
     heading_loop: HeadingLoop
+    unpinning: UnpinningManoeuvre
     gate: SafetyGate
     v: float = 0.0
     w: float = 0.0
@@ -70,12 +72,10 @@ class IdealRobot:
         """
         pose = self.body.pose
         decision = self.patrol.step(t, pose, teammate, held=held_by_obstacle(self.gate_decision))
+        pinned = pinned_by_obstacle(self.gate_decision)
+        unpinning = self.unpinning.step(t, self.heading_loop.turn, pinned=pinned)
         requested = self.heading_loop.command(
-            t,
-            decision.velocity,
-            pose.theta,
-            decision.curvature,
-            pinned=pinned_by_obstacle(self.gate_decision),
+            t, decision.velocity, pose.theta, decision.curvature, unpinning
         )
         inputs = GateInputs(
             base_time=t,
@@ -105,6 +105,7 @@ def make_ideal_robot(body: RobotBody, config: AgentConfig, folder: MapFolder) ->
         body=body,
         patrol=Patrol(config.patrol, folder.border, rng, folder.approach_field),
         heading_loop=HeadingLoop(),
+        unpinning=UnpinningManoeuvre(),
         gate=SafetyGate(gate_limits(config.gate)),
     )
 
