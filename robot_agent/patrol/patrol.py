@@ -176,6 +176,7 @@ class Patrol:
         position = (pose.x, pose.y)
         foot = self._border.project(pose.x, pose.y, self._abscissa)
         self._abscissa = foot.abscissa
+        approach = self._approach(position, foot)
         return Situation(  # in the order of its fields
             t,
             position,
@@ -184,9 +185,10 @@ class Patrol:
             teammate,
             self._neighbor_state.view(position, foot, teammate),
             self._distances_from_ends(foot),
-            self._approach(position, foot),
+            approach,
             self._direction,
             held,
+            foot.distance if approach is None else approach.distance,
         )
 
     def _approach(self, position: tuple[float, float], foot: BorderProjection) -> Approach | None:

@@ -27,11 +27,7 @@ class Situation(msgspec.Struct, frozen=True):
     approach: Approach | None  # path to the border round walls; None with a straight line to it
     direction: int | None  # of patrol before this step, +1 clockwise; None before the first
     held: bool  # an obstacle kept the robot from driving since the last step
-
-    @property
-    def way_to_border(self) -> float:
-        """Distance to the border, m: path length round walls, else the straight distance."""
-        return self.foot.distance if self.approach is None else self.approach.distance
+    way_to_border: float  # m: round walls where one hides the border, else straight
 
     def inputs(self, neighbor: NeighborView) -> dict[str, float]:
         """Return the crisp inputs of the rules by name, for a view of the closest teammate."""

@@ -24,7 +24,11 @@ def situation(
 ):
     """The situation of a robot at a position, m, with a view of the closest teammate."""
     foot = border.project(*position)
-    return Situation(t, position, 0.0, foot, None, neighbor, ends, None, direction, held)
+    return Situation(
+        *(t, position, 0.0, foot, None, neighbor, ends, None, direction),
+        held=held,
+        way_to_border=foot.distance,
+    )
 
 
 def choice(winner, *, caught=False):

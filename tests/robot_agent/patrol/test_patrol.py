@@ -100,7 +100,17 @@ def test_avoid_teammate_is_equation_12():
 def test_avoid_teammate_without_one_reaches_the_border():
     foot = LINE.project(10.0, 1.0)
     situation = Situation(
-        0.0, (10.0, 1.0), 0.0, foot, None, NO_NEIGHBOR, (10.0, 10.0), None, None, held=False
+        0.0,
+        (10.0, 1.0),
+        0.0,
+        foot,
+        None,
+        NO_NEIGHBOR,
+        (10.0, 10.0),
+        None,
+        None,
+        False,
+        foot.distance,
     )
     velocity = action_velocity(Action.AVOID_TEAMMATE, situation, 1, PatrolSettings())
     assert velocity == pytest.approx((0.0, -0.3))
