@@ -302,9 +302,8 @@ def _make_modifiers(
         CLOSING_IN: lambda: ClosingIn(border, supervisor, make_chooser(), turns, rng),
         EVEN_GAPS: lambda: EvenGaps(border, settings.patrol_speed, turns, rng),
     }
-    names = [name for name in settings.modifiers if name in makers]
-    if not border.closed:
-        names = [name for name in names if name != EVEN_GAPS]  # an open border has no way round
+    without = EVEN_GAPS if not border.closed else HOLD_AT_END  # no way round, or no end
+    names = [name for name in settings.modifiers if name in makers and name != without]
     return [makers[name]() for name in names]
 
 

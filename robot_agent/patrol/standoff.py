@@ -66,6 +66,7 @@ class Standoff:
         free = self._on_border and out is None
         if free or action is Action.REACH_FRONTIER:
             self._held.restart(situation.t, situation.position)
+            return False
         return self._held.update(situation.t, situation.position) >= _HELD_TIMEOUT
 
     def _avoids_too_long(self, t: float, action: Action) -> bool:
