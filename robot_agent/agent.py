@@ -186,8 +186,7 @@ class Agent:
         self.base.tick(t)
         self.laser.tick(t)
         self._expire(t)
-        for part, words, level in self.freshness.changes(t):
-            self.outbox.add(Notice(t, part, words, level))
+        self.outbox.add(*self.freshness.changes(t))
         self._log_degraded(t)
         if self.publishes:
             self.outbox.publish(self.telemetry.on_time(t))

@@ -11,6 +11,7 @@ from robot_agent.motion.gate_limits import GateLimits
 
 Positive = Annotated[float, msgspec.Meta(gt=0.0)]
 NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]
+_DEFAULT = GateLimits()
 
 
 class GateSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -21,31 +22,31 @@ class GateSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         msgspec.Meta(
             description="from the axle to the foremost point of the body", extra={"unit": "m"}
         ),
-    ] = 0.21
+    ] = _DEFAULT.front
     rear: Annotated[
         Positive,
         msgspec.Meta(description="from the axle to the rearmost point", extra={"unit": "m"}),
-    ] = 0.301
+    ] = _DEFAULT.rear
     half_width: Annotated[
         Positive, msgspec.Meta(description="half the body's width", extra={"unit": "m"})
-    ] = 0.2125
+    ] = _DEFAULT.half_width
     margin: Annotated[
         NotNegative, msgspec.Meta(description="kept free beside while driving", extra={"unit": "m"})
-    ] = 0.08
+    ] = _DEFAULT.margin
     max_speed: Annotated[
         Positive, msgspec.Meta(description="limit of the forward speed", extra={"unit": "m/s"})
-    ] = 0.5
+    ] = _DEFAULT.max_speed
     max_turn_rate: Annotated[
         Positive, msgspec.Meta(description="limit of the turning rate", extra={"unit": "rad/s"})
-    ] = 1.5
+    ] = _DEFAULT.max_turn_rate
     battery_cutoff: Annotated[
         Positive,
         msgspec.Meta(description="near it the controller itself shuts down", extra={"unit": "V"}),
-    ] = 11.0
+    ] = _DEFAULT.battery_cutoff
     battery_resume: Annotated[
         Positive,
         msgspec.Meta(description="from which a robot may drive again", extra={"unit": "V"}),
-    ] = 12.0
+    ] = _DEFAULT.battery_resume
 
     def __post_init__(self) -> None:
         """Raise ValueError if battery_resume is below battery_cutoff."""

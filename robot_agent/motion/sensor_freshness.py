@@ -11,6 +11,7 @@ from drivers.lms200.scan import Scan
 from drivers.p2os.base_state import BaseState
 from robot_agent.messages.events import TICK_S
 from robot_agent.messages.log_level import LogLevel
+from robot_agent.messages.notice import Notice
 from robot_agent.motion.deadline_watch import DeadlineWatch
 from robot_agent.motion.freshness_limits import (
     BASE,
@@ -89,12 +90,12 @@ class SensorFreshness:
         """Record a localized pose at t."""
         self._watch.mark_valid(POSE, t)
 
-    def changes(self, t: float) -> Iterator[tuple[str, str, LogLevel]]:
-        """Yield (part, text, level) of the log event for each stream stale or fresh again by t."""
+    def changes(self, t: float) -> Iterator[Notice]:
+        """Yield a notice for each stream that became stale or fresh again by t."""
         for stream, well in self._watch.changes(t):
             words = "is back" if well else f"none for {stream.max_age:g} s: {stream.reaction}"
             level = LogLevel.INFO if well else stream.level
-            yield f"trust.{stream.name}", f"{stream.what}: {words}", level
+            yield Notice(t, f"trust.{stream.name}", f"{stream.what}: {words}", level)
 
 
 def _is_moving(state: BaseState) -> bool:

@@ -51,7 +51,6 @@ OVERRIDE_WORDS: dict[str, str] = {
     OverrideReason.CLOSING_IN: "comes slowly closer than usual",
     OverrideReason.EVEN_GAPS: "for even gaps",
 }
-STANDING_OVERRIDES = frozenset({OverrideReason.HOLD_AT_END, OverrideReason.WAIT})
 HOLDING_REASONS = frozenset({*DENIALS, GateReason.OBSTACLE})
 """Reasons of the gate that can stop a robot, not merely slow it."""
 
@@ -93,7 +92,7 @@ def _gate_words(decision: DecisionPayload) -> str:
 
 def _action_words(decision: DecisionPayload) -> str:
     """Return the action in force, or the override in place of it, with its input."""
-    if decision.override in STANDING_OVERRIDES or (decision.override is None and decision.holding):
+    if decision.holding:
         return OVERRIDE_WORDS.get(decision.override or "", "waits, caught between teammates")
     words = _chosen_words(decision)
     special = OVERRIDE_WORDS.get(decision.override or "")

@@ -100,17 +100,18 @@ def gate_holds(run: RunLog) -> list[Span]:
 
 def gate_times(run: RunLog) -> dict[str, tuple[int, float]]:
     """Return count and total duration, s, of each reason of the gate."""
-    result: dict[str, tuple[int, float]] = {}
-    for span in merged(_stretches(run, run.gate)):
-        count, seconds = result.get(span.what, (0, 0.0))
-        result[span.what] = (count + 1, seconds + span.end - span.start)
-    return result
+    return _totals(merged(_stretches(run, run.gate)))
 
 
 def override_times(run: RunLog) -> dict[str, tuple[int, float]]:
     """Return count and total duration, s, of each override."""
+    return _totals(_stretches(run, run.override))
+
+
+def _totals(spans: Iterable[Span]) -> dict[str, tuple[int, float]]:
+    """Return count and total duration, s, of the spans by what they are of."""
     result: dict[str, tuple[int, float]] = {}
-    for span in _stretches(run, run.override):
+    for span in spans:
         count, seconds = result.get(span.what, (0, 0.0))
         result[span.what] = (count + 1, seconds + span.end - span.start)
     return result
