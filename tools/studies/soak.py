@@ -6,6 +6,7 @@ simulated person comes where a gate latch asks for one and switches the motors o
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import json
 import math
@@ -265,7 +266,7 @@ class Soak:
         visits = border_visits(border, [np.array(place) for place in places], np.array(times))
         idleness = idleness_figures(visits)["idleness_s"]
         touched, self._touched = self._touched, []
-        files = list(self._target.glob("*.mcap"))
+        sizes = recording_sizes(self._target)
         return SoakHour(
             hour=round(fleet.t / HOUR_S, 3),
             wall_s=round(wall, 1),
@@ -278,11 +279,20 @@ class Soak:
             gate_stops=sum(robot.agent.gate_stops for robot in fleet.robots),
             latched=sum(person.visits for person in self._people),
             batteries=sum(person.batteries for person in self._people),
-            recordings_mb=round(sum(path.stat().st_size for path in files) / 1e6, 1),
-            recordings=len(files),
+            recordings_mb=round(sum(sizes) / 1e6, 1),
+            recordings=len(sizes),
             records_lost=sum(recording.lost for recording in self.recordings),
             touched=tuple(touched),
         )
+
+
+def recording_sizes(folder: Path) -> list[int]:
+    """Return the size, bytes, of each recording; recorders may delete old ones meanwhile."""
+    sizes = []
+    for path in folder.glob("*.mcap"):
+        with contextlib.suppress(FileNotFoundError):
+            sizes.append(path.stat().st_size)
+    return sizes
 
 
 class SoakLog:

@@ -10,7 +10,7 @@ from robot_agent.config import find_map
 from tools.bench.bench_fault import BenchFault, FaultKind
 from tools.simulation.world import Contact
 from tools.studies import soak
-from tools.studies.soak import Soak, SoakHour, SoakLog, random_faults, slope
+from tools.studies.soak import Soak, SoakHour, SoakLog, random_faults, recording_sizes, slope
 
 
 def test_faults_are_of_every_kind_and_reproducible():
@@ -94,3 +94,9 @@ def test_contact_counts_as_blind_only_if_an_agent_of_its_robots_is_dead(
     run.fleet.world.contact_log.append(Contact(bodies[0], bodies[1]))
     run._count_contacts()
     assert (run._contacts_seen, run._contacts_blind) == (1, blind)
+
+
+def test_recording_deleted_while_sizes_are_read_is_left_out(tmp_path: Path) -> None:
+    (tmp_path / "kept.mcap").write_bytes(b"12345")
+    (tmp_path / "gone.mcap").symlink_to(tmp_path / "deleted")  # listed, and not there any more
+    assert recording_sizes(tmp_path) == [5]
