@@ -374,6 +374,7 @@ class Agent:
             obstacles=self._obstacles.points,
             v=state.v,
             w=state.w,
+            views=self.surroundings.views(t),
             overloaded=self.freshness.deadline.overloaded(self._now),
             limited=limited,
         )

@@ -12,6 +12,7 @@ from drivers.lms200.telegrams import VARIANTS, Variant
 
 _FRAME_BYTES = 10  # of a telegram of measured values, besides two per value
 _BITS_PER_BYTE = 10
+FARTHEST_MOUNT = 1.0  # m from the axle, either way
 _UNIT_CODES = {"cm": UNIT_CM, "mm": UNIT_MM}
 
 
@@ -85,6 +86,8 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
                 "resolution_deg is 1.0 or 0.5, or 0.25 with a field_of_view_deg of 100, "
                 f"not {self.resolution_deg:g} with {self.field_of_view_deg}"
             )
+        if self.mount is not None:
+            _check_mount(*self.mount)
         if self.measuring_mode not in MEASURING_MODES:
             modes = ", ".join(map(str, MEASURING_MODES))
             raise ValueError(f"measuring_mode is one of {modes}, not {self.measuring_mode}")
@@ -112,3 +115,13 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     def unit_code(self) -> int:
         """Code of the units in the laser's configuration."""
         return _UNIT_CODES[self.units]
+
+
+def _check_mount(x: float, y: float, theta: float) -> None:
+    """Raise ValueError for a mount that no robot has: likely in other units."""
+    if max(abs(x), abs(y)) > FARTHEST_MOUNT:
+        raise ValueError(
+            f"mount is {x:g}, {y:g} m from the axle, no robot is as large: millimetres? write m"
+        )
+    if abs(theta) > math.pi:
+        raise ValueError(f"mount has theta {theta:g}, beyond half a turn: degrees? write rad")

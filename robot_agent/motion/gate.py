@@ -1,10 +1,11 @@
 """The safety gate: the last stage of every velocity command before the base. It denies by default.
 
 The gate is independent of the command's purpose. It permits motion only while all its inputs are
-fresh and valid, and only as fast as the robot can stop before the nearest obstacle in the area its
-footprint would sweep. The limited mode, for teleoperation and for a lost robot, needs no pose but
-is slow. The permitted v never exceeds the requested one, nor w the larger of requested and last
-permitted; the robot never drives backwards, as only sonars cover the area behind it.
+fresh and valid, driving only where a sensor's field of view covers the way, and only as fast as the
+robot can stop before the nearest obstacle in the area its footprint would sweep. The limited mode,
+for teleoperation and for a lost robot, needs no pose but is slow. The permitted v never exceeds the
+requested one, nor w the larger of requested and last permitted; the robot never drives backwards,
+as only sonars cover the area behind it.
 """
 
 from __future__ import annotations
@@ -17,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot_agent.motion.battery_watch import BatteryWatch
+from robot_agent.motion.field_of_view import FieldOfView, is_covered
 from robot_agent.motion.gate_limits import GateLimits
-from robot_agent.motion.gate_reason import DENIALS, GateReason
+from robot_agent.motion.gate_reason import DENIALS, STANDING, GateReason
 from robot_agent.motion.repeated_fault_latch import RepeatedFaultLatch
 from robot_agent.motion.stopping import stoppable_rate, stopping_way
 from robot_agent.motion.swept_footprint import SweptFootprint
@@ -40,6 +42,7 @@ class GateInputs(msgspec.Struct, frozen=True):
     v: float  # m/s, as the base reports
     w: float  # rad/s
     obstacles: NDArray[np.float64]  # (n, 2), m, base_link: obstacle points of all sources
+    views: tuple[FieldOfView, ...] = ()  # of the sensors with fresh data; none: no driving
     overloaded: bool = False  # the agent misses its deadlines
     limited: bool = False  # limited mode: slow, needs no localization; all other checks apply
 
@@ -55,7 +58,8 @@ class GateDecision(msgspec.Struct, frozen=True):
 class SafetyGate:
     """Limits velocity commands; keeps the last one for the acceleration limits, and the latches.
 
-    ``stops`` counts how often each denial, and each stop before an obstacle, began.
+    ``stops`` counts how often each denial, and each stop before an obstacle or for want of sight,
+    began.
     """
 
     def __init__(self, settings: GateLimits) -> None:
@@ -78,8 +82,9 @@ class SafetyGate:
     def permit(self, t: float, requested: tuple[float, float], inputs: GateInputs) -> GateDecision:
         """Return the permitted part of requested (v m/s, w rad/s) at t.
 
-        The reason is the first that applies of: those that deny all motion, an obstacle, the
-        limited mode, an unsure pose, the speed limits, the acceleration limits.
+        The reason is the first that applies of: those that deny all motion, a way that no
+        sensor covers, an obstacle, the limited mode, an unsure pose, the speed limits, the
+        acceleration limits.
         """
         self._remember(t, inputs)
         denied = self._denial(t, requested, inputs)
@@ -91,7 +96,12 @@ class SafetyGate:
         v, w, slowed = self._within_speed(*requested, inputs)
         ramped = self._ramped(v, w, elapsed)
         free = self._within_sight(*ramped, inputs)
+        blind = free[0] > 0.0 and not self._is_way_covered(*free, inputs)
+        if blind:
+            free = 0.0, free[1]
         self._acceleration = max(free[0] - self._v, 0.0) / elapsed if elapsed > 0.0 else 0.0
+        if blind:
+            return self._decided(*free, GateReason.UNSEEN)
         if free != ramped:
             return self._decided(*free, GateReason.OBSTACLE)
         if slowed is GateReason.NONE and ramped != (v, w):
@@ -121,7 +131,7 @@ class SafetyGate:
     def _decided(self, v: float, w: float, reason: GateReason) -> GateDecision:
         """Store the permitted command, count a new stop, and return the decision."""
         self._v, self._w = v, w
-        stops = reason in DENIALS or (reason is GateReason.OBSTACLE and v == w == 0.0)
+        stops = reason in DENIALS or (reason in STANDING and v == w == 0.0)
         if stops and reason is not self._reason:
             self.stops[reason] += 1
         self._reason = reason
@@ -257,6 +267,13 @@ class SafetyGate:
             return 0.0, w
         slow = min(abs(w), stoppable_rate(free, settings.turn_braking, delay))
         return 0.0, math.copysign(slow, w)
+
+    def _is_way_covered(self, v: float, w: float, inputs: GateInputs) -> bool:
+        """Return whether fields of view cover the front edge at the end of the stopping way."""
+        settings = self._settings
+        stop = stopping_way(max(v, inputs.v), settings.braking, settings.reaction_delay)
+        edge = self._body.front_edge(stop, stop * w / max(v, inputs.v))
+        return all(is_covered(x, y, inputs.views) for x, y in edge)
 
 
 def _all_finite(points: NDArray[np.float64]) -> bool:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from robot_agent.motion.gate import GateDecision
-from robot_agent.motion.gate_reason import DENIALS, GateReason
+from robot_agent.motion.gate_reason import DENIALS, STANDING, GateReason
 
 _CRAWL = 0.05  # m/s; a robot permitted less before an obstacle counts as held by it
 _CREEPING_TURN = 0.03  # rad/s; likewise for a turn
 
-STOPPING = DENIALS - {GateReason.MOTORS_OFF, GateReason.BACKING} | {GateReason.OBSTACLE}
+STOPPING = DENIALS - {GateReason.MOTORS_OFF, GateReason.BACKING} | STANDING
 """Reasons by which the robot is held, not merely limited."""
 
 

@@ -24,6 +24,7 @@ class GateReason(StrEnum):
     OVERSPEED = "overspeed"  # the base moves faster than any command permits
     BACKING = "backing"
     OBSTACLE = "obstacle"
+    UNSEEN = "unseen"  # no sensor covers the way; the robot may still turn in place
     LIMITED = "limited"  # slow, as the limited mode needs no pose
     UNSURE = "unsure"
     SPEED_LIMIT = "speed_limit"
@@ -34,6 +35,7 @@ LIMITS = frozenset(
     {
         GateReason.NONE,
         GateReason.OBSTACLE,
+        GateReason.UNSEEN,
         GateReason.LIMITED,
         GateReason.UNSURE,
         GateReason.SPEED_LIMIT,
@@ -41,6 +43,8 @@ LIMITS = frozenset(
     }
 )
 """Reasons under which a robot may still move."""
+STANDING = frozenset({GateReason.OBSTACLE, GateReason.UNSEEN})
+"""Limits under which the robot may have to stand."""
 DENIALS = frozenset(GateReason) - LIMITS
 """Reasons under which no motion is permitted."""
 LATCHED = frozenset({GateReason.BUMPED_AGAIN, GateReason.STALLED_AGAIN})

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -47,6 +49,21 @@ class SweptFootprint:
         rear = settings.rear + settings.turn_margin
         hit = ((x < front) & (x > -rear) & (np.abs(y) < side)).any(axis=1)
         return float(_FREE_SHARES[hit.argmax()]) if hit.any() else 1.0
+
+    def front_edge(self, way: float, turn: float) -> list[tuple[float, float]]:
+        """Return the front edge's left end, middle and right end, margins included, after an arc.
+
+        way, m, and turn, rad: of the arc. Positions (x, y), m, in base_link at its start.
+        """
+        settings = self._settings
+        front, side = settings.front + settings.front_margin, settings.half_width + settings.margin
+        half = 0.5 * turn
+        chord = way * (math.sin(half) / half if half else 1.0)
+        x, y = chord * math.cos(half), chord * math.sin(half)
+        c, s = math.cos(turn), math.sin(turn)
+        return [
+            (x + c * front - s * aside, y + s * front + c * aside) for aside in (side, 0.0, -side)
+        ]
 
     def _beside(self, near: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return (n,) which points (n, 2), m, base_link, are alongside or behind the footprint.

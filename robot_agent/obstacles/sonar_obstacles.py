@@ -1,6 +1,9 @@
-"""Echoes of the sonars beside and behind the robot, transformed by odometry as it moves on.
+"""Echoes of the sonars as obstacles, transformed by odometry as the robot moves on.
 
-Sonars that point ahead are not used: the laser covers that, and more precisely.
+Beside and behind every echo counts. Ahead the laser is more precise, but covers one plane only: a
+front echo counts for things under or above that plane, and outside the laser's field of view. Such
+an echo has no laser point in the transducer's cone at its range or nearer, as a wall has; and a
+second echo from the same place confirms it, which false echoes such as crosstalk do not have.
 """
 
 from __future__ import annotations
@@ -11,43 +14,143 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.p2os.base_state import BaseState
-from drivers.p2os.model import RobotModel
+from drivers.p2os.model import RobotModel, SonarMount
 from drivers.p2os.sonar import SonarRing
 from maps.pose import Pose
+from robot_agent.motion.field_of_view import FieldOfView
 from robot_agent.motion.freshness_limits import SONAR
 from robot_agent.perception.scan_points import move_points
 
 ABEAM = math.radians(89.0)
-"""rad; transducers at smaller angles from straight ahead are not used."""
+"""rad; transducers at smaller angles from straight ahead are those of the front."""
+FRONT_REACH = 1.5  # m from the transducer; farther front echoes cannot matter to the gate yet
+HALF_CONE = math.radians(15.0)  # of a transducer (Stage's Pioneer models: 15 to 30 deg in all)
+SAME_PLACE = 0.15  # m between two echoes that confirm each other
+CONFIRM_WITHIN = 1.0  # s; a ring of eight fires each transducer every 0.32 s
+MEMORY = 5.0
+"""s that a front echo counts after it was last heard: beside a low thing it is heard no longer, and
+a turning robot's corner must not hit it."""
+_SEEN_BEYOND = 0.15  # m farther than the echo at which a laser point still explains it
+_WIDE_CONE = math.radians(20.0)  # to each side: within it near things are heard, if weakly
+_NO_POINTS = np.empty((0, 2))
+_ORIGIN = Pose(0.0, 0.0, 0.0)
+
+
+def front_cones(model: RobotModel) -> tuple[FieldOfView, ...]:
+    """Return the fields of view, base_link, of a model's front transducers."""
+    return tuple(_cone(mount, model) for mount in model.sonar if _is_front(mount))
+
+
+def _cone(mount: SonarMount, model: RobotModel) -> FieldOfView:
+    return FieldOfView(mount.x, mount.y, mount.heading, _WIDE_CONE, model.sonar_far)
+
+
+def _is_front(mount: SonarMount) -> bool:
+    return abs(mount.heading) < ABEAM
 
 
 class SonarObstacles:
     """Latest echo of each transducer: stored in ``odom``, returned in ``base_link``."""
 
+    _low: NDArray[np.float64]  # (n, 2) m, odom: front echoes that count
+    _low_t: NDArray[np.float64]  # (n,) s, when each was heard
+
     def __init__(self, model: RobotModel) -> None:
         self._use_model(model)
 
-    def update(self, state: BaseState, odometry: Pose, model: RobotModel) -> None:
+    def update(
+        self,
+        state: BaseState,
+        odometry: Pose,
+        model: RobotModel,
+        seen: NDArray[np.float64] = _NO_POINTS,
+    ) -> None:
         """Store a base report's readings; odometry: odom_from_base when it was measured.
 
-        model: geometry of the transducers; all echoes are dropped when it changes.
+        model: geometry of the transducers; all echoes are dropped when it changes. seen: the
+        laser's points near the robot, (n, 2), m, base_link.
         """
         if model is not self._model:
             self._use_model(model)
         self._ring.update(state.t, state.sonar)
         fresh = [number for number, _ in state.sonar]
-        if fresh:
-            self._echoes[fresh] = move_points(self._ring.echoes()[fresh], odometry)
+        if not fresh:
+            return
+        places = move_points(self._ring.echoes()[fresh], odometry)
+        for number, place in zip(fresh, places, strict=True):
+            if self._is_front[number]:
+                self._update_front(state.t, number, place, odometry, seen)
+        self._echoes[fresh] = places
 
     def around(self, t: float, odometry: Pose) -> NDArray[np.float64]:
-        """Return the fresh echoes at t, (n, 2), m, base_link; odometry: odom_from_base at t."""
-        fresh = (
-            self._beside & (self._ring.ages(t) <= SONAR.max_age) & np.isfinite(self._echoes[:, 0])
-        )
-        return move_points(self._echoes[fresh], odometry.between(Pose(0.0, 0.0, 0.0)))
+        """Return the echoes that count at t, (n, 2), m, base_link; odometry: odom_from_base at t.
+
+        Those beside and behind while fresh, those ahead for ``MEMORY`` unless heard to be gone.
+        """
+        beside = self._beside & (self._ring.ages(t) <= SONAR.max_age)
+        beside &= np.isfinite(self._echoes[:, 0])
+        ahead = self._low[t - self._low_t <= MEMORY]
+        echoes = np.concatenate((self._echoes[beside], ahead))
+        return move_points(echoes, odometry.between(_ORIGIN))
+
+    def views(self, t: float) -> tuple[FieldOfView, ...]:
+        """Return the cones of the front transducers with a fresh reading at t, echo or not."""
+        fresh = np.flatnonzero(self._is_front & (self._ring.ages(t) <= SONAR.max_age))
+        return tuple(self._cones[number] for number in fresh.tolist())
+
+    def _update_front(
+        self,
+        t: float,
+        number: int,
+        place: NDArray[np.float64],
+        odometry: Pose,
+        seen: NDArray[np.float64],
+    ) -> None:
+        """Add a front echo at a place (x, y), m, odom, if it counts; nan: there is none.
+
+        Earlier ones that the transducer would hear and does not are dropped.
+        """
+        distance = self._ring.ranges[number]
+        if len(self._low):
+            low = move_points(self._low, odometry.between(_ORIGIN))
+            gone = self._in_cone(number, low, HALF_CONE, distance - SAME_PLACE)
+            kept = ~gone & (t - self._low_t <= MEMORY)
+            self._low = self._low[kept]
+            self._low_t = self._low_t[kept]
+        if distance < FRONT_REACH and self._is_confirmed(t, number, place):
+            laser = self._in_cone(number, seen, _WIDE_CONE, distance + _SEEN_BEYOND)
+            if not laser.any():
+                self._low = np.concatenate((self._low, place[None]))
+                self._low_t = np.append(self._low_t, t)
+        self._previous[number], self._previous_t[number] = place, t
+
+    def _is_confirmed(self, t: float, number: int, place: NDArray[np.float64]) -> bool:
+        """Return whether this transducer or one next to it has just heard the same place."""
+        near = slice(max(number - 1, 0), number + 2)
+        away = self._previous[near] - place
+        lately = t - self._previous_t[near] <= CONFIRM_WITHIN
+        return bool((lately & (np.hypot(away[:, 0], away[:, 1]) < SAME_PLACE)).any())
+
+    def _in_cone(
+        self, number: int, points: NDArray[np.float64], half_angle: float, reach: float
+    ) -> NDArray[np.bool_]:
+        """Return (n,) which points (n, 2), m, base_link, are in a cone of a transducer."""
+        cone = self._cones[number]
+        dx, dy = points[:, 0] - cone.x, points[:, 1] - cone.y
+        along = dx * math.cos(cone.theta) + dy * math.sin(cone.theta)
+        aside = np.abs(dy * math.cos(cone.theta) - dx * math.sin(cone.theta))
+        within = aside <= along * math.tan(half_angle)
+        return np.asarray(within & (np.hypot(dx, dy) < reach))
 
     def _use_model(self, model: RobotModel) -> None:
+        count = len(model.sonar)
         self._model = model
         self._ring = SonarRing(model)
-        self._beside = np.array([abs(mount.heading) >= ABEAM for mount in model.sonar])
-        self._echoes = np.full((len(model.sonar), 2), np.nan)
+        self._cones = [_cone(mount, model) for mount in model.sonar]
+        self._is_front = np.array([_is_front(mount) for mount in model.sonar], dtype=bool)
+        self._beside = ~self._is_front
+        self._echoes = np.full((count, 2), np.nan)
+        self._previous = np.full((count, 2), np.nan)
+        self._previous_t = np.full(count, -np.inf)
+        self._low = np.empty((0, 2))
+        self._low_t = np.empty(0)

@@ -13,6 +13,7 @@ from drivers.p2os.base_state import BaseState
 from drivers.p2os.model import RobotModel
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
+from robot_agent.motion.field_of_view import FieldOfView
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.obstacle_points import ObstaclePoints, ObstacleSource
 from robot_agent.obstacles.latest_scan import Obstacles
@@ -89,7 +90,16 @@ class Surroundings:
 
     def on_sonar(self, state: BaseState, odometry: Pose, model: RobotModel) -> None:
         """Store the sonar echoes of a base report; odometry: odom_from_base at the report."""
-        self._sonar_obstacles.update(state, odometry, model)
+        self._sonar_obstacles.update(state, odometry, model, self._obstacles.around(odometry))
+
+    def views(self, t: float) -> tuple[FieldOfView, ...]:
+        """Return the fields of view, base_link, of the laser and of the front sonars heard by t.
+
+        That of the laser is there from its first scan on; ``seen_at`` tells how old it is.
+        """
+        laser = self._projector.view
+        sonars = self._sonar_obstacles.views(t)
+        return sonars if laser is None else (laser, *sonars)
 
     def echoes(self, t: float, odometry: Pose) -> NDArray[np.float64]:
         """Return the fresh sonar echoes at t, (n, 2), m, base_link; odometry: odom_from_base."""

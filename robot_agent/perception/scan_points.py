@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from drivers.lms200.scan import Scan, beam_time_offsets
 from maps.pose import Pose
+from robot_agent.motion.field_of_view import FieldOfView
 
 
 class ScanProjector:
@@ -35,6 +36,16 @@ class ScanProjector:
         points = self._directions[hit] * scan.ranges[hit, None]
         points += (self._mount.x, self._mount.y)
         return deskewed(points, self._delays[hit], v, w) if v or w else points
+
+    @property
+    def view(self) -> FieldOfView | None:
+        """Field of view of the latest scan in base_link; None before the first."""
+        if self._geometry is None:
+            return None
+        n, angle_min, increment, _ = self._geometry
+        half = 0.5 * (n - 1) * increment
+        mount = self._mount
+        return FieldOfView(mount.x, mount.y, mount.theta + angle_min + half, half, math.inf)
 
     def in_view(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return (n,) which points (n, 2), m, base_link, are in the latest scan's field of view."""

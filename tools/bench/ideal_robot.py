@@ -13,6 +13,7 @@ from drivers.p2os.set_up import ACCELERATION, DECELERATION, TURN_ACCELERATION, T
 from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
+from robot_agent.motion.field_of_view import FieldOfView
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
 from robot_agent.motion.gate_hold import begins_hold, held_by_obstacle, pinned_by_obstacle
 from robot_agent.motion.gate_settings import gate_limits
@@ -23,6 +24,7 @@ from tools.simulation.robot_body import RobotBody
 
 STEP_S = 0.1
 """Period of a control step, s: the base reports 10 times a second."""
+_ALL_ROUND = (FieldOfView(0.0, 0.0, 0.0, math.pi, math.inf),)
 _BATTERY = 13.0  # V; full, constant
 
 
@@ -89,6 +91,7 @@ class IdealRobot:
             obstacles=obstacles,
             v=self.v,
             w=self.w,
+            views=_ALL_ROUND,
         )
         gate = self.gate.permit(t, requested, inputs)
         self.gate_stops += begins_hold(self.gate_decision, gate)

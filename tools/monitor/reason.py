@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from robot_agent.messages.streams import DecisionPayload
-from robot_agent.motion.gate_reason import DENIALS, GateReason
+from robot_agent.motion.gate_reason import DENIALS, STANDING, GateReason
 from robot_agent.motion.obstacle_points import ObstacleSource
 from robot_agent.patrol.modifier import OverrideReason
 from robot_agent.report.notices import TURN_WORDS
@@ -31,6 +31,7 @@ GATE_WORDS: dict[str, str] = {
     GateReason.OVERSPEED: "the base is faster than commanded",
     GateReason.BACKING: "backwards is not allowed",
     GateReason.OBSTACLE: "obstacle ahead",
+    GateReason.UNSEEN: "no sensor looks where it would drive",
     GateReason.LIMITED: "slow, driving without a pose",
     GateReason.UNSURE: "pose uncertain",
     GateReason.SPEED_LIMIT: "speed limit",
@@ -51,7 +52,7 @@ OVERRIDE_WORDS: dict[str, str] = {
     OverrideReason.CLOSING_IN: "comes slowly closer than usual",
     OverrideReason.EVEN_GAPS: "for even gaps",
 }
-HOLDING_REASONS = frozenset({*DENIALS, GateReason.OBSTACLE})
+HOLDING_REASONS = DENIALS | STANDING
 """Reasons of the gate that can stop a robot, not merely slow it."""
 
 

@@ -22,6 +22,7 @@ from drivers.p2os.model import UnknownModelError, load_model
 from maps.map_folder import MapFolder
 from maps.occupancy_map import FREE
 from robot_agent.config import AgentConfig, ConfigError, find_map, load_config, load_map
+from robot_agent.motion.gate_settings import gate_limits
 from robot_agent.patrol.patrol import Patrol
 from robot_agent.patrol.rules import RulesError
 from tools.mapping.map_check import check_map
@@ -29,6 +30,7 @@ from tools.preflight.device_trial import run_trials
 from tools.preflight.doctor_base import BaseExamination
 from tools.preflight.doctor_camera import CameraExamination
 from tools.preflight.doctor_laser import LaserExamination
+from tools.preflight.doctor_sight import examine_sight
 from tools.preflight.finding import Finding, Verdict, failed, ok, skipped, warning
 
 TRIAL_LIMIT_S = 10.0
@@ -54,7 +56,7 @@ def examine(
     except ConfigError as error:
         return [failed("configuration", str(error), "correct the file, then run this again")]
     return [
-        examine_config(config),
+        *examine_config(config),
         *examine_map(config, path.parent),
         *examine_devices(config, limit, progress),
         examine_clock(),
@@ -68,13 +70,16 @@ def is_fit(findings: list[Finding]) -> bool:
     return all(finding.verdict is not Verdict.FAILED for finding in findings)
 
 
-def examine_config(config: AgentConfig) -> Finding:
-    """Check the base's model, which the configuration's types do not."""
+def examine_config(config: AgentConfig) -> list[Finding]:
+    """Check the base's model, which the configuration's types do not, and the fields of view."""
     try:
-        load_model(config.base.model)
+        model = load_model(config.base.model)
     except UnknownModelError as error:
-        return failed("configuration", str(error), "correct base.model")
-    return ok("configuration", f"{config.robot.name} of team {config.robot.team}")
+        return [failed("configuration", str(error), "correct base.model")]
+    return [
+        ok("configuration", f"{config.robot.name} of team {config.robot.team}"),
+        examine_sight(config.laser, model, gate_limits(config.gate)),
+    ]
 
 
 def examine_map(config: AgentConfig, relative_to: Path) -> list[Finding]:

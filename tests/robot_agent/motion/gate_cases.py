@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from robot_agent.motion import gate
+from robot_agent.motion.field_of_view import FieldOfView
 
 WELL: dict[str, Any] = {
     "health": "localized",
@@ -19,6 +20,7 @@ WELL: dict[str, Any] = {
     "v": 0.0,
     "w": 0.0,
     "obstacles": np.zeros((0, 2)),
+    "views": (FieldOfView(0.017, 0.008, 0.0, math.pi / 2, math.inf),),
 }
 STEPS = 12  # of 0.1 s, enough to reach any speed in the table
 END = 1.2  # s, time of the last step
@@ -104,6 +106,27 @@ def creeping(v: float) -> float:
 def post_after(v: float) -> tuple[float, float]:
     """A post that leaves one twelfth of that stopping way."""
     return FRONT + 1.5 * stopping(v), 0.0
+
+
+SIDES = (0.2925, 0.0, -0.2925)  # m: half the width and the margin beside, left, middle, right
+
+
+CORNER = math.atan2(SIDES[0], FRONT + S)  # rad, bearing of the front edge's end
+FAR_CORNER = math.hypot(SIDES[0], FRONT + S)  # m
+
+
+def spots(*places: tuple[float, float]) -> dict[str, Any]:
+    """Sensors that see nothing but these positions."""
+    return {"views": tuple(FieldOfView(x, y, 0.0, math.pi, 0.001) for x, y in places)}
+
+
+def fan(theta: float, half_angle: float, reach: float = 9.0) -> dict[str, Any]:
+    return {"views": (FieldOfView(0.0, 0.0, theta, half_angle, reach),)}
+
+
+def edge(way: float) -> list[tuple[float, float]]:
+    """The front edge, margins included, after a way straight ahead."""
+    return [(FRONT + way, aside) for aside in SIDES]
 
 
 EDGE = (0.1, 0.0)
@@ -274,6 +297,27 @@ CASES = [
     # arcs are swept, not straight ahead
     Case((0.35, 0.7), (0.35, 0.7), "none", {"obstacles": [(0.55, -0.25)]}),
     Case((0.35, -0.7), (0.35, -0.7), "none", {"obstacles": [(0.55, 0.25)]}),
+    # driving needs sight of the front edge at the end of the stopping way, turning does not
+    Case(DRIVE, ZERO, "unseen", {"views": ()}),
+    Case(DRIVE, ZERO, "unseen", {"views": (), "limited": True}),
+    Case((0.35, 0.7), (0.0, 0.7), "unseen", {"views": ()}),
+    Case((0.0, 1.2), (0.0, 1.2), "none", {"views": ()}),
+    Case(DRIVE, DRIVE, "none", fan(0.0, CORNER + 0.001)),
+    Case(DRIVE, ZERO, "unseen", fan(0.0, CORNER - 0.001)),
+    Case(DRIVE, ZERO, "unseen", fan(0.1, CORNER + 0.001)),
+    Case(DRIVE, ZERO, "unseen", fan(-0.1, CORNER + 0.001)),
+    Case(DRIVE, DRIVE, "none", fan(0.0, 1.0, FAR_CORNER + 0.001)),
+    Case(DRIVE, ZERO, "unseen", fan(0.0, 1.0, FAR_CORNER - 0.001)),
+    Case(DRIVE, ZERO, "unseen", fan(math.pi, 1.5)),
+    Case(DRIVE, DRIVE, "none", spots(*edge(S))),
+    Case(DRIVE, ZERO, "unseen", spots(*edge(S)[:2])),
+    Case(DRIVE, ZERO, "unseen", spots(*edge(S)[1:])),
+    Case(DRIVE, ZERO, "unseen", spots(*edge(S)[::2])),
+    Case((0.2, 0.0), (0.2, 0.0), "none", spots(*edge(stopping(0.4))) | {"v": 0.4}),
+    Case((0.2, 0.0), (0.2, 0.0), "none", spots(*edge(stopping(0.2))) | {"v": 0.1}),
+    Case((0.35, 0.7), (0.35, 0.7), "none", spots(*(met(12, 1, a) for a in SIDES))),
+    Case((0.35, -0.7), (0.35, -0.7), "none", spots(*(met(12, -1, a) for a in SIDES))),
+    Case(DRIVE, ZERO, "unseen", spots(*(met(12, 1, a) for a in SIDES))),
     # turning on the spot: reach of the front corner 0.315, of the rear corner 0.397
     Case((0.0, 1.2), (0.0, 1.2), "none", {"obstacles": [(0.0, 0.40), (0.0, -0.40), (0.4, 0.0)]}),
     # the post meets the right side after asin(0.2325 / 0.3827) of a turn, between poses 10 and 11

@@ -1,0 +1,41 @@
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from robot_agent.motion.field_of_view import FieldOfView, is_covered
+
+AHEAD = FieldOfView(0.1, 0.0, 0.0, math.radians(30.0), 2.0)
+BEHIND = FieldOfView(-0.1, 0.0, math.pi, math.radians(30.0), 2.0)
+
+
+@pytest.mark.parametrize(
+    ("x", "y", "covered"),
+    [
+        (1.0, 0.0, True),
+        (0.1, 0.0, True),  # the apex itself
+        (1.1, 0.57, True),
+        (1.1, 0.58, False),  # beside the sector
+        (1.1, -0.57, True),
+        (1.1, -0.58, False),
+        (2.09, 0.0, True),
+        (2.11, 0.0, False),  # beyond its reach
+        (-1.0, 0.0, False),
+    ],
+)
+def test_sector_covers_what_is_within_its_angle_and_reach(
+    x: float, y: float, covered: bool
+) -> None:
+    assert AHEAD.covers(x, y) is covered
+
+
+@pytest.mark.parametrize("y", [-0.01, 0.0, 0.01])
+def test_sector_about_the_rear_has_no_seam_at_half_a_turn(y: float) -> None:
+    assert BEHIND.covers(-1.0, y)
+
+
+def test_position_is_covered_by_any_of_several() -> None:
+    assert is_covered(-1.0, 0.0, (AHEAD, BEHIND))
+    assert not is_covered(-1.0, 0.0, (AHEAD,))
+    assert not is_covered(1.0, 0.0, ())
