@@ -1,16 +1,17 @@
-"""Distance to the mapped surface as a continuous function of position, with its exact gradient."""
+"""Distance from the mapped surface as a continuous function of position, with its gradient."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from localization.surface_distance import surface_distance
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
 
 
 class DistanceSurface:
-    """The map's distance field, interpolated bilinearly between the cells' centres.
+    """The distance from the mapped surface, interpolated bilinearly between the cells' centres.
 
     The gradient is that of the interpolation: differences of neighbouring cells would vanish on a
     wall, where Gauss-Newton needs the gradient most, and make its steps overshoot.
@@ -18,7 +19,7 @@ class DistanceSurface:
 
     def __init__(self, occupancy: OccupancyMap, far: float) -> None:
         """Prepare a map; distances are cut at ``far`` m, which also holds outside the map."""
-        field = np.minimum(occupancy.distance_field(), np.float32(far))
+        field = np.clip(surface_distance(occupancy), np.float32(-far), np.float32(far))
         padded = np.pad(field, 1, constant_values=far)
         rows, cols = padded.shape
         self._flat = padded.ravel()
@@ -34,6 +35,8 @@ class DistanceSurface:
         self, pose: Pose, arms: NDArray[np.complex64]
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
         """Return (m,) gradient along x, gradient along y, m/m, and distance, m, at map positions.
+
+        The distance is negative inside walls whose faces are the surface.
 
         The positions are ``arms`` (m,), x + iy along the map's axes, m, relative to a pose.
         """

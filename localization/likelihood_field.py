@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from localization.surface_distance import surface_distance
 from maps.occupancy_map import OccupancyMap
 
 SIGMA = 0.1  # m; of an end point, from laser, map and particle spacing together
@@ -26,12 +27,12 @@ class LikelihoodField:
         """Prepare a map.
 
         beams: maximum number of a scan's beams used, unless ``log_weights`` gets another. sigma: of
-        an end point's distance from the nearest obstacle, m.
+        an end point's distance from the mapped surface, m.
         """
         self._beams = beams
         self._origin = occupancy.origin
         self._resolution = occupancy.resolution
-        fit = np.exp(-0.5 * (occupancy.distance_field() / np.float32(sigma)) ** 2)
+        fit = np.exp(-0.5 * (surface_distance(occupancy) / np.float32(sigma)) ** 2)
         self._log_image = np.log((1.0 - RANDOM_SHARE) * fit + RANDOM_SHARE).astype(np.float32)
         self._log_outside = float(np.log(RANDOM_SHARE))
         # Kept buffers: allocating new ones at every scan takes longer than the computation.

@@ -3,7 +3,8 @@
 A map on disk is a YAML file and the grey image it names. Darkness ``p`` of a pixel is
 ``(255 - value) / 255`` (``value / 255`` with ``negate: 1``); a cell is occupied if
 ``p > occupied_thresh``, free if ``p < free_thresh``, otherwise unknown. The image's first row is
-the map's top. Only ``mode: trinary`` and maps that are not turned (origin yaw 0) are accepted.
+the map's top. Only ``mode: trinary`` and maps that are not turned (origin yaw 0) are accepted. A
+key of ours, ``surface``, which other programs ignore, says where in its cells a wall's surface is.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
@@ -36,12 +38,22 @@ class MapError(ValueError):
     """An invalid map; the message names the file, the place and the remedy."""
 
 
+class Surface(StrEnum):
+    """Where the surface of a wall lies, on which the beams of a laser end."""
+
+    FACE = "face"
+    """On the faces of the occupied cells: a drawn map, whose walls are solid."""
+    CENTRE = "centre"
+    """In the occupied cells, on average in the middle: a map built from scans."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class OccupancyMap:
     """A grid of cells in the ``map`` frame.
 
     cells: (rows, cols) uint8 of FREE, OCCUPIED, UNKNOWN; row 0 is the bottom (smallest y).
     resolution: side of a cell, m. origin: pose of the lower-left corner of cell (0, 0); yaw 0.
+    surface: where a wall's surface lies in its cells.
 
     Raises MapError if any of these does not hold.
     """
@@ -49,6 +61,7 @@ class OccupancyMap:
     cells: NDArray[np.uint8]
     resolution: float
     origin: Pose
+    surface: Surface = Surface.FACE
 
     def __post_init__(self) -> None:
         if self.cells.ndim != 2 or self.cells.size == 0 or self.cells.dtype != np.uint8:
@@ -91,15 +104,24 @@ class OccupancyMap:
         Infinite everywhere on a map without occupied cells.
         """
         occupied = self.cells == OCCUPIED
-        if not occupied.any():
-            return np.full(self.cells.shape, np.inf, dtype=np.float32)
-        in_cells = cv2.distanceTransform(
-            np.where(occupied, 0, 255).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
-        )
-        # OpenCV's square root differs in the last bit with where the image lies in memory. The
-        # square of a distance between cells is a whole number, which makes it the same everywhere.
-        exact = np.sqrt(np.rint(np.square(in_cells, dtype=np.float64)))
-        return np.asarray(exact * self.resolution, dtype=np.float32)
+        return np.asarray(distances_to(occupied) * self.resolution, dtype=np.float32)
+
+
+def distances_to(chosen: NDArray[np.bool_], step: int = 1) -> NDArray[np.float64]:
+    """Return distances, in pixels, from each pixel (rows, cols) to the nearest chosen one.
+
+    step: 2 returns those of every second pixel, the first left out. Infinite if none is chosen.
+    """
+    taken = slice(step - 1, None, step)
+    if not chosen.any():
+        return np.full(chosen[taken, taken].shape, np.inf)
+    distances = cv2.distanceTransform(
+        np.where(chosen, 0, 255).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE
+    )[taken, taken]
+    # OpenCV's square root differs in the last bit with where the image lies in memory. The
+    # square of a distance between pixels is a whole number, which makes it the same everywhere.
+    exact = np.sqrt(np.rint(np.square(distances, dtype=np.float64)))
+    return np.asarray(exact, dtype=np.float64)
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +134,7 @@ class MapDescription:
     negate: bool
     occupied_thresh: float
     free_thresh: float
+    surface: Surface
 
 
 def load_map(yaml_path: Path) -> OccupancyMap:
@@ -151,7 +174,8 @@ def save_map(occupancy: OccupancyMap, folder: Path) -> None:
         f"origin: [{_yaml_number(x)}, {_yaml_number(y)}, {_yaml_number(theta)}]\n"
         "negate: 0\n"
         f"occupied_thresh: {_OCCUPIED_THRESH}\n"
-        f"free_thresh: {_FREE_THRESH}\n",
+        f"free_thresh: {_FREE_THRESH}\n"
+        f"surface: {occupancy.surface}\n",
         encoding="utf-8",
     )
 
@@ -179,6 +203,7 @@ def read_description(data: bytes, place: str) -> MapDescription:
         negate=_flag(content["negate"], f"{place}: negate"),
         occupied_thresh=_number(content["occupied_thresh"], f"{place}: occupied_thresh"),
         free_thresh=_number(content["free_thresh"], f"{place}: free_thresh"),
+        surface=_surface(content.get("surface", Surface.FACE), place),
     )
     if not 0.0 <= description.free_thresh < description.occupied_thresh <= 1.0:
         raise MapError(
@@ -197,7 +222,10 @@ def assemble_map(description: MapDescription, image: bytes, place: str) -> Occup
     cells[darkness < description.free_thresh] = FREE
     try:
         return OccupancyMap(
-            np.ascontiguousarray(cells[::-1]), description.resolution, description.origin
+            np.ascontiguousarray(cells[::-1]),
+            description.resolution,
+            description.origin,
+            description.surface,
         )
     except MapError as error:
         raise MapError(f"{place}: {error}") from None
@@ -241,6 +269,15 @@ def _flag(value: Any, what: str) -> bool:
     if value not in (0, 1):
         raise MapError(f"{what} must be 0 or 1, got {value!r}")
     return bool(value)
+
+
+def _surface(value: Any, place: str) -> Surface:
+    if value not in tuple(Surface):
+        raise MapError(
+            f"{place}: surface must be 'face' (a drawn map) or 'centre' (a map built from scans), "
+            f"got {value!r}"
+        )
+    return Surface(value)
 
 
 def _origin(value: Any, place: str) -> Pose:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap
+from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap, Surface
 from maps.pose import Pose
 
 RESOLUTION = 0.05
@@ -94,7 +94,7 @@ def draw(rings: list[Ring], width: float, height: float) -> Room:
     margin = 0.5 + RESOLUTION / 2  # so that walls run through the middle of their cells
     rows, cols = round((height + 2 * margin) / RESOLUTION), round((width + 2 * margin) / RESOLUTION)
     cells = np.full((rows, cols), FREE, dtype=np.uint8)
-    occupancy = OccupancyMap(cells, RESOLUTION, Pose(-margin, -margin, 0.0))
+    occupancy = OccupancyMap(cells, RESOLUTION, Pose(-margin, -margin, 0.0), Surface.CENTRE)
     for x1, y1, x2, y2 in walls:
         steps = np.linspace(0.0, 1.0, 500)[:, None]
         row, col = occupancy.cells_at(np.array([x1, y1]) + steps * np.array([x2 - x1, y2 - y1]))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from localization.likelihood_field import LikelihoodField, spread_evenly
-from maps.occupancy_map import OCCUPIED, UNKNOWN, OccupancyMap
+from maps.occupancy_map import OCCUPIED, UNKNOWN, OccupancyMap, Surface
 from maps.pose import Pose
 
 
@@ -21,7 +21,7 @@ def one_wall() -> OccupancyMap:
     cells = np.zeros((10, 20), dtype=np.uint8)
     cells[5, 10] = OCCUPIED
     cells[0, 0] = UNKNOWN
-    return OccupancyMap(cells, 0.1, Pose(-1.0, 2.0, 0.0))
+    return OccupancyMap(cells, 0.1, Pose(-1.0, 2.0, 0.0), Surface.CENTRE)
 
 
 def log_weight(pose: tuple[float, float, float], points: list[tuple[float, float]]) -> float:

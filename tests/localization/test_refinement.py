@@ -9,7 +9,7 @@ import pytest
 
 from localization.distance_surface import DistanceSurface
 from localization.refinement import Refinement
-from maps.occupancy_map import OCCUPIED, OccupancyMap
+from maps.occupancy_map import OCCUPIED, OccupancyMap, Surface
 from maps.pose import Pose
 
 TRUTH = Pose(3.0, 2.0, 0.4)
@@ -34,7 +34,7 @@ def test_surface_gradient_is_that_of_its_values() -> None:
 def test_surface_is_the_distance_field_at_cell_centres_and_far_outside() -> None:
     cells = np.zeros((5, 6), dtype=np.uint8)
     cells[2, 3] = OCCUPIED
-    occupancy = OccupancyMap(cells, 0.5, Pose(10.0, -4.0, 0.0))
+    occupancy = OccupancyMap(cells, 0.5, Pose(10.0, -4.0, 0.0), Surface.CENTRE)
     surface = DistanceSurface(occupancy, 1.2)
     rows, cols = np.divmod(np.arange(30), 6)
     centres = ((cols + 0.5) * 0.5 + 1j * (rows + 0.5) * 0.5).astype(np.complex64)
@@ -92,7 +92,7 @@ def test_refinement_beyond_the_limits_is_rejected(room) -> None:
 def test_in_a_bare_corridor_the_position_along_it_is_kept() -> None:
     cells = np.zeros((60, 400), dtype=np.uint8)
     cells[[10, 50], :] = OCCUPIED
-    corridor = OccupancyMap(cells, 0.05, Pose(0, 0, 0))
+    corridor = OccupancyMap(cells, 0.05, Pose(0, 0, 0), Surface.CENTRE)
     along = np.linspace(-4, 4, 90)
     walls = np.vstack(
         (np.column_stack((along, np.full(90, 1.0))), np.column_stack((along, np.full(90, -1.0))))

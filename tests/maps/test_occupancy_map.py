@@ -17,6 +17,7 @@ from maps.occupancy_map import (
     UNKNOWN,
     MapError,
     OccupancyMap,
+    Surface,
     load_map,
     save_map,
 )
@@ -95,6 +96,7 @@ def test_thresholds_are_strict(tmp_path: Path) -> None:
     resolution=st.floats(1e-6, 100.0),
     x=st.floats(-1e9, 1e9),
     y=st.floats(-1e9, 1e9),
+    surface=st.sampled_from(Surface),
 )
 def test_round_trip_is_lossless(
     tmp_path_factory: pytest.TempPathFactory,
@@ -102,13 +104,15 @@ def test_round_trip_is_lossless(
     resolution: float,
     x: float,
     y: float,
+    surface: Surface,
 ) -> None:
     folder = tmp_path_factory.mktemp("map")
-    save_map(OccupancyMap(cells, resolution, Pose(x, y, 0.0)), folder)
+    save_map(OccupancyMap(cells, resolution, Pose(x, y, 0.0), surface), folder)
     back = load_map(folder / "map.yaml")
     assert np.array_equal(back.cells, cells)
     assert back.resolution == resolution
     assert back.origin == Pose(x, y, 0.0)
+    assert back.surface is surface
 
 
 @pytest.mark.parametrize(
@@ -116,6 +120,7 @@ def test_round_trip_is_lossless(
     [
         (YAML.replace("map.pgm", "gone.pgm"), None, ["gone.pgm", "cannot be read", "correct"]),
         (YAML + "mode: scale\n", None, ["map.yaml", "scale", "mode: trinary"]),
+        (YAML + "surface: back\n", None, ["map.yaml", "surface", "'face'", "'centre'", "'back'"]),
         (YAML + "mode: raw\n", None, ["map.yaml", "raw"]),
         (YAML.replace("2.0, 0.0", "2.0, 0.3"), None, ["map.yaml", "yaw 0.3", "turn the image"]),
         (YAML.replace("0.196", "0.7"), None, ["map.yaml", "free_thresh < occupied_thresh"]),

@@ -17,7 +17,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from maps.occupancy_map import FREE, OCCUPIED, UNKNOWN, MapError, OccupancyMap
+from maps.occupancy_map import FREE, OCCUPIED, UNKNOWN, MapError, OccupancyMap, Surface
 from maps.pose import Pose
 
 Scans = Literal["all", "even", "odd"]
@@ -120,7 +120,7 @@ def build_map(
         _classify(hits, misses, occupied_share, min_sightings), resolution, origin
     )
     return MapBuild(
-        map=OccupancyMap(cells, resolution, origin),
+        map=OccupancyMap(cells, resolution, origin, Surface.CENTRE),
         scans=len(chosen),
         beams=sum(len(ranges) for ranges, _ in beams),
         free=int(np.count_nonzero(cells == FREE)),

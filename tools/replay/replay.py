@@ -6,12 +6,13 @@ import math
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from maps.map_folder import MapFolder, map_folder_from_files
+from maps.occupancy_map import Surface
 from maps.pose import Pose
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig
@@ -59,6 +60,10 @@ class ReplayResult:
     """Description of the first differing effect; None while all are identical."""
 
 
+_FACES_SINCE_LAYOUT = 3
+"""The programs of earlier layouts took every wall's surface to be in the middle of its cells."""
+
+
 class Replay:
     """One recording, ready for replay."""
 
@@ -81,6 +86,8 @@ class Replay:
         if folder is None:
             name = Path(config.map.folder).name
             folder = map_folder_from_files(name, header.map_files, config.map.border)
+            if recording.layout < _FACES_SINCE_LAYOUT:
+                folder = replace(folder, map=replace(folder.map, surface=Surface.CENTRE))
         self._recording = recording
         self._agent = Agent(config, folder, header.start_wall_ns)
         self._references: dict[int, Pose] = {}

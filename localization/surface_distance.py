@@ -1,0 +1,42 @@
+"""Distance of each cell's centre from the mapped surface, where the beams of a laser end.
+
+In a drawn map walls are solid, and a beam ends on the face of the first occupied cell: the
+distance is signed, negative inside a wall, and its interpolation between the cells' centres is 0
+on the face. In a map built from scans an occupied cell is one in which beams ended, anywhere in
+it: the distance is that from the middle of the cell.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from maps.occupancy_map import OCCUPIED, OccupancyMap, Surface, distances_to
+
+
+def surface_distance(occupancy: OccupancyMap) -> NDArray[np.float32]:
+    """Return (rows, cols) distances, m, of the cells' centres from the mapped surface.
+
+    Negative inside walls where the surface is their faces; infinite without a surface.
+    """
+    if occupancy.surface is Surface.CENTRE:
+        return occupancy.distance_field()
+    occupied = occupancy.cells == OCCUPIED
+    in_cells = np.where(
+        occupied, -_distances_to_squares(~occupied), _distances_to_squares(occupied)
+    )
+    return np.asarray(in_cells * occupancy.resolution, dtype=np.float32)
+
+
+def _distances_to_squares(cells: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Return (rows, cols) distances, in cells, of each centre from the nearest chosen cell.
+
+    The point of a cell nearest to another cell's centre is one of its corners or the middle of a
+    side: all are points of a grid of half a cell.
+    """
+    rows, cols = cells.shape
+    points = np.zeros((2 * rows + 1, 2 * cols + 1), dtype=np.bool_)
+    for up in range(3):
+        for across in range(3):
+            points[up : up + 2 * rows - 1 : 2, across : across + 2 * cols - 1 : 2] |= cells
+    return distances_to(points, step=2) / 2.0
