@@ -26,6 +26,7 @@ from tools.simulation.lockstep_camera import LockstepCamera
 from tools.simulation.rig import RobotRig, make_rigs, sense
 from tools.simulation.start_poses import free_start_poses
 from tools.simulation.stranger import make_strangers
+from tools.simulation.truth.truth import Truth, load_truth
 from tools.simulation.world import World
 
 STEP_S = 0.02
@@ -70,22 +71,25 @@ class Fleet:
         *,
         strangers: int = 0,
         cameras: bool = False,
+        truth: Truth | None = None,
     ) -> None:
         """Place the robots (at seeded random starts unless given) and power them.
 
         observer: makes a robot's recorder by its name. strangers: number of moving people and
-        carts. cameras: whether the robots have cameras. Raises BenchFaultError for a fault of an
-        unknown robot, StrangerError where there is no room for strangers.
+        carts. cameras: whether the robots have cameras. truth: what the robots and
+        the noise really are, by default the shipped ``plain``. Raises BenchFaultError for a fault
+        of an unknown robot, StrangerError where there is no room for strangers.
         """
         rng = np.random.default_rng(seed)
         self.folder = folder
+        self.truth = truth or load_truth("plain")
         self.seed = seed
         self.t = 0.0
-        self.world = World(folder.map, rng)
+        self.world = World(folder.map, rng, self.truth.noise)
         if starts is None:
             assert folder.border is not None, "random starts lie near a border"
             starts = free_start_poses(folder.map, folder.border, robots, rng)
-        rigs = self._rigs = make_rigs(self.world, starts, self.t)
+        rigs = self._rigs = make_rigs(self.world, starts, self.t, self.truth)
         self.faults = tuple(faults)
         check_robots(self.faults, [rig.name for rig in rigs])
         self.robots: list[FleetRobot] = []
@@ -223,6 +227,7 @@ def run_bench(
     wall = time.perf_counter() - started
     return {
         "sensing": "bytes",
+        "truth": fleet.truth.name,
         **bench_result(fleet, log.runs(), duration, wall),
         "strangers": len(fleet.strangers),
         "perception": log.perception(),

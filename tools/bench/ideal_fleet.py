@@ -27,8 +27,8 @@ from tools.bench.ideal_sight import IdealSight
 from tools.bench.perception_log import PerceptionLog
 from tools.metrics.metrics import RobotRun
 from tools.metrics.wreck import Wreck
-from tools.simulation.noise import NO_NOISE
 from tools.simulation.start_poses import free_start_poses
+from tools.simulation.truth.truth import load_truth
 from tools.simulation.world import World
 
 _STEP_WAY = 0.06  # m; upper bound of the motion of one step
@@ -55,7 +55,7 @@ class IdealFleet:
         config = config or AgentConfig()
         rng = np.random.default_rng(seed)
         self.folder, self.seed, self.t = folder, seed, 0.0
-        self.world = World(folder.map, rng, NO_NOISE)
+        self.world = World(folder.map, rng, load_truth("ideal").noise)
         if starts is None:
             starts = free_start_poses(folder.map, folder.border, robots, rng)
         self.robots = [
@@ -189,6 +189,7 @@ def run_ideal_bench(
     wall = time.perf_counter() - started
     return {
         "sensing": "ideal",
+        "truth": "ideal",
         **bench_result(fleet, log.runs(), duration, wall),
         "strangers": 0,
         "perception": PerceptionLog(fleet.world, fleet.folder.border).figures(),  # empty

@@ -12,6 +12,7 @@ from tools.bench.bench_fault import BenchFault
 from tools.bench.fleet import Fleet, run_bench
 from tools.bench.ideal_fleet import IdealFleet, run_ideal_bench
 from tools.simulation.lockstep import Observer
+from tools.simulation.truth.truth import Truth
 
 
 class Sensing(StrEnum):
@@ -33,12 +34,13 @@ def bench(
     observer: Callable[[str, AgentConfig], Observer] | None = None,
     strangers: int = 0,
     cameras: bool = False,
+    truth: Truth | None = None,
     progress: Callable[[float], None] = lambda _: None,
 ) -> dict[str, Any]:
     """Run robots from seeded starts for a duration, s; return the figures of ``bench --json``.
 
     observer: makes the receiver of a robot's events and effects; ideal sensing has neither.
-    strangers, cameras: as for ``Fleet``; ideal sensing has none.
+    strangers, cameras, truth: as for ``Fleet``; ideal sensing has none.
     Raises BenchFaultError and StartPoseError.
     """
     if sensing is Sensing.IDEAL:
@@ -53,5 +55,6 @@ def bench(
         faults=faults,
         strangers=strangers,
         cameras=cameras,
+        truth=truth,
     )
     return run_bench(fleet, duration, progress)

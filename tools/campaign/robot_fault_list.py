@@ -7,7 +7,7 @@ import dataclasses
 from maps.pose import Pose
 from tools.campaign.agent_stage import AgentStage
 from tools.campaign.fault import NEW_AGENT_LIMIT_S, Expected, Fault, do_nothing, setting
-from tools.simulation.noise import WorldNoise
+from tools.simulation.world import plain_noise
 
 
 def _free_wheels(stage: AgentStage) -> None:
@@ -33,7 +33,7 @@ def _slip(stage: AgentStage) -> None:
 
 
 def _grip(stage: AgentStage) -> None:
-    stage.world.noise = WorldNoise()
+    stage.world.noise = plain_noise()
 
 
 def _drain(stage: AgentStage) -> None:

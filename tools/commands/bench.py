@@ -18,6 +18,7 @@ from tools.bench.fleet_recorder import FleetRecorder
 from tools.bench.sensing import Sensing, bench
 from tools.commands.settings_option import add_set_option, chosen_config
 from tools.progress import progress_line
+from tools.simulation.truth.truth import TruthError, load_truth, truth_names
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -48,6 +49,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--camera", choices=["on", "off"], default="off", help="emulate the robots' cameras; slower"
     )
+    parser.add_argument(
+        "--truth",
+        default="plain",
+        metavar="NAME|FILE",
+        help="what the robots and the world really are: a shipped truth or a TOML file; help lists",
+    )
     add_set_option(parser)
     parser.add_argument("--record", type=Path, metavar="DIR", help="keep a recording per robot")
     parser.add_argument("--json", type=Path, metavar="OUT", help="write the figures to this file")
@@ -55,6 +62,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run one bench; print its figures as JSON."""
+    if options.truth == "help":
+        for name in truth_names():
+            print(f"{name:20}{load_truth(name).about}")
+        return 0
+    try:
+        truth = load_truth(options.truth)
+    except TruthError as error:
+        print(f"patrol bench: --truth: {error}", file=sys.stderr)
+        return 2
     config = chosen_config(options)
     cv2.setNumThreads(1)  # images are small: more threads cost more than they save
     path = find_map(options.map, Path.cwd())
@@ -66,6 +82,9 @@ def run(options: argparse.Namespace) -> int:
     sensing = Sensing(options.sensing)
     if options.record and sensing is Sensing.IDEAL:
         print("patrol bench: --record keeps bytes, and --sensing ideal has none", file=sys.stderr)
+        return 2
+    if truth.name != "plain" and sensing is Sensing.IDEAL:
+        print("patrol bench: --truth needs --sensing bytes", file=sys.stderr)
         return 2
     cameras = options.camera == "on"
     if (options.strangers or cameras) and sensing is Sensing.IDEAL:
@@ -86,6 +105,7 @@ def run(options: argparse.Namespace) -> int:
             observer=recorder.observe if recorder else None,
             strangers=options.strangers,
             cameras=cameras,
+            truth=truth,
             progress=stack.enter_context(progress_line("bench", options.duration, "s")),
         )
     text = json.dumps(figures, indent=2)

@@ -10,13 +10,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import msgspec
 import numpy as np
 
 from drivers.emulation.fault_plan import parse_faults
 from drivers.emulation.line_faults import LineFaults
 from drivers.emulation.port import EmulatedDevice, PtyPort, TcpPort
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG
-from drivers.p2os.model import load_model
+from drivers.p2os.model import RobotModel, load_model
 from maps.map_folder import MapFolder
 from maps.pose import Pose
 from tools.simulation.emulated_camera import CameraServer, EmulatedCamera
@@ -24,6 +25,7 @@ from tools.simulation.real_time_rig import Pumped, RealTimeRig
 from tools.simulation.rig import RobotRig
 from tools.simulation.robot_body import Outline, RobotBody
 from tools.simulation.start_poses import free_start_poses
+from tools.simulation.truth.truth import RobotTruth, load_truth
 from tools.simulation.world import World
 
 
@@ -70,7 +72,13 @@ class Emulation:
         except ValueError as error:
             raise EmulateError(f"--pose: {error}") from error
         self.rig = RobotRig(
-            "Emulated", world, body, time.monotonic(), options.model, watchdog=options.watchdog
+            "Emulated",
+            world,
+            body,
+            time.monotonic(),
+            options.model,
+            watchdog=options.watchdog,
+            truth=_truth_of(model),
         )
         self.urls: dict[str, str] = {}
         with ExitStack() as stack:
@@ -157,6 +165,14 @@ def parse_pose(text: str) -> Pose:
     if not all(map(math.isfinite, (x, y, degrees))):
         raise EmulateError(f"--pose {text}: is not a place; use e.g. 4.0,3.7,90")
     return Pose(x, y, math.remainder(math.radians(degrees), math.tau))
+
+
+def _truth_of(model: RobotModel) -> RobotTruth:
+    """Return the plain truth with the subclass and the laser's mount of a model."""
+    plain = load_truth("plain").robot
+    x, y, theta = model.laser_mount
+    laser = msgspec.structs.replace(plain.laser, x=x, y=y, theta=theta)
+    return msgspec.structs.replace(plain, subclass=model.subclass, laser=laser)
 
 
 def _free_pose(folder: MapFolder, rng: np.random.Generator) -> Pose:

@@ -1,4 +1,4 @@
-"""Ray casting in the simulated world, exact on the grid's cells and on robots' outlines."""
+"""Ray casting in the simulated world, exact on the grid's cells and on bodies' silhouettes."""
 
 from __future__ import annotations
 
@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from maps.occupancy_map import OCCUPIED, OccupancyMap
+from tools.simulation.silhouette import Shapes
 
 _BIAS = 1e-6  # cells; a ray this near to a side ahead of it counts as in the next cell
 _NEVER = 1e12  # cells
-_NEAR = 1e-6  # m; margin about a rectangle's circumcircle
+_NEAR = 1e-6  # m; margin about a polygon's circumcircle
 _WALL, _OUTSIDE = 0, -1  # in the table of block widths: no block
 
 _Steps = NDArray[np.int16]
@@ -165,52 +166,49 @@ def cast_bodies(
     x: ArrayLike,
     y: ArrayLike,
     angles: NDArray[np.float64],
-    rectangles: NDArray[np.float64],
+    middles: NDArray[np.float64],
+    shapes: Shapes,
     max_range: float,
     own: NDArray[np.intp] | None = None,
 ) -> NDArray[np.float64]:
-    """Return (n,) ranges, m, to the nearest of oriented rectangles; inf beyond max_range.
+    """Return (n,) ranges, m, to the nearest of convex polygons; inf beyond max_range.
 
-    x, y: origins in m, map frame, scalars or (n,). angles: (n,) rad, map frame. rectangles: (m, 5)
-    rows (centre x, centre y, theta, half length, half width). From inside one the range is 0.
-    own (n,): the rectangle that each ray starts from, which it does not hit.
+    x, y: origins in m, map frame, scalars or (n,). angles: (n,) rad, map frame. middles: (m, 3)
+    places x, y, theta of the shapes. From inside one the range is 0. own (n,): the body that each
+    ray starts from, which it does not hit.
     """
     ranges = np.full(len(angles), np.inf)
-    if not len(rectangles):
+    if not len(middles):
         return ranges
-    # 1. Select the few rays that pass near a rectangle.
-    from_x = np.asarray(x) - rectangles[:, 0, None]
-    from_y = np.asarray(y) - rectangles[:, 1, None]
+    # 1. Select the few rays that pass near a polygon.
+    from_x = np.asarray(x) - middles[:, 0, None]
+    from_y = np.asarray(y) - middles[:, 1, None]
     dx, dy = np.cos(angles), np.sin(angles)
-    reach = np.hypot(rectangles[:, 3], rectangles[:, 4])[:, None] + _NEAR
+    reach = shapes.reach[:, None] + _NEAR
     near = np.abs(from_x * dy - from_y * dx) < reach
     near &= from_x * dx + from_y * dy < reach
     if own is not None:
-        near[own, np.arange(len(own))] = False
+        near &= shapes.owner[:, None] != own
     which, ray = near.nonzero()
     if not len(ray):
         return ranges
-    # 2. Compute where these enter it.
-    _, _, theta, half_length, half_width = rectangles[which].T
+    # 2. Clip these by each side's half-plane, in the polygon's own frame.
+    theta = middles[which, 2]
     c, s = np.cos(theta), np.sin(theta)
     from_x = np.broadcast_to(from_x, near.shape)[which, ray]
     from_y = np.broadcast_to(from_y, near.shape)[which, ray]
     px, py = c * from_x + s * from_y, c * from_y - s * from_x
     turned = angles[ray] - theta
-    near_x, far_x = _slab(px, np.cos(turned), half_length)
-    near_y, far_y = _slab(py, np.sin(turned), half_width)
-    enter, leave = np.maximum(near_x, near_y), np.minimum(far_x, far_y)
+    normal_x, normal_y = shapes.normals[which].transpose(2, 1, 0)
+    slope = normal_x * np.cos(turned) + normal_y * np.sin(turned)
+    gap = shapes.offsets[which].T - (normal_x * px + normal_y * py)
+    # A ray along a side would divide zero by zero; a tiny slope has the same effect.
+    slope[np.abs(slope) < 1e-12] = 1e-12
+    at = gap / slope
+    enters = slope < 0.0
+    enter = np.where(enters, at, -np.inf).max(axis=0)
+    leave = np.where(enters, np.inf, at).min(axis=0)
     met = (enter <= leave) & (leave >= 0.0)
     np.minimum.at(ranges, ray[met], np.maximum(enter[met], 0.0))
     ranges[ranges > max_range] = np.inf
     return ranges
-
-
-def _slab(
-    position: NDArray[np.float64], direction: NDArray[np.float64], half: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the distances at which rays enter and leave the strip |position| <= half."""
-    # A ray along the strip would divide zero by zero; a tiny slope has the same effect.
-    safe = np.where(np.abs(direction) < 1e-12, 1e-12, direction)
-    a, b = (-half - position) / safe, (half - position) / safe
-    return np.minimum(a, b), np.maximum(a, b)

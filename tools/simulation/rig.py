@@ -10,14 +10,19 @@ from numpy.typing import NDArray
 
 from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.lms200.scan import beam_time_offsets
+from drivers.p2os.base_state import ChargeState
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.model import load_model
+from drivers.p2os.robot_identity import RobotIdentity
 from maps.pose import Pose, wrap_angle
-from tools.simulation.robot_body import RobotBody
+from tools.simulation.robot_body import Outline, RobotBody
+from tools.simulation.silhouette import silhouette_of
+from tools.simulation.truth.truth import RobotTruth, Truth, load_truth
 from tools.simulation.world import Fan, World, laser_fan
 
 SONAR_PERIOD_S = 0.1
+_OPEN_INPUTS = 0x7F  # all segments of a bumper byte above the stall bit: FE
 
 
 class RobotRig:
@@ -33,9 +38,12 @@ class RobotRig:
         *,
         later_firmware: bool = False,
         watchdog: float = FACTORY_WATCHDOG,
+        truth: RobotTruth | None = None,
     ) -> None:
         """Make the devices of a body in the world, powered on at ``t``.
 
+        model: whose counts and sonars the base has. truth: how the robot really is, by default as
+        the shipped ``plain``.
         later_firmware: the base reports what AROS reports, the stop button included.
         watchdog: value in the base's FLASH, s.
         """
@@ -43,9 +51,14 @@ class RobotRig:
         self.world = world
         self.body = body
         self.model = load_model(model)
+        self.truth = truth or load_truth("plain").robot
+        charging = self.truth.charging.connected
         self.base = P2osEmulator(
-            self.model, name=name, later_firmware=later_firmware, watchdog=watchdog
+            self.model, name=name, later_firmware=later_firmware or charging, watchdog=watchdog
         )
+        self.base.identity = RobotIdentity(name, "Pioneer", self.truth.subclass)
+        if charging:
+            self.base.battery.charge_state = ChargeState.BULK
         self.laser = Lms200Emulator(scan_source=self._scan)
         self.stuck = False
         """Whether the body cannot move while the wheels turn."""
@@ -55,6 +68,8 @@ class RobotRig:
         """Bit mask of front bumper segments pressed in addition to the world's contacts."""
         self._next_sonar = t
         self._prepared: NDArray[np.float64] | None = None
+        self._repeated: NDArray[np.float64] | None = None
+        self._repeats_from = t + self.truth.laser.repeats_from
         self._t = self._previous_t = t
         self._previous_pose = body.pose
 
@@ -70,10 +85,11 @@ class RobotRig:
         self._previous_pose = self.body.pose
         motion = self.world.move(self.body, *((0.0, 0.0) if self.stuck else (distance, rotation)))
         self.base.turn_odometer(motion.odometer_distance, motion.odometer_rotation)
+        fitted = self.truth.bumpers.fitted
         self.base.set_contact(
             stalled=motion.blocked or (self.stuck and (distance, rotation) != (0.0, 0.0)),
-            front_bumpers=motion.front_bumpers | self.bumped,
-            rear_bumpers=motion.rear_bumpers,
+            front_bumpers=motion.front_bumpers | self.bumped if fitted else _OPEN_INPUTS,
+            rear_bumpers=motion.rear_bumpers if fitted else _OPEN_INPUTS,
         )
 
     def pop_sonar_due(self, t: float) -> bool:
@@ -102,7 +118,16 @@ class RobotRig:
         prepared, self._prepared = self._prepared, None
         if self.blind:
             return np.full(n, np.inf)
-        return self.world.scans([self._fan(t, n, increment)])[0] if prepared is None else prepared
+        if prepared is None:
+            prepared = self.world.scans([self._fan(t, n, increment)])[0]
+        return prepared if t < self._repeats_from else self._repeat(prepared)
+
+    def _repeat(self, ranges: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the scan that the laser repeats, (n,) m, with the noise of the range added."""
+        if self._repeated is None or len(self._repeated) != len(ranges):
+            self._repeated = ranges
+        noise = self.world.rng.normal(0.0, self.world.noise.laser_range, len(ranges))
+        return np.maximum(self._repeated + noise, 0.0)
 
     def _fan(self, t: float, n: int, increment: float) -> Fan:
         """Return the rays of a mirror turn.
@@ -113,8 +138,12 @@ class RobotRig:
         step = self._t - self._previous_t
         turn = math.remainder(self.body.pose.theta - self._previous_pose.theta, math.tau)
         rate = turn / step if step > 0 else 0.0
-        swept = rate * beam_time_offsets(n, -0.5 * (n - 1) * increment, increment, 1)
-        return laser_fan(self.body, pose, n, increment, self.model.laser_mount, swept)
+        offsets = beam_time_offsets(n, -0.5 * (n - 1) * increment, increment, 1)
+        laser = self.truth.laser
+        # Mirrored data come in the reverse order of their measurement.
+        swept = rate * (offsets[::-1] if laser.mirrored else offsets)
+        leftward = laser.upside_down == laser.mirrored
+        return laser_fan(self.body, pose, n, increment, laser.mount, swept, leftward=leftward)
 
     def _pose_at(self, t: float) -> Pose:
         """Return the true pose at ``t``, interpolated within the last step."""
@@ -147,9 +176,20 @@ def sense(rigs: Sequence[RobotRig], t: float) -> None:
         rig.on_ranges(t, None if fan is None else next(scans))
 
 
-def make_rigs(world: World, starts: Sequence[Pose], t: float) -> list[RobotRig]:
-    """Add one robot per start pose to the world: robot1, robot2, ..."""
+def make_rigs(
+    world: World, starts: Sequence[Pose], t: float, truth: Truth | None = None
+) -> list[RobotRig]:
+    """Add one robot per start pose to the world: robot1, robot2, ...
+
+    truth: how the robots really are, by default as the shipped ``plain``.
+    """
+    robot = (truth or load_truth("plain")).robot
+    body = robot.body
+    outline = Outline(body.front, body.rear, body.half_width, body.track)
+    silhouettes = tuple(silhouette_of(corners) for corners in robot.silhouette.polygons)
     return [
-        RobotRig(f"robot{number}", world, world.add_body(start), t)
+        RobotRig(
+            f"robot{number}", world, world.add_body(start, outline, silhouettes), t, truth=robot
+        )
         for number, start in enumerate(starts, start=1)
     ]

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maps.pose import Pose
+from tools.simulation.silhouette import Silhouette, silhouette_of
 
 BUMPER_SEGMENTS = 5  # per ring
 _BUMPER_ARC = math.radians(135.0)  # rad covered by a ring, centred on front or rear
@@ -40,9 +41,19 @@ class Outline:
         """Distance of the farthest corner from base_link, m."""
         return math.hypot(max(self.front, self.rear), self.half_width)
 
+    def silhouette(self) -> Silhouette:
+        """Return the rectangle as rays meet it."""
+        return _silhouette(self)
+
     def perimeter(self, step: float) -> NDArray[np.float64]:
         """Return points (n, 2) in base_link along the outline, at most ``step`` m apart."""
         return _perimeter(self, step)
+
+
+@lru_cache(maxsize=64)
+def _silhouette(outline: Outline) -> Silhouette:
+    front, rear, half = outline.front, outline.rear, outline.half_width
+    return silhouette_of([(front, -half), (front, half), (-rear, half), (-rear, -half)])
 
 
 @lru_cache(maxsize=64)
@@ -84,6 +95,8 @@ class RobotBody:
     outline: Outline = field(default_factory=Outline)
     wheel_scales: tuple[float, float] = (1.0, 1.0)
     kind: BodyKind = BodyKind.ROBOT
+    silhouettes: tuple[Silhouette, ...] | None = None
+    """What lasers see of it; by default its outline, which is what sonars hear."""
     reach: float = field(init=False)
     """Distance of the outline's farthest corner from base_link, m."""
 

@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 from drivers.p2os.model import SonarMount
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose, wrap_angle
-from tools.simulation.noise import WorldNoise
 from tools.simulation.raycast import RayCaster, cast_bodies
 from tools.simulation.robot_body import Outline, RobotBody, bumper_masks, meeting_points, overlap
+from tools.simulation.silhouette import Shapes, Silhouette, middles_of, shapes_of
+from tools.simulation.truth.truth import load_truth
+from tools.simulation.truth.world_noise import WorldNoise
 
 TOUCH = 0.005  # m; nearer than this is touching
 _PART = 0.02  # m; a contact is over when the two are farther apart than this
@@ -48,6 +50,18 @@ class Contact:
     other: int | None
 
 
+def plain_noise() -> WorldNoise:
+    """Return the noise of the truth ``plain``."""
+    return load_truth("plain").noise
+
+
+class _Parts(NamedTuple):
+    """The silhouettes of all bodies, as they are and in a table."""
+
+    silhouettes: Sequence[Sequence[Silhouette]]
+    shapes: Shapes
+
+
 class Fan(NamedTuple):
     """Rays from a body: origins x and y (n,), m, and directions (n,), rad, map frame."""
 
@@ -64,11 +78,17 @@ def laser_fan(
     increment: float,
     mount: tuple[float, float, float],
     swept: NDArray[np.float64] | float = 0.0,
+    *,
+    leftward: bool = True,
 ) -> Fan:
-    """Return the rays of a laser scan; the arguments are those of ``World.scan``."""
+    """Return the rays of a laser scan; the arguments are those of ``World.scan``.
+
+    leftward: whether the first beam is the right-most.
+    """
     laser = pose.compose(Pose(*mount))
     beams = np.arange(n, dtype=np.float64)
-    angles = laser.theta + (beams - (n - 1) / 2) * increment + swept
+    angles = (beams - (n - 1) / 2) * increment
+    angles = laser.theta + (angles if leftward else -angles) + swept
     return Fan(body, np.full(n, laser.x), np.full(n, laser.y), angles)
 
 
@@ -91,38 +111,49 @@ class World:
 
     occupancy: OccupancyMap
     rng: np.random.Generator
-    noise: WorldNoise = field(default_factory=WorldNoise)
+    noise: WorldNoise = field(default_factory=plain_noise)
     laser_max_range: float = 32.0  # m
     bodies: list[RobotBody] = field(default_factory=list)
     contact_log: list[Contact] = field(default_factory=list)
     _caster: RayCaster = field(init=False)
     _wall_distance: NDArray[np.float64] = field(init=False)
     _solid: NDArray[np.bool_] = field(init=False)
+    _seen: _Parts = field(init=False)
+    _heard: _Parts = field(init=False)
     _touching: set[Contact] = field(init=False, default_factory=set)
 
     def __post_init__(self) -> None:
         self._caster = RayCaster(self.occupancy)
         self._wall_distance = _distance_to_walls_and_rim(self.occupancy)
         self._solid = np.pad(self.occupancy.cells == OCCUPIED, 1, constant_values=True)
+        self._tell_shapes()
 
     @property
     def contacts(self) -> int:
         """Number of contacts so far."""
         return len(self.contact_log)
 
-    def add_body(self, pose: Pose, outline: Outline | None = None) -> RobotBody:
+    def add_body(
+        self,
+        pose: Pose,
+        outline: Outline | None = None,
+        silhouettes: tuple[Silhouette, ...] | None = None,
+    ) -> RobotBody:
         """Add a robot at a true pose (map_from_base) and draw its odometer's scale errors.
 
+        silhouettes: what lasers see of it, by default its outline.
         Raises ValueError if it would overlap a wall or another body.
         """
         left, right = (1.0 + self.rng.normal(0.0, self.noise.wheel_scale, 2)).tolist()
         body = RobotBody(len(self.bodies), pose, outline or Outline(), (left, right))
+        body.silhouettes = silhouettes
         if self._blocked(body, pose):
             raise ValueError(
                 f"robot {body.index} at ({pose.x:.2f}, {pose.y:.2f}) stands in a wall or in "
                 "another robot: choose another start pose"
             )
         self.bodies.append(body)
+        self._tell_shapes()
         return body
 
     def move(self, body: RobotBody, distance: float, rotation: float) -> Motion:
@@ -172,7 +203,7 @@ class World:
 
     def scans(self, fans: Sequence[Fan]) -> list[NDArray[np.float64]]:
         """Return the laser's ranges for each fan; many in one call cost little more than one."""
-        ranges = self._cast(fans, self.laser_max_range)
+        ranges = self._cast(fans, self.laser_max_range, self._seen)
         n = len(ranges)
         ranges += self.rng.normal(0.0, self.noise.laser_range, n)
         ranges[self.rng.random(n) < self.noise.laser_dropouts] = np.inf
@@ -198,14 +229,23 @@ class World:
 
     def sonars(self, bodies: Sequence[RobotBody], ring: Sequence[SonarMount]) -> list[list[float]]:
         """Return the ranges of ``sonar`` for each of several bodies."""
-        rays = self._cast([_sonar_fan(body, ring) for body in bodies], _SONAR_RANGE)
+        rays = self._cast([_sonar_fan(body, ring) for body in bodies], _SONAR_RANGE, self._heard)
         echoes = rays.reshape(len(bodies), -1, 3).min(axis=2)
         echoes += self.rng.normal(0.0, self.noise.sonar_range, echoes.shape)
         ranges: list[list[float]] = np.clip(echoes, 0.0, _SONAR_RANGE).tolist()
         return ranges
 
-    def _cast(self, fans: Sequence[Fan], max_range: float) -> NDArray[np.float64]:
-        """Return the ranges of all fans, concatenated, to walls and to the other bodies."""
+    def _tell_shapes(self) -> None:
+        """Tabulate what lasers see and what sonars hear of the bodies."""
+        heard = [(body.outline.silhouette(),) for body in self.bodies]
+        seen = [
+            outline if body.silhouettes is None else body.silhouettes
+            for body, outline in zip(self.bodies, heard, strict=True)
+        ]
+        self._seen, self._heard = _Parts(seen, shapes_of(seen)), _Parts(heard, shapes_of(heard))
+
+    def _cast(self, fans: Sequence[Fan], max_range: float, parts: _Parts) -> NDArray[np.float64]:
+        """Return the ranges of all fans, concatenated, to walls and to parts of other bodies."""
         angles = np.concatenate([fan.angles for fan in fans])
         x = np.concatenate([fan.x for fan in fans])
         y = np.concatenate([fan.y for fan in fans])
@@ -213,8 +253,8 @@ class World:
         if len(self.bodies) < 2:
             return ranges
         own = np.repeat([fan.body.index for fan in fans], [len(fan.angles) for fan in fans])
-        rectangles = np.array([body.rectangle() for body in self.bodies])
-        return np.minimum(ranges, cast_bodies(x, y, angles, rectangles, max_range, own))
+        middles = middles_of(parts.silhouettes, [body.pose for body in self.bodies])
+        return np.minimum(ranges, cast_bodies(x, y, angles, middles, parts.shapes, max_range, own))
 
     def _slip(
         self, distance: float, rotation: float, draws: Sequence[float]

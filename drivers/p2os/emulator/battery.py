@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from drivers.p2os.base_state import ChargeState
+
 FULL = 13.0  # V
 VOLTS_PER_JOULE = 2.0 / (252.0 * 3600.0)  # 13 V down to 11 V over the blocks' 252 Wh
 IDLE_POWER = 25.0  # W, controller and computer
@@ -9,10 +11,14 @@ MOTOR_POWER = 30.0  # W per m/s
 
 
 class EmulatedBattery:
-    """A voltage, ``volts``, that falls with time and motion and may be set."""
+    """A voltage, ``volts``, that falls with time and motion and may be set.
+
+    charge_state: what later firmware reports of the charger; the voltage does not rise.
+    """
 
     def __init__(self) -> None:
         self.volts = FULL
+        self.charge_state = ChargeState.NOT_CHARGING
 
     def drain(self, duration: float, distance: float) -> None:
         """Use the energy of ``duration`` s and ``distance`` m of wheel motion."""

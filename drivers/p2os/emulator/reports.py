@@ -77,7 +77,7 @@ def sip_report(
         return sip
     tail = tail._replace(
         battery_decivolts=decivolts,
-        charge_state=0,
+        charge_state=base.battery.charge_state,
         turn_rate_decidegrees_s=round(math.degrees(10.0 * w)),
         fault_flags=0,
     )

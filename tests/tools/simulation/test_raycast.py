@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from maps.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 from maps.pose import Pose
-from tools.simulation.raycast import RayCaster, cast_bodies
+from tools.simulation.raycast import RayCaster
+from tools.simulation.raycast import cast_bodies as cast_polygons
+from tools.simulation.silhouette import middles_of, shapes_of, silhouette_of
 
 RESOLUTION = 0.05
 
@@ -85,6 +87,63 @@ def test_each_ray_may_have_its_own_origin(clutter: OccupancyMap) -> None:
     together = caster.cast(x, y, angles, 30.0)
     alone = [caster.cast(*ray, 30.0)[0] for ray in zip(x, y, angles[:, None], strict=True)]
     assert together.tolist() == alone
+
+
+def cast_bodies(
+    x: float,
+    y: float,
+    angles: NDArray[np.float64],
+    rectangles: NDArray[np.float64],
+    max_range: float,
+) -> NDArray[np.float64]:
+    """Cast to rectangles (m, 5): centre x, centre y, theta, half length, half width."""
+    silhouettes = [
+        (silhouette_of([(a, -b), (a, b), (-a, b), (-a, -b)]),) for *_, a, b in rectangles.tolist()
+    ]
+    poses = [Pose(*row[:3]) for row in rectangles.tolist()]
+    middles = middles_of(silhouettes, poses)
+    return cast_polygons(x, y, angles, middles, shapes_of(silhouettes), max_range)
+
+
+def first_crossing(corners: NDArray[np.float64], angle: float) -> float:
+    """Intersect the ray from the origin with every side, one after another."""
+    ray = np.array((math.cos(angle), math.sin(angle)))
+    found = math.inf
+    for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        along, share = np.linalg.solve(np.column_stack((ray, a - b)), a)
+        if along >= 0.0 and 0.0 <= share <= 1.0:
+            found = min(found, float(along))
+    return found
+
+
+def test_rays_to_polygons_end_where_they_cross_a_side() -> None:
+    rng = np.random.default_rng(4)
+    bodies, poses, outlines = [], [], []
+    for number in range(12):
+        bearings = np.sort((np.arange(3 + number % 6) + rng.uniform(0.0, 0.5)) / (3 + number % 6))
+        ring = 0.3 * np.column_stack((np.cos(math.tau * bearings), np.sin(math.tau * bearings)))
+        pose = Pose(rng.uniform(0.5, 4.0), rng.uniform(-3.0, 3.0), rng.uniform(-3.0, 3.0))
+        c, s = math.cos(pose.theta), math.sin(pose.theta)
+        bodies.append((silhouette_of(ring.tolist()),))
+        poses.append(pose)
+        outlines.append(ring @ np.array(((c, s), (-s, c))) + pose[:2])
+    angles = rng.uniform(-math.pi, math.pi, 500)
+    cast = cast_polygons(0.0, 0.0, angles, middles_of(bodies, poses), shapes_of(bodies), 30.0)
+    expected = [min(first_crossing(each, angle) for each in outlines) for angle in angles]
+    assert np.isfinite(cast).sum() > 50
+    assert cast == pytest.approx(expected, abs=1e-9)
+
+
+def test_a_ray_passes_all_parts_of_the_body_it_starts_from() -> None:
+    square = silhouette_of([(0.1, -0.1), (0.1, 0.1), (-0.1, 0.1), (-0.1, -0.1)])
+    mast = silhouette_of([(0.4, -0.1), (0.4, 0.1), (0.3, 0.1), (0.3, -0.1)])
+    bodies, poses = [(square, mast), (square,)], [Pose(0.0, 0.0, 0.0), Pose(2.0, 0.0, 0.0)]
+    table = middles_of(bodies, poses), shapes_of(bodies)
+    ahead = np.array([0.0])
+    assert cast_polygons(0.0, 0.0, ahead, *table, 9.0, np.array([0])) == pytest.approx([1.9])
+    assert cast_polygons(2.0, 0.0, ahead + math.pi, *table, 9.0, np.array([1])) == pytest.approx(
+        [1.6]
+    )
 
 
 def rectangle(x: float, y: float, theta: float) -> NDArray[np.float64]:

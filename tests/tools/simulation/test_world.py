@@ -6,14 +6,17 @@ import math
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from drivers.p2os.model import load_model
 from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap
 from maps.pose import Pose
-from tools.simulation.noise import NO_NOISE, WorldNoise
 from tools.simulation.robot_body import RobotBody
-from tools.simulation.world import Contact, World
+from tools.simulation.truth.truth import load_truth
+from tools.simulation.truth.world_noise import WorldNoise
+from tools.simulation.world import Contact, World, plain_noise
 
+NO_NOISE = load_truth("ideal").noise
 MOUNT = (0.017, 0.008, 0.0)
 LEFT_MOST, MIDDLE, RIGHT_MOST = 0b00001, 0b00100, 0b10000
 
@@ -155,8 +158,13 @@ def odometer_errors(world: World, body: RobotBody) -> tuple[float, float]:
 
 
 def test_odometer_error_follows_each_wheels_scale(hall: OccupancyMap) -> None:
-    noise = WorldNoise(
-        slip_distance=0.0, slip_rotation=0.0, slip_heading=0.0, wheel_scale=0.02, odometer=0.0
+    noise = replace(
+        plain_noise(),
+        slip_distance=0.0,
+        slip_rotation=0.0,
+        slip_heading=0.0,
+        wheel_scale=0.02,
+        odometer=0.0,
     )
     shares = []
     for seed in range(40):
@@ -174,7 +182,7 @@ def test_odometer_error_follows_each_wheels_scale(hall: OccupancyMap) -> None:
 def test_slip_is_independent_of_the_step_size(hall: OccupancyMap, step: float) -> None:
     ways = []
     for seed in range(120):
-        world = world_of(hall, WorldNoise(slip_distance=0.05, slip_heading=0.0), seed)
+        world = world_of(hall, replace(plain_noise(), slip_distance=0.05, slip_heading=0.0), seed)
         body = world.add_body(Pose(4.0, 3.0, 0.0))
         for _ in range(round(1.0 / step)):
             world.move(body, step, 0.0)
@@ -200,7 +208,7 @@ def test_laser_ranges_walls_and_robots_from_its_mount(hall: OccupancyMap) -> Non
 
 def test_laser_noise_and_range_limit_match_the_settings(hall: OccupancyMap) -> None:
     exact = world_of(hall)
-    noisy = world_of(hall, WorldNoise(laser_dropouts=0.05))
+    noisy = world_of(hall, replace(plain_noise(), laser_dropouts=0.05))
     pose = Pose(3.0, 2.0, 0.4)
     truth = exact.scan(exact.add_body(pose), pose, 361, math.radians(0.5), MOUNT)
     body = noisy.add_body(pose)
@@ -231,7 +239,7 @@ def test_sonar_returns_the_nearest_object_in_its_cone(hall: OccupancyMap) -> Non
 
 def test_same_seed_gives_the_same_world(hall: OccupancyMap) -> None:
     def outcome() -> list[float]:
-        world = world_of(hall, WorldNoise(), seed=5)
+        world = world_of(hall, plain_noise(), seed=5)
         body, _ = world.add_body(Pose(3.0, 3.0, 0.3)), world.add_body(Pose(5.0, 3.0, 2.0))
         for _ in range(50):
             world.move(body, 0.01, 0.02)

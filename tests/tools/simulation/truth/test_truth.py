@@ -1,0 +1,91 @@
+"""The shipped truths, files of one's own, and what is wrong with them."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from tools import cli
+from tools.simulation.truth.truth import TruthError, load_truth, truth_names
+
+
+@pytest.mark.parametrize("name", truth_names())
+def test_every_shipped_truth_loads_and_says_what_it_is(name: str) -> None:
+    truth = load_truth(name)
+    assert truth.name == name
+    assert truth.about
+    assert "\n" not in truth.about
+
+
+def test_a_file_holds_only_the_differences_to_a_shipped_truth(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text('like = "plain"\n[robot.laser]\nx = 0.1\n[noise]\nlaser_range = 0.03\n')
+    mine, plain = load_truth(str(path)), load_truth("plain")
+    assert mine.robot.laser.mount == (0.1, plain.robot.laser.y, 0.0)
+    assert mine.noise.laser_range == 0.03
+    assert mine.noise.sonar_range == plain.noise.sonar_range
+    assert mine.robot.body == plain.robot.body
+
+
+@pytest.mark.parametrize(
+    ("content", "complaint"),
+    [
+        ('like = "plain"\n[robot.laser]\ntilt = 1.0\n', r"unknown field `tilt` .*robot.laser"),
+        ('like = "plain"\n[noise]\nlaser_range = -1.0\n', "noise.laser_range"),
+        ('like = "plain"\n[robot.laser]\ntheta = 45.0\n', "robot.laser.theta"),
+        ('like = "nowhere"\n', "like = 'nowhere': no such truth; use"),
+        ("like = \n", "is not TOML"),
+        ("like = 3\n", "like is not a name"),
+        (
+            'like = "plain"\n[robot.silhouette]\npolygons = [[[0, 0], [0, 1], [1, 0]]]\n',
+            "polygon 0 is not convex and counter-clockwise: .*robot.silhouette",
+        ),
+    ],
+)
+def test_a_wrong_file_is_refused_in_one_line_with_file_place_and_remedy(
+    content: str, complaint: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(content)
+    with pytest.raises(TruthError, match=complaint) as caught:
+        load_truth(str(path))
+    assert str(path) in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_truths_that_name_each_other_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(f'like = "{path}"\n')
+    with pytest.raises(TruthError, match="goes in a circle"):
+        load_truth(str(path))
+
+
+def test_bench_lists_the_truths(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["bench", "--truth", "help"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == truth_names()
+
+
+@pytest.mark.parametrize("name", ["plane", "missing.toml"])
+def test_bench_refuses_a_truth_that_is_not_there(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["bench", "--truth", name]) == 2
+    assert name in capsys.readouterr().err
+
+
+def test_the_housing_is_as_large_as_the_scanner() -> None:
+    [corners] = load_truth("housing").robot.silhouette.polygons
+    x, y = zip(*corners, strict=True)
+    assert max(x) - min(x) == pytest.approx(0.156)
+    assert max(y) - min(y) == pytest.approx(0.155)
+
+
+def test_the_octagon_lies_in_its_body() -> None:
+    robot = load_truth("octagon").robot
+    [corners] = robot.silhouette.polygons
+    assert len(corners) == 8
+    assert all(-robot.body.rear <= x <= robot.body.front for x, _ in corners)
+    assert all(math.fabs(y) <= robot.body.half_width for _, y in corners)

@@ -1,0 +1,1 @@
+"""The shipped truths, one file each."""
