@@ -11,21 +11,31 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from maps.occupancy_map import OCCUPIED, OccupancyMap, Surface, distances_to
+from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap, Surface, distances_to
 
 
 def surface_distance(occupancy: OccupancyMap) -> NDArray[np.float32]:
     """Return (rows, cols) distances, m, of the cells' centres from the mapped surface.
 
-    Negative inside walls where the surface is their faces; infinite without a surface.
+    Where the surface is the walls' faces, those to free cells: negative in the walls and beyond.
+    Infinite without a surface.
     """
     if occupancy.surface is Surface.CENTRE:
         return occupancy.distance_field()
-    occupied = occupancy.cells == OCCUPIED
+    occupied, free = occupancy.cells == OCCUPIED, occupancy.cells == FREE
+    # Of a wall to unknown ground only the face to the free side is seen.
     in_cells = np.where(
-        occupied, -_distances_to_squares(~occupied), _distances_to_squares(occupied)
+        free,
+        _distances_to_squares(occupied),
+        -_distances_to_squares(free & _beside(occupied)),
     )
     return np.asarray(in_cells * occupancy.resolution, dtype=np.float32)
+
+
+def _beside(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (rows, cols) which cells share a side with a chosen one."""
+    padded = np.pad(cells, 1)
+    return padded[:-2, 1:-1] | padded[2:, 1:-1] | padded[1:-1, :-2] | padded[1:-1, 2:]
 
 
 def _distances_to_squares(cells: NDArray[np.bool_]) -> NDArray[np.float64]:

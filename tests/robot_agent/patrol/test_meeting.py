@@ -4,11 +4,13 @@ import math
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from maps.map_folder import load_map_folder
 from maps.pose import Pose
-from robot_agent.config import find_map
+from robot_agent.config import AgentConfig, find_map
 from robot_agent.patrol.actions import Action
+from robot_agent.patrol.settings import PatrolSettings
 from tools.bench.fleet import Fleet, run_bench
 
 
@@ -21,7 +23,8 @@ from tools.bench.fleet import Fleet, run_bench
 )
 def test_head_on_meeting_turns_both_back_without_avoiding(starts):
     folder = load_map_folder(find_map("paper_lab", Path.cwd()))
-    figures = run_bench(Fleet(folder, 2, seed=105, starts=starts), 20.0)
+    config = replace(AgentConfig(), patrol=PatrolSettings(reversal_probability=0.0))
+    figures = run_bench(Fleet(folder, 2, seed=105, config=config, starts=starts), 20.0)
     (meeting,) = figures["meetings"]
     assert meeting["outcome"] == "turned back"
     assert meeting["closest_m"] > 1.3
