@@ -8,20 +8,24 @@ it: the distance is that from the middle of the cell.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
 from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap, Surface, distances_to
 
 
+@lru_cache(maxsize=4)
 def surface_distance(occupancy: OccupancyMap) -> NDArray[np.float32]:
     """Return (rows, cols) distances, m, of the cells' centres from the mapped surface.
 
     Where the surface is the walls' faces, those to free cells: negative in the walls and beyond.
-    Infinite without a surface.
+    Infinite without a surface. Read-only, and computed once for a map: the parts of a localizer
+    share it, and so do those of a whole bench.
     """
     if occupancy.surface is Surface.CENTRE:
-        return occupancy.distance_field()
+        return _read_only(occupancy.distance_field())
     occupied, free = occupancy.cells == OCCUPIED, occupancy.cells == FREE
     # Of a wall to unknown ground only the face to the free side is seen.
     in_cells = np.where(
@@ -29,7 +33,12 @@ def surface_distance(occupancy: OccupancyMap) -> NDArray[np.float32]:
         _distances_to_squares(occupied),
         -_distances_to_squares(free & _beside(occupied)),
     )
-    return np.asarray(in_cells * occupancy.resolution, dtype=np.float32)
+    return _read_only(np.asarray(in_cells * occupancy.resolution, dtype=np.float32))
+
+
+def _read_only(distances: NDArray[np.float32]) -> NDArray[np.float32]:
+    distances.setflags(write=False)
+    return distances
 
 
 def _beside(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:

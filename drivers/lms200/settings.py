@@ -12,7 +12,7 @@ from drivers.lms200.telegrams import VARIANTS, Variant
 
 _FRAME_BYTES = 10  # of a telegram of measured values, besides two per value
 _BITS_PER_BYTE = 10
-FARTHEST_MOUNT = 1.0  # m from the axle, either way
+_FARTHEST_MOUNT = 1.0  # m from the axle, either way
 _UNIT_CODES = {"cm": UNIT_CM, "mm": UNIT_MM}
 
 
@@ -119,7 +119,7 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 
 def _check_mount(x: float, y: float, theta: float) -> None:
     """Raise ValueError for a mount that no robot has: likely in other units."""
-    if max(abs(x), abs(y)) > FARTHEST_MOUNT:
+    if max(abs(x), abs(y)) > _FARTHEST_MOUNT:
         raise ValueError(
             f"mount is {x:g}, {y:g} m from the axle, no robot is as large: millimetres? write m"
         )

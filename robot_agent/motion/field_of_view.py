@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 
 class FieldOfView(NamedTuple):
@@ -26,7 +29,20 @@ class FieldOfView(NamedTuple):
         off = math.remainder(math.atan2(dy, dx) - self.theta, math.tau)
         return abs(off) <= self.half_angle and math.hypot(dx, dy) <= self.reach
 
+    def mask(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return (n,) which points (n, 2), m, base_link, are in the sector."""
+        dx, dy = points[:, 0] - self.x, points[:, 1] - self.y
+        off = np.arctan2(dy, dx) - self.theta
+        off -= math.tau * np.round(off / math.tau)
+        return np.asarray((np.abs(off) <= self.half_angle) & (np.hypot(dx, dy) <= self.reach))
 
-def is_covered(x: float, y: float, views: Sequence[FieldOfView]) -> bool:
-    """Return whether any of the fields of view covers a position (x, y), m, base_link."""
-    return any(view.covers(x, y) for view in views)
+
+def are_covered(places: Iterable[tuple[float, float]], views: Sequence[FieldOfView]) -> bool:
+    """Return whether each of some positions (x, y), m, base_link, is in a field of view."""
+    for x, y in places:
+        for view in views:
+            if view.covers(x, y):
+                break
+        else:
+            return False
+    return True

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robot_agent.motion.battery_watch import BatteryWatch
-from robot_agent.motion.field_of_view import FieldOfView, is_covered
+from robot_agent.motion.field_of_view import FieldOfView, are_covered
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.gate_reason import DENIALS, STANDING, GateReason
 from robot_agent.motion.repeated_fault_latch import RepeatedFaultLatch
@@ -96,12 +96,12 @@ class SafetyGate:
         v, w, slowed = self._within_speed(*requested, inputs)
         ramped = self._ramped(v, w, elapsed)
         free = self._within_sight(*ramped, inputs)
-        blind = free[0] > 0.0 and not self._is_way_covered(*free, inputs)
-        if blind:
-            free = 0.0, free[1]
-        self._acceleration = max(free[0] - self._v, 0.0) / elapsed if elapsed > 0.0 else 0.0
-        if blind:
-            return self._decided(*free, GateReason.UNSEEN)
+        seen = free
+        if free[0] > 0.0 and not self._is_way_covered(*free, inputs):
+            seen = 0.0, free[1]
+        self._acceleration = max(seen[0] - self._v, 0.0) / elapsed if elapsed > 0.0 else 0.0
+        if seen != free:
+            return self._decided(*seen, GateReason.UNSEEN)
         if free != ramped:
             return self._decided(*free, GateReason.OBSTACLE)
         if slowed is GateReason.NONE and ramped != (v, w):
@@ -271,9 +271,9 @@ class SafetyGate:
     def _is_way_covered(self, v: float, w: float, inputs: GateInputs) -> bool:
         """Return whether fields of view cover the front edge at the end of the stopping way."""
         settings = self._settings
-        stop = stopping_way(max(v, inputs.v), settings.braking, settings.reaction_delay)
-        edge = self._body.front_edge(stop, stop * w / max(v, inputs.v))
-        return all(is_covered(x, y, inputs.views) for x, y in edge)
+        rolling = max(v, inputs.v)
+        stop = stopping_way(rolling, settings.braking, settings.reaction_delay)
+        return are_covered(self._body.front_edge(stop, stop * w / rolling), inputs.views)
 
 
 def _all_finite(points: NDArray[np.float64]) -> bool:

@@ -23,6 +23,8 @@ class SweptFootprint:
 
     def __init__(self, settings: GateLimits) -> None:
         self._settings = settings
+        self._front = settings.front + settings.front_margin
+        self._side = settings.half_width + settings.margin
         speed = _EDGING_SHARE * EDGING_SPEED
         self._edging_way = stopping_way(speed, settings.braking, settings.reaction_delay)
 
@@ -36,7 +38,7 @@ class SweptFootprint:
         if not len(near):
             return 1.0  # the usual case
         if way > 0.0:
-            front = settings.front + settings.front_margin
+            front = self._front
             side = settings.half_width + self._side_margin(near)
             if turn == 0.0 and way <= self._edging_way:
                 # Slow and straight ahead, out of a place too narrow to turn: the clearance to
@@ -55,8 +57,7 @@ class SweptFootprint:
 
         way, m, and turn, rad: of the arc. Positions (x, y), m, in base_link at its start.
         """
-        settings = self._settings
-        front, side = settings.front + settings.front_margin, settings.half_width + settings.margin
+        front, side = self._front, self._side
         half = 0.5 * turn
         chord = way * (math.sin(half) / half if half else 1.0)
         x, y = chord * math.cos(half), chord * math.sin(half)

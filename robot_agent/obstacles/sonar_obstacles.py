@@ -9,6 +9,7 @@ second echo from the same place confirms it, which false echoes such as crosstal
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +33,6 @@ MEMORY = 5.0
 a turning robot's corner must not hit it."""
 _SEEN_BEYOND = 0.15  # m farther than the echo at which a laser point still explains it
 _WIDE_CONE = math.radians(20.0)  # to each side: within it near things are heard, if weakly
-_NO_POINTS = np.empty((0, 2))
 _ORIGIN = Pose(0.0, 0.0, 0.0)
 
 
@@ -63,12 +63,12 @@ class SonarObstacles:
         state: BaseState,
         odometry: Pose,
         model: RobotModel,
-        seen: NDArray[np.float64] = _NO_POINTS,
+        seen: Callable[[], NDArray[np.float64]],
     ) -> None:
         """Store a base report's readings; odometry: odom_from_base when it was measured.
 
-        model: geometry of the transducers; all echoes are dropped when it changes. seen: the
-        laser's points near the robot, (n, 2), m, base_link.
+        model: geometry of the transducers; all echoes are dropped when it changes. seen:
+        returns the laser's points near the robot, (n, 2), m, base_link; few reports need them.
         """
         if model is not self._model:
             self._use_model(model)
@@ -80,14 +80,14 @@ class SonarObstacles:
         for number, place in zip(fresh, places, strict=True):
             if self._is_front[number]:
                 self._update_front(state.t, number, place, odometry, seen)
-        self._echoes[fresh] = places
+            self._echoes[number], self._heard_t[number] = place, state.t
 
     def around(self, t: float, odometry: Pose) -> NDArray[np.float64]:
         """Return the echoes that count at t, (n, 2), m, base_link; odometry: odom_from_base at t.
 
         Those beside and behind while fresh, those ahead for ``MEMORY`` unless heard to be gone.
         """
-        beside = self._beside & (self._ring.ages(t) <= SONAR.max_age)
+        beside = ~self._is_front & (self._ring.ages(t) <= SONAR.max_age)
         beside &= np.isfinite(self._echoes[:, 0])
         ahead = self._low[t - self._low_t <= MEMORY]
         echoes = np.concatenate((self._echoes[beside], ahead))
@@ -104,7 +104,7 @@ class SonarObstacles:
         number: int,
         place: NDArray[np.float64],
         odometry: Pose,
-        seen: NDArray[np.float64],
+        seen: Callable[[], NDArray[np.float64]],
     ) -> None:
         """Add a front echo at a place (x, y), m, odom, if it counts; nan: there is none.
 
@@ -113,34 +113,26 @@ class SonarObstacles:
         distance = self._ring.ranges[number]
         if len(self._low):
             low = move_points(self._low, odometry.between(_ORIGIN))
-            gone = self._in_cone(number, low, HALF_CONE, distance - SAME_PLACE)
-            kept = ~gone & (t - self._low_t <= MEMORY)
+            past = self._cone_to(number, HALF_CONE, distance - SAME_PLACE)
+            kept = ~past.mask(low) & (t - self._low_t <= MEMORY)
             self._low = self._low[kept]
             self._low_t = self._low_t[kept]
         if distance < FRONT_REACH and self._is_confirmed(t, number, place):
-            laser = self._in_cone(number, seen, _WIDE_CONE, distance + _SEEN_BEYOND)
-            if not laser.any():
+            explained = self._cone_to(number, _WIDE_CONE, distance + _SEEN_BEYOND).mask(seen())
+            if not explained.any():
                 self._low = np.concatenate((self._low, place[None]))
                 self._low_t = np.append(self._low_t, t)
-        self._previous[number], self._previous_t[number] = place, t
 
     def _is_confirmed(self, t: float, number: int, place: NDArray[np.float64]) -> bool:
-        """Return whether this transducer or one next to it has just heard the same place."""
+        """Return whether this front transducer or one next to it has just heard the same place."""
         near = slice(max(number - 1, 0), number + 2)
-        away = self._previous[near] - place
-        lately = t - self._previous_t[near] <= CONFIRM_WITHIN
+        away = self._echoes[near] - place
+        lately = self._is_front[near] & (t - self._heard_t[near] <= CONFIRM_WITHIN)
         return bool((lately & (np.hypot(away[:, 0], away[:, 1]) < SAME_PLACE)).any())
 
-    def _in_cone(
-        self, number: int, points: NDArray[np.float64], half_angle: float, reach: float
-    ) -> NDArray[np.bool_]:
-        """Return (n,) which points (n, 2), m, base_link, are in a cone of a transducer."""
-        cone = self._cones[number]
-        dx, dy = points[:, 0] - cone.x, points[:, 1] - cone.y
-        along = dx * math.cos(cone.theta) + dy * math.sin(cone.theta)
-        aside = np.abs(dy * math.cos(cone.theta) - dx * math.sin(cone.theta))
-        within = aside <= along * math.tan(half_angle)
-        return np.asarray(within & (np.hypot(dx, dy) < reach))
+    def _cone_to(self, number: int, half_angle: float, reach: float) -> FieldOfView:
+        """Return a transducer's cone of another half angle, rad, and reach, m."""
+        return self._cones[number]._replace(half_angle=half_angle, reach=reach)
 
     def _use_model(self, model: RobotModel) -> None:
         count = len(model.sonar)
@@ -148,9 +140,7 @@ class SonarObstacles:
         self._ring = SonarRing(model)
         self._cones = [_cone(mount, model) for mount in model.sonar]
         self._is_front = np.array([_is_front(mount) for mount in model.sonar], dtype=bool)
-        self._beside = ~self._is_front
         self._echoes = np.full((count, 2), np.nan)
-        self._previous = np.full((count, 2), np.nan)
-        self._previous_t = np.full(count, -np.inf)
+        self._heard_t = np.full(count, -np.inf)  # of these echoes
         self._low = np.empty((0, 2))
         self._low_t = np.empty(0)

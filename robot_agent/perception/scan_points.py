@@ -49,14 +49,8 @@ class ScanProjector:
 
     def in_view(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return (n,) which points (n, 2), m, base_link, are in the latest scan's field of view."""
-        if self._geometry is None:
-            return np.zeros(len(points), dtype=np.bool_)
-        n, angle_min, increment, _ = self._geometry
-        half = 0.5 * (n - 1) * increment
-        x, y = points[:, 0] - self._mount.x, points[:, 1] - self._mount.y
-        off = np.arctan2(y, x) - (self._mount.theta + angle_min + half)
-        off -= math.tau * np.round(off / math.tau)
-        return np.asarray(np.abs(off) <= half)
+        view = self.view
+        return np.zeros(len(points), dtype=np.bool_) if view is None else view.mask(points)
 
     def _beam_directions(self, n: int, angle_min: float, increment: float) -> NDArray[np.float64]:
         angles = self._mount.theta + angle_min + increment * np.arange(n)

@@ -6,7 +6,7 @@ import math
 
 from drivers.lms200.settings import LaserSettings
 from drivers.p2os.model import RobotModel
-from robot_agent.motion.field_of_view import FieldOfView, is_covered
+from robot_agent.motion.field_of_view import FieldOfView, are_covered
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.stopping import stopping_way
 from robot_agent.motion.swept_footprint import SweptFootprint
@@ -22,9 +22,9 @@ def examine_sight(laser: LaserSettings, model: RobotModel, limits: GateLimits) -
     scanner = FieldOfView(*mount, math.radians(laser.field_of_view_deg / 2), math.inf)
     stop = stopping_way(limits.max_speed, limits.braking, limits.reaction_delay)
     edge = SweptFootprint(limits).front_edge(stop, 0.0)
-    if all(is_covered(x, y, (scanner,)) for x, y in edge):
+    if are_covered(edge, (scanner,)):
         return ok("sight", "the laser covers the way ahead")
     where = f"the laser looks {math.degrees(mount[2]):.0f} deg from ahead"
-    if all(is_covered(x, y, front_cones(model)) for x, y in edge):
+    if are_covered(edge, front_cones(model)):
         return warning("sight", f"{where}: only the front sonars cover the way", _REMEDY)
     return failed("sight", f"{where}, and no sonar covers the way: it will not drive", _REMEDY)

@@ -2,9 +2,10 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
-from robot_agent.motion.field_of_view import FieldOfView, is_covered
+from robot_agent.motion.field_of_view import FieldOfView, are_covered
 
 AHEAD = FieldOfView(0.1, 0.0, 0.0, math.radians(30.0), 2.0)
 BEHIND = FieldOfView(-0.1, 0.0, math.pi, math.radians(30.0), 2.0)
@@ -28,14 +29,18 @@ def test_sector_covers_what_is_within_its_angle_and_reach(
     x: float, y: float, covered: bool
 ) -> None:
     assert AHEAD.covers(x, y) is covered
+    assert AHEAD.mask(np.array([(x, y)])).tolist() == [covered]
 
 
 @pytest.mark.parametrize("y", [-0.01, 0.0, 0.01])
 def test_sector_about_the_rear_has_no_seam_at_half_a_turn(y: float) -> None:
     assert BEHIND.covers(-1.0, y)
+    assert BEHIND.mask(np.array([(-1.0, y)])).all()
 
 
-def test_position_is_covered_by_any_of_several() -> None:
-    assert is_covered(-1.0, 0.0, (AHEAD, BEHIND))
-    assert not is_covered(-1.0, 0.0, (AHEAD,))
-    assert not is_covered(1.0, 0.0, ())
+def test_each_position_must_be_in_one_of_several_fields_of_view() -> None:
+    assert are_covered([(-1.0, 0.0)], (AHEAD, BEHIND))
+    assert not are_covered([(-1.0, 0.0)], (AHEAD,))
+    assert not are_covered([(1.0, 0.0)], ())
+    assert are_covered([(1.0, 0.0), (-1.0, 0.0)], (AHEAD, BEHIND))
+    assert not are_covered([(1.0, 0.0), (0.0, 1.0)], (AHEAD, BEHIND))
