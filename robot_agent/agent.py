@@ -132,6 +132,8 @@ class Agent:
         self.decision: PatrolDecision | None = None
         self.gate_decision: GateDecision | None = None
         self.gate_stops = 0
+        self.warnings: dict[str, str] = {}
+        """Words of the present warnings and errors by part; empty while all is well."""
         self._obstacles = NO_OBSTACLES  # of the last gate decision
         self._ending = False
         self._was_degraded = False
@@ -174,9 +176,18 @@ class Agent:
         for item in self.outbox.pop_all():
             if not isinstance(item, Notice):
                 effects.append(item)
-            elif self.publishes:
+                continue
+            self._note(item)
+            if self.publishes:
                 effects += published(self.telemetry.on_notice(item))
         return effects
+
+    def _note(self, notice: Notice) -> None:
+        """Keep a warning until its part reports something better."""
+        if notice.level >= LogLevel.WARNING:
+            self.warnings[notice.part] = notice.words
+        else:
+            self.warnings.pop(notice.part, None)
 
     # --- input -------------------------------------------------------------------------------
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -18,6 +19,7 @@ from robot_agent.pose.start_pose import StartPose
 from tools.bench.bench_fault import BenchFault, FaultInjector, check_robots, wrecks_of
 from tools.bench.bench_result import bench_result
 from tools.bench.perception_log import PerceptionLog
+from tools.bench.stand_log import StandLog
 from tools.metrics.metrics import RobotRun
 from tools.metrics.wreck import Wreck
 from tools.simulation.emulated_camera import EmulatedCamera
@@ -170,6 +172,7 @@ class FleetLog:
         self._fleet = fleet
         self._times: list[float] = []
         self._perception = PerceptionLog(fleet.world, fleet.folder.border)
+        self._stands = {robot.rig.name: StandLog() for robot in fleet.robots}
         self._rows: dict[str, list[tuple[float, float, str, int]]] = {
             robot.rig.name: [] for robot in fleet.robots
         }
@@ -181,6 +184,7 @@ class FleetLog:
             decision = robot.agent.decision if robot.decides else None
             action, direction = (str(decision.action), decision.direction) if decision else ("", 0)
             pose = robot.rig.body.pose
+            self._stands[robot.rig.name].sample(self._fleet.t, pose, robot.agent)
             if decision is not None:
                 self._perception.sample(self._fleet.t, robot.rig.body, robot.agent)
             self._rows[robot.rig.name].append((pose.x, pose.y, action, direction))
@@ -188,6 +192,22 @@ class FleetLog:
     def perception(self) -> dict[str, Any]:
         """Return the figures of the robots' perception of each other and of strangers."""
         return self._perception.figures()
+
+    def each(self) -> list[dict[str, Any]]:
+        """Return each robot's first stand with a reason, what it said, and its contacts by kind."""
+        return [
+            {
+                "robot": name,
+                "stood_s": stand.stood_s,
+                "said": stand.said,
+                "collisions_with": self._collisions(robot.rig.body.index),
+            }
+            for robot, (name, stand) in zip(self._fleet.robots, self._stands.items(), strict=True)
+        ]
+
+    def _collisions(self, index: int) -> dict[str, int]:
+        """Return a body's contacts by what it touched: ``wall``, or a kind of body."""
+        return dict(Counter(self._fleet.world.contact_kinds(index)))
 
     def runs(self) -> list[RobotRun]:
         """Return the samples, one run per robot."""
@@ -230,6 +250,7 @@ def run_bench(
         "truth": fleet.truth.name,
         **bench_result(fleet, log.runs(), duration, wall),
         "strangers": len(fleet.strangers),
+        "each": log.each(),
         "perception": log.perception(),
         "gate_stops": sum(robot.agent.gate_stops for robot in fleet.robots),
     }

@@ -133,6 +133,17 @@ class World:
         """Number of contacts so far."""
         return len(self.contact_log)
 
+    def contact_kinds(self, index: int) -> list[str]:
+        """Return what a body, by index, has touched, once a contact: ``wall`` or a body's kind."""
+        others = [
+            each.other if each.body == index else each.body
+            for each in self.contact_log
+            if index in (each.body, each.other)
+        ]
+        return [
+            "wall" if other is None else self.bodies[other].kind.name.lower() for other in others
+        ]
+
     def add_body(
         self,
         pose: Pose,
