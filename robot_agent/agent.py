@@ -54,6 +54,7 @@ from robot_agent.motion.unpinning import UnpinningManoeuvre
 from robot_agent.obstacles.surroundings import Surroundings
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.perception import NewIntruder, Perception
+from robot_agent.perception.silhouette import rectangle
 from robot_agent.pose.pose_memory import PoseMemory
 from robot_agent.pose.pose_tracker import PoseTracker
 from robot_agent.report.health_summary import HealthSummary
@@ -108,8 +109,9 @@ class Agent:
             remembered=config.remembered,
         )
         self.odometry = self.pose_tracker.odometry
-        self.perception = Perception(config.perception, config.camera, folder)
         self._limits = gate_limits(config.gate, config.laser.scan_period)
+        body = rectangle(self._limits.front + self._limits.rear, 2.0 * self._limits.half_width)
+        self.perception = Perception(config.perception, config.camera, folder, body)
         model = load_model(config.base.model)
         self.surroundings = Surroundings(
             Pose(*(config.laser.mount or model.laser_mount)),

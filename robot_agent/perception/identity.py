@@ -13,7 +13,8 @@ _MAX_LOG_ODDS = 5.0  # nats either way, so that a second of new evidence still c
 # independent measurement, as pictures in a row have the same light and background.
 _BAND = 1.2  # the team's band at the bearing and distance of the track
 _NO_BAND = -0.8  # no band, though it should be in the picture
-_ROBOT_LIKE = 0.4  # a Pioneer's outline fits, at a Pioneer's speed
+_ROBOT_LIKE = 0.4  # a teammate's silhouette fits, at a robot's speed
+_SMALL_LIKE = 0.2  # the same of a silhouette so small that a leg's fits too
 _OTHER_SHAPE = -0.4  # as large as a robot, but a Pioneer's outline does not fit
 _TOO_FAST = -0.5  # faster than any robot of the team
 _WRONG_SIZE = -0.25  # seen whole and not as large as a robot
@@ -68,10 +69,11 @@ class Identity:
         self.by_color = True
         self._add(_NO_BAND)
 
-    def on_robot_shape(self) -> None:
-        """Add the evidence of a scan in which a Pioneer's outline fits, at a robot's speed."""
+    def on_robot_shape(self, *, small: bool = False) -> None:
+        """Add the evidence of a scan in which a teammate's silhouette fits, at a robot's speed."""
         if not self._decided_by_color:
-            self._add(min(_ROBOT_LIKE, max(_MAX_BY_LASER - self._log_odds, 0.0)))
+            evidence = _SMALL_LIKE if small else _ROBOT_LIKE
+            self._add(min(evidence, max(_MAX_BY_LASER - self._log_odds, 0.0)))
 
     def on_other_shape(self) -> None:
         """Add the evidence of a scan in which it has a Pioneer's size, but not its outline."""

@@ -1,10 +1,11 @@
-"""Fit of a Pioneer's outline to the points of segments: centre, covariance and misfit.
+"""Fit of teammates' silhouettes to the points of segments: centre, covariance and misfit.
 
-The outline is a rectangle of unknown heading. For each of a grid of headings the centre is found by
-least squares: every point lies on the nearest side, and where a beam passes an edge of the segment,
-the outline's edge lies between that beam and the last one that hit. The centre is the mean over the
-headings, weighted by their likelihoods; its covariance contains the uncertainty given the points
-and that over the headings. All segments of a scan are fitted at once.
+The silhouettes admitted are convex polygons of unknown heading. For each of them, at each of a grid
+of headings, the centre is found by least squares: every point lies on the nearest side, and where a
+beam passes an edge of the segment, the outline's edge lies between that beam and the last one that
+hit. The centre is the mean over these hypotheses, weighted by their likelihoods; its covariance
+contains the uncertainty given the points and that over the hypotheses. All segments of a scan are
+fitted at once.
 """
 
 from __future__ import annotations
@@ -17,20 +18,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-# ARIA's p2dx.p: the body with its bumpers.
-HALF_LENGTH, HALF_WIDTH = 0.2555, 0.2125  # m
+from robot_agent.perception.silhouette import Silhouettes
 
-_HEADINGS = 18  # over half a turn: a rectangle is symmetric under half a turn
 _STEPS = 2  # iterations of the assignment of points to sides
 _MAX_POINTS = 20  # of one segment; more add no information
-_POINT_SIGMA = 0.02  # m; range noise, and deviation of the body from a rectangle
+_POINT_SIGMA = 0.02  # m; range noise, and deviation of the body from a polygon
 _FIRST_SIGMA = 0.15  # m; prior of the centre, which fixes it where no point does
 _MIN_VARIANCE = 0.012**2  # m^2; errors that all points of a segment share
-
-_THETA = np.arange(_HEADINGS) * (math.pi / _HEADINGS)
-_COS, _SIN = np.cos(_THETA), np.sin(_THETA)
-_TO_U = np.column_stack((_COS, _SIN))  # (headings, 2): along the length
-_TO_V = np.column_stack((-_SIN, _COS))  # (headings, 2): along the width
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,8 +47,8 @@ class OutlineFit:
     """Result of the fit to one segment.
 
     x, y: centre in base_link, m. var_x, var_y, cov_xy: its covariance, m^2, base_link. misfit:
-    squared residuals over their variances, per point and edge, at the best heading; about 0.5 for
-    a robot.
+    squared residuals over their variances, per point and edge, of the best hypothesis; about 0.5
+    for a robot. silhouette: index of that hypothesis's silhouette.
     """
 
     x: float
@@ -63,76 +57,114 @@ class OutlineFit:
     var_y: float
     cov_xy: float
     misfit: float
+    silhouette: int
 
 
 def fit_outlines(
+    silhouettes: Silhouettes,
     parts: Sequence[NDArray[np.float64]],
     centres: Sequence[tuple[float, float]],
     edges: Sequence[Sequence[SightEdge]],
+    admitted: NDArray[np.bool_] | None = None,
 ) -> list[OutlineFit]:
-    """Fit the outline to each of several segments.
+    """Fit the silhouettes to each of several segments.
 
     parts: (n, 2) points of each, m, base_link. centres: (x, y), m, prior of each one's centre.
-    edges: the visible ones of each, none to two. Returns one fit for each segment, in order.
+    edges: the visible ones of each, none to two. admitted: (segments, silhouettes) which may be
+    which, one at least for each segment; None for all. Returns one fit for each segment, in order.
     """
     if not parts:
         return []
-    points = _Points.of(parts)
-    sights = _Edges.of(edges, len(parts))
-    # 1. At each heading, the centre that fits best.
+    chosen = _Hypotheses.of(silhouettes, len(parts), admitted)
+    points = _Points.of(chosen, parts)
+    sights = _Edges.of(chosen, edges)
+    # 1. For each hypothesis, the centre that fits best.
     first = np.array(centres).T
-    start = _Centres(_TO_U @ first, _TO_V @ first)
+    start = _Centres(*(np.broadcast_to(each, (len(chosen.owner), len(parts))) for each in first))
     centre = start
     for _ in range(_STEPS):
         system = _system(points, sights, start, centre)
         centre = system.solution()
-    # 2. The likelihood of each heading from the residuals there.
-    chi2 = points.chi2(centre) + sights.chi2(centre.u, centre.v)
+    # 2. Their likelihoods from the residuals there.
+    chi2 = points.chi2(centre) + sights.chi2(centre)
+    chi2[~chosen.admitted] = np.inf
     best = chi2.min(axis=0)
-    weights = np.exp(-0.5 * (chi2 - best))
+    weights = np.exp(-0.5 * (chi2 - best)) * chosen.prior[:, None]
     weights /= weights.sum(axis=0)
-    # 3. The mean over the headings, in base_link.
+    # 3. The mean over the hypotheses, in base_link.
     misfit = best / (points.counts + sights.count)
-    rows = np.vstack((_mean_over_headings(system, centre, weights), misfit))
-    return [OutlineFit(*row) for row in rows.T.tolist()]
+    rows = np.vstack((_mean(system, centre, weights), misfit)).T.tolist()
+    owners = chosen.owner[chi2.argmin(axis=0)].tolist()
+    return [OutlineFit(*row, owner) for row, owner in zip(rows, owners, strict=True)]
 
 
 class _Centres(NamedTuple):
-    """Centres (headings, segments), m: along the outline's length and its width."""
+    """Centres (hypotheses, segments), m, base_link."""
 
-    u: NDArray[np.float64]
-    v: NDArray[np.float64]
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
 
 
 class _System(NamedTuple):
-    """Normal equations of the centres, (headings, segments): a symmetric 2x2 matrix each."""
+    """Normal equations of the centres, (hypotheses, segments): a symmetric 2x2 matrix each."""
 
-    uu: NDArray[np.float64]
-    uv: NDArray[np.float64]
-    vv: NDArray[np.float64]
-    right_u: NDArray[np.float64]
-    right_v: NDArray[np.float64]
+    xx: NDArray[np.float64]
+    xy: NDArray[np.float64]
+    yy: NDArray[np.float64]
+    right_x: NDArray[np.float64]
+    right_y: NDArray[np.float64]
 
     @property
     def determinant(self) -> NDArray[np.float64]:
-        return self.uu * self.vv - self.uv * self.uv
+        return self.xx * self.yy - self.xy * self.xy
 
     def solution(self) -> _Centres:
         determinant = self.determinant
         return _Centres(
-            (self.vv * self.right_u - self.uv * self.right_v) / determinant,
-            (self.uu * self.right_v - self.uv * self.right_u) / determinant,
+            (self.yy * self.right_x - self.xy * self.right_y) / determinant,
+            (self.xx * self.right_y - self.xy * self.right_x) / determinant,
+        )
+
+
+class _Hypotheses(NamedTuple):
+    """The silhouettes' hypotheses that any segment admits; arrays as in ``Silhouettes``.
+
+    admitted: (hypotheses, segments) which may be which. prior: (hypotheses,).
+    """
+
+    normals: NDArray[np.float64]
+    sides: NDArray[np.float64]
+    corners: NDArray[np.float64]
+    owner: NDArray[np.intp]
+    prior: NDArray[np.float64]
+    admitted: NDArray[np.bool_]
+
+    @classmethod
+    def of(
+        cls, silhouettes: Silhouettes, segments: int, admitted: NDArray[np.bool_] | None
+    ) -> _Hypotheses:
+        """Take the hypotheses that any of the segments admits."""
+        if admitted is None:
+            admitted = np.ones((segments, len(silhouettes.shapes)), dtype=np.bool_)
+        by_hypothesis = admitted.T[silhouettes.owner]
+        used = by_hypothesis.any(axis=1)
+        return cls(
+            silhouettes.normals[:, :, used],
+            silhouettes.sides[:, used],
+            silhouettes.corners[:, :, used],
+            silhouettes.owner[used],
+            silhouettes.weights[used],
+            by_hypothesis[used],
         )
 
 
 @dataclass(frozen=True, slots=True)
 class _Points:
-    """The points of all segments, seen at each heading."""
+    """The points of all segments, and how far they lie along each side's normal."""
 
-    u: NDArray[np.float64]
-    """(headings, points) m along the length."""
-    v: NDArray[np.float64]
-    """(headings, points) m along the width."""
+    hypotheses: _Hypotheses
+    along: NDArray[np.float64]
+    """(sides, hypotheses, points) m along a side's normal, beyond the side of a polygon at 0."""
     owner: NDArray[np.intp]
     """(points,) segment of each."""
     starts: NDArray[np.intp]
@@ -141,113 +173,103 @@ class _Points:
     """(segments,) points of each."""
 
     @classmethod
-    def of(cls, parts: Sequence[NDArray[np.float64]]) -> _Points:
+    def of(cls, hypotheses: _Hypotheses, parts: Sequence[NDArray[np.float64]]) -> _Points:
         """Take the points of each segment, thinned evenly to at most _MAX_POINTS."""
         parts = [part[:: math.ceil(len(part) / _MAX_POINTS)] for part in parts]
         counts = np.array([len(part) for part in parts])
         starts = np.concatenate(([0], np.cumsum(counts)[:-1]))
-        points = np.concatenate(parts).T
-        owner = np.repeat(np.arange(len(parts)), counts)
-        return cls(_TO_U @ points, _TO_V @ points, owner, starts, counts)
+        x, y = np.concatenate(parts).T
+        nx, ny = hypotheses.normals[..., None]
+        along = nx * x + ny * y - hypotheses.sides[..., None]
+        return cls(hypotheses, along, np.repeat(np.arange(len(parts)), counts), starts, counts)
 
-    def off(self, centre: _Centres) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return (headings, points) offsets from the segments' centres, u and v, m."""
-        return self.u - centre.u[:, self.owner], self.v - centre.v[:, self.owner]
+    def beyond(self, centre: _Centres) -> NDArray[np.float64]:
+        """Return (sides, hypotheses, points) distances, m, outside each side at the centres."""
+        nx, ny = self.hypotheses.normals[..., None]
+        return self.along - (nx * centre.x + ny * centre.y)[..., self.owner]
 
     def summed(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return (headings, segments) sums of values (headings, points)."""
+        """Return (hypotheses, segments) sums of values (hypotheses, points)."""
         return np.add.reduceat(values, self.starts, axis=1)
 
     def chi2(self, centre: _Centres) -> NDArray[np.float64]:
-        """Return (headings, segments) squared distances from the outline over their variance."""
-        off_u, off_v = self.off(centre)
-        residuals = np.maximum(np.abs(off_u) - HALF_LENGTH, np.abs(off_v) - HALF_WIDTH)
+        """Return (hypotheses, segments) squared distances from the sides over their variance."""
+        residuals = self.beyond(centre).max(axis=0)
         return self.summed(residuals * residuals) / _POINT_SIGMA**2
 
 
 def _system(points: _Points, sights: _Edges, start: _Centres, centre: _Centres) -> _System:
-    """Return the equations with every point on the nearest side of the outline at ``centre``.
+    """Return the equations with every point on the nearest side of the polygon at ``centre``.
 
-    A point on an end constrains the centre along the length, one on a side along the width.
+    A point constrains the centre along the normal of its side.
     """
-    off_u, off_v = points.off(centre)
-    on_end = np.abs(off_u) - HALF_LENGTH > np.abs(off_v) - HALF_WIDTH
-    by_u = np.where(on_end, points.u - np.copysign(HALF_LENGTH, off_u), 0.0)
-    by_v = np.where(on_end, 0.0, points.v - np.copysign(HALF_WIDTH, off_v))
-    ends = points.summed(on_end.astype(np.float64))
+    nearest = points.beyond(centre).argmax(axis=0)
+    each = np.arange(len(nearest))[:, None]
+    nx, ny = points.hypotheses.normals[:, nearest, each]
+    target = np.take_along_axis(points.along, nearest[None], axis=0)[0]
     a, b = 1.0 / _FIRST_SIGMA**2, 1.0 / _POINT_SIGMA**2
     return _System(
-        uu=a + b * ends + sights.uu,
-        uv=sights.uv,
-        vv=a + b * (points.counts - ends) + sights.vv,
-        right_u=a * start.u + b * points.summed(by_u) + sights.right_u,
-        right_v=a * start.v + b * points.summed(by_v) + sights.right_v,
+        xx=a + b * points.summed(nx * nx) + sights.xx,
+        xy=b * points.summed(nx * ny) + sights.xy,
+        yy=a + b * points.summed(ny * ny) + sights.yy,
+        right_x=a * start.x + b * points.summed(nx * target) + sights.right_x,
+        right_y=a * start.y + b * points.summed(ny * target) + sights.right_y,
     )
 
 
-def _mean_over_headings(
-    system: _System, centre: _Centres, weights: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return (5, segments) x, y, var_x, var_y, cov_xy in base_link; weights (headings, segments).
+def _mean(system: _System, centre: _Centres, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (5, segments) x, y, var_x, var_y, cov_xy; weights (hypotheses, segments).
 
-    The covariance is the mean of that at each heading plus the spread over the headings.
+    The covariance is the mean of that of each hypothesis plus the spread over them.
     """
-    cos, sin = _COS[:, None], _SIN[:, None]
-    x, y = cos * centre.u - sin * centre.v, sin * centre.u + cos * centre.v
-    mean_x, mean_y = (weights * x).sum(axis=0), (weights * y).sum(axis=0)
+    mean_x, mean_y = (weights * centre.x).sum(axis=0), (weights * centre.y).sum(axis=0)
     determinant = system.determinant
-    var_u, var_v = system.vv / determinant, system.uu / determinant
-    cov_uv = -system.uv / determinant
-    dx, dy = x - mean_x, y - mean_y
-    twice = 2.0 * cos * sin * cov_uv
-    var_x = cos * cos * var_u + sin * sin * var_v - twice + dx * dx
-    var_y = sin * sin * var_u + cos * cos * var_v + twice + dy * dy
-    cov_xy = cos * sin * (var_u - var_v) + (cos * cos - sin * sin) * cov_uv + dx * dy
+    dx, dy = centre.x - mean_x, centre.y - mean_y
     return np.array(
         (
             mean_x,
             mean_y,
-            (weights * var_x).sum(axis=0) + _MIN_VARIANCE,
-            (weights * var_y).sum(axis=0) + _MIN_VARIANCE,
-            (weights * cov_xy).sum(axis=0),
+            (weights * (system.yy / determinant + dx * dx)).sum(axis=0) + _MIN_VARIANCE,
+            (weights * (system.xx / determinant + dy * dy)).sum(axis=0) + _MIN_VARIANCE,
+            (weights * (dx * dy - system.xy / determinant)).sum(axis=0),
         )
     )
 
 
 @dataclass(frozen=True, slots=True)
 class _Edges:
-    """The visible edges as equations for the centre, at each heading; (headings, segments).
+    """The visible edges as equations for the centre, (hypotheses, segments).
 
     An edge requires the outline's farthest corner along its normal to be at its offset.
     """
 
-    uu: NDArray[np.float64]
-    uv: NDArray[np.float64]
-    vv: NDArray[np.float64]
-    right_u: NDArray[np.float64]
-    right_v: NDArray[np.float64]
+    xx: NDArray[np.float64]
+    xy: NDArray[np.float64]
+    yy: NDArray[np.float64]
+    right_x: NDArray[np.float64]
+    right_y: NDArray[np.float64]
     square: NDArray[np.float64]
     count: NDArray[np.float64]
     """(segments,) number of visible edges of each."""
 
     @classmethod
-    def of(cls, edges: Sequence[Sequence[SightEdge]], segments: int) -> _Edges:
+    def of(cls, hypotheses: _Hypotheses, edges: Sequence[Sequence[SightEdge]]) -> _Edges:
         """Return the equations of each segment's edges."""
-        sums = np.zeros((6, _HEADINGS, segments))
-        count = np.zeros(segments)
+        sums = np.zeros((6, len(hypotheses.owner), len(edges)))
         for index, own in enumerate(edges):
             for edge in own:
-                normal = np.array((edge.normal_x, edge.normal_y))
-                nu, nv = _TO_U @ normal, _TO_V @ normal
-                target = edge.offset - HALF_LENGTH * np.abs(nu) - HALF_WIDTH * np.abs(nv)
-                terms = (nu * nu, nu * nv, nv * nv, nu * target, nv * target, target * target)
-                sums[:, :, index] += np.array(terms) / edge.sigma**2
-                count[index] += 1.0
-        uu, uv, vv, right_u, right_v, square = sums
-        return cls(uu, uv, vv, right_u, right_v, square, count)
+                nx, ny = edge.normal_x, edge.normal_y
+                farthest = (nx * hypotheses.corners[0] + ny * hypotheses.corners[1]).max(axis=0)
+                target = (edge.offset - farthest) / edge.sigma
+                sx, sy = nx / edge.sigma, ny / edge.sigma
+                sums[:3, :, index] += np.array((sx * sx, sx * sy, sy * sy))[:, None]
+                sums[3:, :, index] += (sx * target, sy * target, target * target)
+        count = np.array([float(len(own)) for own in edges])
+        return cls(*sums, count)
 
-    def chi2(self, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the squared residuals over their variances for centres (headings, segments)."""
-        linear = self.right_u * u + self.right_v * v
-        squares = self.uu * u * u + 2.0 * self.uv * u * v + self.vv * v * v
+    def chi2(self, centre: _Centres) -> NDArray[np.float64]:
+        """Return the squared residuals over their variances for the centres."""
+        x, y = centre
+        linear = self.right_x * x + self.right_y * y
+        squares = self.xx * x * x + 2.0 * self.xy * x * y + self.yy * y * y
         return np.asarray(squares - 2.0 * linear + self.square)

@@ -20,6 +20,7 @@ from robot_agent.perception.intruders import Intruder, Intruders
 from robot_agent.perception.pose_sigma import PoseSigma
 from robot_agent.perception.scan_points import hits
 from robot_agent.perception.settings import PerceptionSettings
+from robot_agent.perception.silhouette import Corners, Silhouettes
 from robot_agent.perception.tracker import TeammateTracker
 
 
@@ -41,10 +42,16 @@ class Perception:
     """
 
     def __init__(
-        self, settings: PerceptionSettings, camera: CameraSettings, folder: MapFolder
+        self,
+        settings: PerceptionSettings,
+        camera: CameraSettings,
+        folder: MapFolder,
+        body: Corners,
     ) -> None:
+        """body: corners of the robot's own body, which its teammates may have too, m."""
         self._lens = camera
-        self.tracker = TeammateTracker(settings, folder.map, camera)
+        silhouettes = Silhouettes.admitted(settings.silhouettes, body)
+        self.tracker = TeammateTracker(settings, folder.map, silhouettes, camera)
         self.camera = CameraWatch(camera)
         self.intruders = Intruders(settings, folder.border) if folder.border else None
         self._pictured: Intruder | None = None

@@ -1,9 +1,10 @@
-"""Segments: runs of neighbouring unexplained points, sized against a Pioneer's outline.
+"""Segments: runs of neighbouring unexplained points, sized against the teammates' silhouettes.
 
-A Pioneer (0.511 x 0.425 m with its bumpers, 0.44 x 0.38 m of body) measures 0.38 to 0.67 m across
-the line of sight. Its centre lies behind its nearest point by half its depth, which follows from
-the width seen: end-on or sideways it is narrow and shallow, seen across a corner wide and deep.
-Narrower or wider segments are persons or objects; two legs are one person.
+A body's rectangle of 0.511 x 0.425 m measures 0.38 to 0.67 m across the line of sight, a scanner's
+housing 0.16 to 0.22 m. The centre lies behind the nearest point by half the depth, which follows
+from the width seen: end-on or sideways it is narrow and shallow, seen across a corner wide and
+deep. Other segments are persons or objects; two legs are one person. A leg alone may look like a
+housing; with a second one beside it, it is a leg.
 """
 
 from __future__ import annotations
@@ -15,20 +16,21 @@ from enum import Enum, auto
 import numpy as np
 from numpy.typing import NDArray
 
-from robot_agent.perception.outline_fit import SightEdge, fit_outlines
+from robot_agent.perception.outline_fit import OutlineFit, SightEdge, fit_outlines
+from robot_agent.perception.silhouette import Silhouettes
 
-# Dimensions of a Pioneer, and of other objects, in the plane of the laser.
+# Dimensions of objects in the plane of the laser, across the line of sight.
 SEGMENT_GAP = 0.10  # m between neighbouring points of one object, close up
-MIN_EXTENT = 0.30  # m across the line of sight, both edges in view
 MIN_PARTIAL_EXTENT = 0.12  # m, an edge hidden by something nearer or out of view
-MAX_EXTENT = 0.75  # m
 MAX_STRANGER_EXTENT = 1.1  # m; larger objects are furniture
 MIN_PERSON_EXTENT = 0.22  # m; smaller ones are legs, two to a person
 STRIDE = 0.55  # m between two legs of one person
 MEAN_HALF_WIDTH = 0.27  # m from the centre to an edge, mean over headings
 _MIN_POINTS = 3
+_DEEPEST = 0.325  # m from the nearest point to the middle of an object that is no robot
 _LEG = 0.05  # m; less is a chair's leg or noise
 _LEG_SIGMA = 0.12  # m; of a person's centre by the legs, one of which stands still
+_THIN = 0.75  # m; wider segments are objects of their own
 _BESIDE = 0.45  # m from the middle of a robot within which thin segments are parts of it
 _REFLECTOR_REACH = 0.45  # m from a robot's middle to a reflector on it
 _MIN_FILL = 0.6  # share of the beams a solid object of this width would return
@@ -36,13 +38,9 @@ _MAX_SEGMENTS = 6  # nearest ones kept: bounds the tracker's load by a scan that
 _COARSEST_INCREMENT = math.radians(1.0)
 _FINEST_INCREMENT = math.radians(0.25)
 _EDGE_SIGMA = 0.01  # m; of an edge, in addition to the beams' spacing
+_SMALL_FITS = 1.0  # misfit up to which a small segment may be a small silhouette
 _GRAZED = 0.55  # m between neighbouring points on a robot's side seen along it, at most
 _OCCLUDER_STEP = 0.15  # m by which a neighbouring beam must be nearer to hide an edge
-
-# Depth from the nearest point to the centre, m, against the width seen, m: the means over the
-# headings of a 0.511 x 0.425 m rectangle that show that width.
-_WIDTHS = (0.425, 0.511, 0.665)
-_HALF_DEPTHS = (0.255, 0.255, 0.325)
 
 
 class Edge(Enum):
@@ -60,8 +58,9 @@ class Segment:
     x, y: estimated centre in base_link, m. extent: width seen across the line of sight, m.
     var_x, var_y, cov_xy: of the centre, m^2, base_link. points: number of beams that hit it.
     whole: enough of it is seen to measure its size; otherwise it is a part that may belong to a
-    track. robot_sized: it may be a robot. misfit: of a Pioneer's outline (``OutlineFit``),
-    infinite without a fit. reflecting: it has a reflector, if the laser reports them.
+    track. robot_sized: it may be a robot by its size. small: its silhouette would be one that a leg
+    or a post has too. misfit: of the best silhouette (``OutlineFit``), infinite without a fit.
+    reflecting: it has a reflector, if the laser reports them.
     """
 
     x: float
@@ -73,21 +72,27 @@ class Segment:
     points: int
     whole: bool
     robot_sized: bool = True
+    small: bool = False
     misfit: float = math.inf
     reflecting: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class _Run:
-    """Neighbouring points first..last, as a segment before any fit, with its visible edges."""
+    """Neighbouring points first..last, as a segment before any fit, with its visible edges.
+
+    admitted: (silhouettes,) which it may be; None if it is too small or too large for all.
+    """
 
     first: int
     last: int
     edges: tuple[SightEdge, ...]
     segment: Segment
+    admitted: NDArray[np.bool_] | None
 
 
 def find_segments(
+    silhouettes: Silhouettes,
     points: NDArray[np.float64],
     ranges: NDArray[np.float64],
     unexplained: NDArray[np.bool_],
@@ -95,9 +100,10 @@ def find_segments(
 ) -> list[Segment]:
     """Return the segments of a scan that may be a robot or a person, nearest first.
 
-    points: (n, 2) base_link, ordered by bearing, counter-clockwise; ranges: (n,) their distances,
-    m; unexplained: (n,) which of them the map does not explain; reflectors: (n,) which are of a
-    reflector, None if the laser does not report them. At most _MAX_SEGMENTS are returned.
+    silhouettes: those that robots may have. points: (n, 2) base_link, ordered by bearing,
+    counter-clockwise; ranges: (n,) their distances, m; unexplained: (n,) which of them the map does
+    not explain; reflectors: (n,) which are of a reflector, None if the laser does not report them.
+    At most _MAX_SEGMENTS are returned.
     """
     indices = np.flatnonzero(unexplained)
     if len(indices) < _MIN_POINTS:
@@ -108,10 +114,10 @@ def find_segments(
         run
         for first, last in zip(firsts.tolist(), lasts.tolist(), strict=True)
         if last - first + 1 >= _MIN_POINTS
-        and (run := _run(points, ranges, first, last, increment)) is not None
+        and (run := _run(silhouettes, points, ranges, first, last, increment)) is not None
     ]
-    segments = [each.segment for each in runs if not each.segment.robot_sized]
-    segments += _fitted(points, [each for each in runs if each.segment.robot_sized])
+    segments = [each.segment for each in runs if each.admitted is None]
+    segments += _fitted(silhouettes, points, [each for each in runs if each.admitted is not None])
     if reflectors is not None and reflectors.any():
         segments = [_with_reflector(segment, points, reflectors) for segment in segments]
     segments = _people(segments)
@@ -119,25 +125,41 @@ def find_segments(
     return segments[:_MAX_SEGMENTS]
 
 
-def _fitted(points: NDArray[np.float64], runs: list[_Run]) -> list[Segment]:
-    """Return the segments of runs that may be robots, with centre and misfit of the outline fit."""
+def _fitted(
+    silhouettes: Silhouettes, points: NDArray[np.float64], runs: list[_Run]
+) -> list[Segment]:
+    """Return the segments of runs that may be robots, with centre and misfit of the best fit.
+
+    A small one that no silhouette fits stays as it was: a leg or a post.
+    """
+    if not runs:
+        return []
     fits = fit_outlines(
+        silhouettes,
         [points[each.first : each.last + 1] for each in runs],
         [(each.segment.x, each.segment.y) for each in runs],
         [each.edges for each in runs],
+        np.array([each.admitted for each in runs]),
     )
     return [
-        replace(
-            *(run.segment,),
-            x=fit.x,
-            y=fit.y,
-            var_x=fit.var_x,
-            var_y=fit.var_y,
-            cov_xy=fit.cov_xy,
-            misfit=fit.misfit,
-        )
+        _as_fitted(run.segment, fit, small=bool(silhouettes.small[fit.silhouette]))
         for run, fit in zip(runs, fits, strict=True)
     ]
+
+
+def _as_fitted(segment: Segment, fit: OutlineFit, *, small: bool) -> Segment:
+    if small and fit.misfit > _SMALL_FITS:
+        return replace(segment, robot_sized=False)
+    return replace(
+        segment,
+        x=fit.x,
+        y=fit.y,
+        var_x=fit.var_x,
+        var_y=fit.var_y,
+        cov_xy=fit.cov_xy,
+        small=small,
+        misfit=fit.misfit,
+    )
 
 
 def _distance(segment: Segment) -> float:
@@ -154,22 +176,27 @@ def _with_reflector(
 def _people(segments: list[Segment]) -> list[Segment]:
     """Return the segments with legs paired: two within a stride are a person, one is a part.
 
-    Thin segments beside one as large as a robot are parts of that and dropped.
+    Thin segments beside one as large as a robot are parts of that and dropped. A small silhouette
+    without a leg beside it may be a robot.
     """
-    robots = [each for each in segments if each.whole and each.robot_sized]
+    robots = [each for each in segments if each.whole and each.robot_sized and not each.small]
     segments = robots + [
         each
         for each in segments
         if each not in robots
-        and (each.extent > MAX_EXTENT or all(_apart(each, robot) > _BESIDE for robot in robots))
+        and (each.extent > _THIN or all(_apart(each, robot) > _BESIDE for robot in robots))
     ]
-    legs = [each for each in segments if each.extent < MIN_PERSON_EXTENT and each.whole]
+    legs = [
+        each
+        for each in segments
+        if each.whole and (each.small or (each.extent < MIN_PERSON_EXTENT and not each.robot_sized))
+    ]
     found = [each for each in segments if each not in legs]
     while legs:
         leg = legs.pop()
         other = min(legs, key=lambda each: _apart(leg, each), default=None)
         if other is None or _apart(leg, other) > STRIDE:
-            found.append(replace(leg, whole=False))
+            found.append(replace(leg, whole=leg.small))
             continue
         legs.remove(other)
         found.append(_person(leg, other))
@@ -221,6 +248,7 @@ def _runs(
 
 
 def _run(
+    silhouettes: Silhouettes,
     points: NDArray[np.float64],
     ranges: NDArray[np.float64],
     first: int,
@@ -250,20 +278,17 @@ def _run(
     count = last - first + 1
     partial = Edge.HIDDEN in (right, left)
     clear = right is Edge.CLEAR and left is Edge.CLEAR
-    robot_sized = MIN_EXTENT <= extent <= MAX_EXTENT
-    if partial and not robot_sized:
-        if not MIN_PARTIAL_EXTENT <= extent < MIN_EXTENT:
-            return None
-    elif not robot_sized and not (clear and _LEG <= extent <= MAX_STRANGER_EXTENT):
+    admitted = _admitted(silhouettes, extent, partial=partial, clear=clear)
+    if admitted is None and (partial or not (clear and _LEG <= extent <= MAX_STRANGER_EXTENT)):
         return None
     span = _angle_between(points[first], points[last])
     if count < _MIN_FILL * (1.0 + span / increment):
         return None
 
-    if robot_sized or partial:
-        distance = near + float(np.interp(extent, _WIDTHS, _HALF_DEPTHS))
+    if admitted is not None:
+        distance = near + silhouettes.depth(extent)
     else:
-        distance = near + min(0.4 * extent, _HALF_DEPTHS[-1])
+        distance = near + min(0.4 * extent, _DEEPEST)
     offset, sigma_across = _across(right, left, rightmost, leftmost)
     along_variance, across_variance = (0.08 if partial else 0.05) ** 2, sigma_across**2
     segment = Segment(
@@ -274,15 +299,33 @@ def _run(
         var_y=uy * uy * along_variance + ux * ux * across_variance,
         cov_xy=ux * uy * (along_variance - across_variance),
         points=count,
-        whole=extent >= MIN_EXTENT or not partial,
-        robot_sized=robot_sized or partial,
+        whole=not partial or extent >= silhouettes.narrowest,
+        robot_sized=admitted is not None,
     )
     edges = tuple(
         _sight_edge(points[index], ranges[index], side, increment)
         for edge, index, side in ((right, first, -1), (left, last, 1))
         if edge is Edge.CLEAR and _passes(points, index, side)
     )
-    return _Run(first, last, edges, segment)
+    return _Run(first, last, edges, segment, admitted)
+
+
+def _admitted(
+    silhouettes: Silhouettes, extent: float, *, partial: bool, clear: bool
+) -> NDArray[np.bool_] | None:
+    """Return (silhouettes,) which a run of a width, m, may be, None for none.
+
+    partial: an edge is hidden; then it may be a part of the large ones. clear: neither edge is
+    hidden or joined to a surface; a small silhouette must be seen so.
+    """
+    whole = silhouettes.admitting(extent)
+    if not clear:
+        whole &= silhouettes.parts
+    if whole.any():
+        return whole
+    if partial and MIN_PARTIAL_EXTENT <= extent < silhouettes.narrowest:
+        return silhouettes.parts
+    return None
 
 
 def _passes(points: NDArray[np.float64], index: int, side: int) -> bool:

@@ -7,6 +7,7 @@ from typing import Annotated
 import msgspec
 
 from robot_agent.perception.color_settings import ColorSettings
+from robot_agent.perception.silhouette import NAMED, Corners, Silhouettes, rectangle
 from robot_agent.perception.visibility import VISIBILITY, VISIBILITY_MARGIN
 
 
@@ -24,6 +25,15 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
     reflecting_bands: Annotated[
         bool, msgspec.Meta(description="Teammates wear reflecting tape at the laser's height")
     ] = False
+    silhouettes: Annotated[
+        tuple[str | Corners, ...],
+        msgspec.Meta(
+            min_length=1,
+            max_length=8,
+            description="What teammates look like at the laser's height: body, cut_corners, "
+            "housing, or corners [[x, y], ...] in m, counter-clockwise",
+        ),
+    ] = NAMED
     intruder_distance: Annotated[
         float,
         msgspec.Meta(
@@ -41,3 +51,6 @@ class PerceptionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unkno
         ),
     ] = 3.0
     color: ColorSettings = ColorSettings()
+
+    def __post_init__(self) -> None:
+        Silhouettes.admitted(self.silhouettes, rectangle(1.0, 1.0))  # raises ValueError

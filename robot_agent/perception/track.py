@@ -40,3 +40,11 @@ class Track:
     def teammate(self) -> bool:
         """Whether it is a teammate."""
         return self.kind is Kind.TEAMMATE
+
+    @property
+    def robot_like(self) -> bool:
+        """Whether it is a teammate, or moves and has a robot's size and no picture denies it."""
+        if self.kind is Kind.TEAMMATE:
+            return True
+        denied = self.by_color and self.kind is Kind.STRANGER
+        return self.moving and self.robot_sized and not denied

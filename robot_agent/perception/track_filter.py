@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from maps.pose import Pose
 from robot_agent.perception.identity import Identity, Kind
 from robot_agent.perception.kalman import KalmanFilter
-from robot_agent.perception.track import Track
+from robot_agent.perception.track import TRACK_MEMORY, Track
 
 CONFIRM_HITS = 3  # detections until a track is confirmed
 VELOCITY_NOISE = 0.05  # m^2/s^3; spectral density of the acceleration
@@ -29,6 +30,7 @@ _START = 0.1  # m; prediction error of an object that starts or stops between tw
 _MANOEUVRE_GATE = 9.2  # squared Mahalanobis distance (99 %) beyond which its speed has changed
 _FITS, _FITS_NOT = 0.6, 1.0  # misfit below which most robots are, above which few are
 _MIN_FITS = 3  # scans in a row whose outline fits, for a track that may be a robot
+_COMES = 0.1  # m/s towards an observer at which it approaches
 _MIN_SPEED, _MAX_SPEED = 0.2, 0.55  # m/s of a robot that patrols; people walk faster
 _POSITION_OF_STATE = np.eye(2, 4)
 
@@ -38,8 +40,8 @@ class Detection:
     """A measured centre: x, y in m, map frame; variances and covariance in m^2.
 
     whole: enough of it was seen to start a track. robot_sized: it may be a robot by its size.
-    misfit: of a Pioneer's outline (``OutlineFit``). reflecting: it has a reflector, if the laser
-    reports them.
+    small: by a silhouette that a leg or a post has too. misfit: of the best silhouette
+    (``OutlineFit``). reflecting: it has a reflector, if the laser reports them.
     """
 
     x: float
@@ -49,6 +51,7 @@ class Detection:
     cov_xy: float
     whole: bool
     robot_sized: bool = True
+    small: bool = False
     misfit: float = math.inf
     reflecting: bool = False
 
@@ -85,6 +88,7 @@ class TrackFilter:
         self._next_evidence = t
         self._whole, self._robot_sized = 1, int(detection.robot_sized)
         self._fits = 0  # in a row
+        self._approached = -math.inf  # when it last came nearer
         self._past: deque[_PastPosition] = deque()
         self._kalman = KalmanFilter(dim_x=4, dim_z=2)
         self._kalman.H = _POSITION_OF_STATE
@@ -112,6 +116,26 @@ class TrackFilter:
     def may_be_teammate(self) -> bool:
         """Whether its kind is unknown and its outline alone is a robot's."""
         return self.identity.kind is Kind.UNKNOWN and self._fits >= _MIN_FITS
+
+    @property
+    def robot_like(self) -> bool:
+        """Whether it is a teammate, or moves and has a robot's size and no picture denies it."""
+        if self.teammate:
+            return True
+        denied = self.identity.by_color and self.identity.kind is Kind.STRANGER
+        return self._has_moved and self.robot_sized and not denied
+
+    def watch_approach(self, t: float, pose: Pose) -> None:
+        """Notice at t whether it comes nearer to a robot at a pose, map_from_base."""
+        x, y, vx, vy = self._kalman.x.tolist()
+        dx, dy = pose.x - x, pose.y - y
+        comes = vx * dx + vy * dy > _COMES * math.hypot(dx, dy)
+        if comes and not self.misses and self.robot_like:
+            self._approached = t
+
+    def approached_lately(self, t: float) -> bool:
+        """Return whether something like a robot came nearer within ``TRACK_MEMORY`` before t."""
+        return t - self._approached <= TRACK_MEMORY and self.robot_like
 
     def predict(self, t: float) -> None:
         """Predict the state to t; the velocity decays while the track has no detections."""
@@ -228,7 +252,7 @@ class TrackFilter:
     def _update_identity(self, t: float, detection: Detection) -> None:
         """Add the laser's evidence of the track's kind: outline, speed, size, reflector."""
         if detection.whole:
-            fits = detection.robot_sized and detection.misfit < _FITS
+            fits = detection.robot_sized and not detection.small and detection.misfit < _FITS
             self._fits = self._fits + 1 if fits else 0
         if t < self._next_evidence:
             return
@@ -240,7 +264,7 @@ class TrackFilter:
             if detection.misfit > _FITS_NOT:
                 self.identity.on_other_shape()
             elif detection.misfit < _FITS and self._has_moved and _MIN_SPEED < speed < _MAX_SPEED:
-                self.identity.on_robot_shape()
+                self.identity.on_robot_shape(small=detection.small)
         if self._whole >= _SIZE_KNOWN and not self.robot_sized:
             self.identity.on_wrong_size()
         if detection.reflecting and self._reflecting_bands:

@@ -18,6 +18,7 @@ from robot_agent.perception.pose_sigma import USUAL_POSE_SIGMA, PoseSigma
 from robot_agent.perception.scan_points import move_points
 from robot_agent.perception.segments import MEAN_HALF_WIDTH, Segment, find_segments
 from robot_agent.perception.settings import PerceptionSettings
+from robot_agent.perception.silhouette import Silhouettes
 from robot_agent.perception.track import TRACK_MEMORY, Track
 from robot_agent.perception.track_filter import GATE_DISTANCE, Detection, TrackFilter
 from robot_agent.perception.unexplained import UnexplainedPoints
@@ -40,14 +41,15 @@ class TeammateTracker:
     """Tracks objects that are not in the map and classifies them: teammate, stranger or unknown.
 
     A track is confirmed after a few detections. The team's band in a picture makes it a teammate;
-    outside the camera's view, so does a Pioneer's outline at a Pioneer's speed. A track is kept for
-    ``TRACK_MEMORY`` without a detection.
+    outside the camera's view, so does a teammate's silhouette at a robot's speed. A track is kept
+    for ``TRACK_MEMORY`` without a detection.
     """
 
     def __init__(
         self,
         settings: PerceptionSettings,
         occupancy: OccupancyMap,
+        silhouettes: Silhouettes,
         camera: CameraSettings | None = None,
         *,
         gate_distance: float = GATE_DISTANCE,
@@ -58,6 +60,7 @@ class TeammateTracker:
         gate_distance: m; no association of a detection farther from a track. max_covered: share of
         a scan's points above which ``covered`` returns None.
         """
+        self._silhouettes = silhouettes
         self._reflecting_bands = settings.reflecting_bands
         self._gate_distance, self._max_covered = gate_distance, max_covered
         self.unexplained = UnexplainedPoints(occupancy, settings.detection_range)
@@ -98,6 +101,8 @@ class TeammateTracker:
         for each in self._filters:
             each.predict(t)
         unmatched = self._associate(t, detections)
+        for each in self._filters:
+            each.watch_approach(t, pose)
         self._filters = [each for each in self._filters if self._alive(each, t)]
         self._merge_duplicates()
         for detection in unmatched:
@@ -182,15 +187,20 @@ class TeammateTracker:
         """Return the nearest teammate in the visibility range, predicted to t, or None.
 
         pose: map_from_base at t. A teammate without detections counts for ``TRACK_MEMORY``; the
-        range has a hysteresis of ``VISIBILITY_MARGIN``. Without pictures, a track with a robot's
-        outline counts before it has moved: a robot that turns in place behind a corner would be
-        recognized too late.
+        range has a hysteresis of ``VISIBILITY_MARGIN``. Whatever is like a robot and comes nearer
+        counts as one, unless pictures show no band: two robots that do not recognize each other
+        would stop nose to nose. Without pictures, a track with a robot's outline counts before it
+        has moved: a robot that turns in place behind a corner would be recognized too late.
         """
         blind = t - self._pictured_at > _PICTURES_PAUSE
         nearest, nearest_distance = None, math.inf
         visible = set()
         for each in self._filters:
-            counts = each.teammate or (blind and each.confirmed and each.may_be_teammate)
+            counts = (
+                each.teammate
+                or (each.confirmed and each.approached_lately(t))
+                or (blind and each.confirmed and each.may_be_teammate)
+            )
             if not counts or t - each.supported > TRACK_MEMORY:
                 continue
             track = each.track_at(t)
@@ -214,7 +224,7 @@ class TeammateTracker:
         """Return the segments of a scan that may be a robot or a person, in the map frame."""
         ranges = np.hypot(points[:, 0], points[:, 1])
         unexplained = self.unexplained.mask(pose, points, ranges, sigma)
-        segments = find_segments(points, ranges, unexplained, reflectors)
+        segments = find_segments(self._silhouettes, points, ranges, unexplained, reflectors)
         known = USUAL_POSE_SIGMA if sigma is None else sigma
         return [_in_map(pose, segment, known) for segment in segments]
 
@@ -285,6 +295,7 @@ def _in_map(pose: Pose, segment: Segment, sigma: PoseSigma) -> Detection:
         - dx * dy * turning,
         whole=segment.whole,
         robot_sized=segment.robot_sized,
+        small=segment.small,
         misfit=segment.misfit,
         reflecting=segment.reflecting,
     )

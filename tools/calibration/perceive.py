@@ -13,11 +13,13 @@ from localization.settings import LocalizationSettings
 from maps.map_folder import MapFolder
 from robot_agent.perception.pose_sigma import PoseSigma
 from robot_agent.perception.settings import PerceptionSettings
+from robot_agent.perception.silhouette import Silhouettes, rectangle
 from robot_agent.perception.tracker import TeammateTracker
 from tools.logs.carmen import LogError
 from tools.logs.log_step import LogStep
 
 MIN_STEP_S = 0.1
+_BODY = rectangle(0.511, 0.425)  # m; a 2-DX, the robots of the logs or nearly
 
 
 @dataclass(frozen=True)
@@ -69,7 +71,10 @@ def perceive(
         raise LogError(f"{name}: its first scan has no reference pose to start from")
     localizer = Localizer(LocalizationSettings(), folder.map, np.random.default_rng(seed))
     localizer.start_at(first, 0.1, 0.05)
-    tracker = TeammateTracker(PerceptionSettings(), folder.map)
+    settings = PerceptionSettings()
+    tracker = TeammateTracker(
+        settings, folder.map, Silhouettes.admitted(settings.silhouettes, _BODY)
+    )
     scans = moving = standing = 0
     seen: set[int] = set()
     teammates: set[int] = set()

@@ -11,7 +11,11 @@ from numpy.typing import NDArray
 
 from maps.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 from maps.pose import Pose
+from robot_agent.perception.silhouette import NAMED, Silhouettes, rectangle
 
+BODY = rectangle(0.511, 0.425)
+"""A 2-DX with its bumpers, m."""
+SILHOUETTES = Silhouettes.admitted(NAMED, BODY)
 WIDTH, HEIGHT = 12.0, 8.0  # m, walls' inner faces at x = 0, WIDTH and y = 0, HEIGHT
 RESOLUTION = 0.05
 RIM = 1.0  # m of map around the room

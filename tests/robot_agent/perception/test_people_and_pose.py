@@ -13,7 +13,7 @@ from localization.settings import LocalizationSettings
 from maps.pose import Pose
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.tracker import TeammateTracker
-from tests.robot_agent.perception.simulated_room import Box, Room
+from tests.robot_agent.perception.simulated_room import SILHOUETTES, Box, Room
 
 PERIOD = 0.1  # s
 
@@ -39,7 +39,7 @@ def people(t: float) -> list[Box]:
 def test_four_people_round_the_robot_do_not_move_the_pose(room: Room, tracked: bool) -> None:
     rng = np.random.default_rng(1)
     localizer = Localizer(LocalizationSettings(), room.map, np.random.default_rng(2))
-    tracker = TeammateTracker(PerceptionSettings(), room.map)
+    tracker = TeammateTracker(PerceptionSettings(), room.map, SILHOUETTES)
     localizer.start_at(own(0.0), 0.05, 0.02)
     left_out = 0
     for step in range(200):
@@ -60,7 +60,7 @@ def test_four_people_round_the_robot_do_not_move_the_pose(room: Room, tracked: b
 
 def test_beams_on_a_track_are_covered_and_no_others(room: Room) -> None:
     rng = np.random.default_rng(3)
-    tracker = TeammateTracker(PerceptionSettings(), room.map)
+    tracker = TeammateTracker(PerceptionSettings(), room.map, SILHOUETTES)
     pose, robot = Pose(3.0, 4.0, 0.0), Box(4.5, 4.0, 0.0)
     for step in range(10):
         points = room.scan(pose, [robot], rng)
@@ -77,7 +77,7 @@ def test_beams_on_a_track_are_covered_and_no_others(room: Room) -> None:
 
 def test_covered_is_none_for_a_scan_mostly_on_tracks(room: Room) -> None:
     rng = np.random.default_rng(3)
-    tracker = TeammateTracker(PerceptionSettings(), room.map, max_covered=0.05)
+    tracker = TeammateTracker(PerceptionSettings(), room.map, SILHOUETTES, max_covered=0.05)
     pose = Pose(3.0, 4.0, 0.0)
     for step in range(10):
         points = room.scan(pose, [Box(4.5, 4.0, 0.0)], rng)

@@ -21,7 +21,7 @@ from robot_agent.perception.identity import Kind
 from robot_agent.perception.scan_points import ScanProjector, hits
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.tracker import TeammateTracker
-from tests.robot_agent.perception.simulated_room import Box, Room
+from tests.robot_agent.perception.simulated_room import SILHOUETTES, Box, Room
 
 HERE = Pose(4.0, 4.0, 0.0)
 PERIOD = 0.2
@@ -49,7 +49,7 @@ def as_decoded(sent: bytes, mode: int, t: float) -> Scan:
 def kinds_seen(room: Room, mode: int, bits: int, settings: PerceptionSettings) -> set[Kind]:
     """Return the kinds of the track of a standing robot whose middle beams have bits set."""
     rng = np.random.default_rng(5)
-    tracker = TeammateTracker(settings, room.map)
+    tracker = TeammateTracker(settings, room.map, SILHOUETTES)
     projector = ScanProjector(Pose(0.0, 0.0, 0.0))
     robot = Box(6.0, 4.4, 0.4)
     bearing = math.atan2(0.4, 2.0)

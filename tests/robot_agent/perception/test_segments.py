@@ -12,7 +12,7 @@ from maps.pose import Pose
 from robot_agent.perception.segments import Segment, find_segments
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.unexplained import UnexplainedPoints
-from tests.robot_agent.perception.simulated_room import Box, Room
+from tests.robot_agent.perception.simulated_room import SILHOUETTES, Box, Room
 
 SETTINGS = PerceptionSettings()
 CENTRE = Pose(6.0, 4.0, 0.0)
@@ -28,7 +28,7 @@ def segments_of(
     points = room.scan(pose, boxes, rng, increment)
     ranges = np.hypot(points[:, 0], points[:, 1])
     mask = UnexplainedPoints(room.map, SETTINGS.detection_range).mask(pose, points, ranges)
-    return find_segments(points, ranges, mask)
+    return find_segments(SILHOUETTES, points, ranges, mask)
 
 
 def at(distance: float, bearing: float, theta: float, *size: float) -> Box:
@@ -73,7 +73,7 @@ def test_other_sizes_are_not_robots(room: Room, size: tuple[float, float]) -> No
     rng = np.random.default_rng(5)
     for distance in (1.2, 1.8, 2.5):
         found = segments_of(room, [at(distance, 0.3, math.pi / 2, *size)], rng)
-        assert not any(each.whole and each.robot_sized for each in found)
+        assert not any(each.whole and each.robot_sized and not each.small for each in found)
 
 
 def test_a_pair_of_legs_is_not_a_robot(room: Room) -> None:
@@ -97,6 +97,21 @@ def test_two_legs_a_stride_apart_are_one_person_between_them(room: Room) -> None
     assert math.hypot(person.x - 1.5, person.y) < 0.12
 
 
+@pytest.mark.parametrize("distance", [0.8, 1.5, 2.4])
+def test_a_bare_scanner_housing_is_found_as_a_small_robot(room: Room, distance: float) -> None:
+    rng = np.random.default_rng(10)
+    errors = []
+    for theta in rng.uniform(-math.pi, math.pi, 40).tolist():
+        box = at(distance, 0.4, theta, 0.156, 0.155)
+        found = segments_of(room, [box], rng, increment=math.radians(0.5))
+        assert len(found) == 1
+        if found[0].robot_sized:
+            assert found[0].small
+            errors.append(math.hypot(found[0].x + CENTRE.x - box.x, found[0].y + CENTRE.y - box.y))
+    assert len(errors) > 35
+    assert np.percentile(errors, 95) < 0.05
+
+
 def test_a_half_hidden_robot_is_found_about_where_it_is(room: Room) -> None:
     rng = np.random.default_rng(7)
     robot, pillar = at(2.0, 0.0, 0.0), Box(CENTRE.x + 1.0, CENTRE.y + 0.22, 0.0, 0.2, 0.4)
@@ -116,4 +131,4 @@ def test_segments_are_sorted_by_distance(room: Room) -> None:
 
 def test_no_points_give_no_segments() -> None:
     nothing = np.empty((0, 2))
-    assert find_segments(nothing, np.empty(0), np.empty(0, dtype=bool)) == []
+    assert find_segments(SILHOUETTES, nothing, np.empty(0), np.empty(0, dtype=bool)) == []

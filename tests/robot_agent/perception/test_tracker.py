@@ -13,7 +13,7 @@ from robot_agent.perception.identity import Kind
 from robot_agent.perception.pose_sigma import PoseSigma
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.tracker import TeammateTracker
-from tests.robot_agent.perception.simulated_room import Box, Room, shaken
+from tests.robot_agent.perception.simulated_room import SILHOUETTES, Box, Room, shaken
 
 SETTINGS = PerceptionSettings()
 PERIOD = 0.1  # s between scans
@@ -23,7 +23,7 @@ Boxes = Callable[[float], list[Box]]
 
 
 def new_tracker(room: Room) -> TeammateTracker:
-    return TeammateTracker(SETTINGS, room.map)
+    return TeammateTracker(SETTINGS, room.map, SILHOUETTES)
 
 
 def run(
@@ -287,7 +287,7 @@ def test_scan_without_returns_is_accepted(room: Room) -> None:
 def test_track_that_starts_abruptly_keeps_its_id(room: Room) -> None:
     """A person who stood walks off at 1.2 m/s between two scans."""
     rng = np.random.default_rng(21)
-    tracker = TeammateTracker(PerceptionSettings(), room.map)
+    tracker = TeammateTracker(PerceptionSettings(), room.map, SILHOUETTES)
     here, period, numbers = Pose(4.0, 4.0, 0.0), 0.2, set()
     for step in range(30):
         t = step * period
@@ -304,7 +304,7 @@ def test_track_that_starts_abruptly_keeps_its_id(room: Room) -> None:
 def test_two_tracks_of_one_object_merge_under_the_older_id(room: Room) -> None:
     """Detected again slightly aside, outside the gate, but nearer than two objects can be."""
     rng = np.random.default_rng(22)
-    tracker = TeammateTracker(SETTINGS, room.map, gate_distance=0.2)
+    tracker = TeammateTracker(SETTINGS, room.map, SILHOUETTES, gate_distance=0.2)
     here = Pose(4.0, 4.0, 0.0)
     for step in range(10):
         tracker.update(0.2 * step, here, room.scan(here, [Box(6.0, 4.0, 0.0)], rng))

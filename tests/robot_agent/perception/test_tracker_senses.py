@@ -14,7 +14,7 @@ from robot_agent.perception.identity import Kind
 from robot_agent.perception.segments import MEAN_HALF_WIDTH
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.tracker import TeammateTracker
-from tests.robot_agent.perception.simulated_room import Box, Room
+from tests.robot_agent.perception.simulated_room import SILHOUETTES, Box, Room
 
 PERIOD = 0.1
 HERE = Pose(3.0, 4.0, 0.0)
@@ -30,7 +30,7 @@ def band_on(box: Box) -> Blob:
 def watched(room: Room, seconds: float, *, worn: tuple[bool, ...]) -> TeammateTracker:
     """Return a tracker that saw standing robots for a while, with pictures of their bands."""
     rng = np.random.default_rng(1)
-    tracker = TeammateTracker(PerceptionSettings(), room.map, CAMERA)
+    tracker = TeammateTracker(PerceptionSettings(), room.map, SILHOUETTES, CAMERA)
     boxes = [Box(5.0, 4.5, 0.4), Box(5.0, 3.2, 1.9)][: len(worn)]
     for step in range(round(seconds / PERIOD)):
         t = step * PERIOD
@@ -69,7 +69,7 @@ def test_outside_the_picture_outline_and_motion_classify(
     room: Room, length: float, width: float, speed: float, kind: Kind, *, pictures: bool
 ) -> None:
     rng = np.random.default_rng(2)
-    tracker = TeammateTracker(PerceptionSettings(), room.map, CAMERA)
+    tracker = TeammateTracker(PerceptionSettings(), room.map, SILHOUETTES, CAMERA)
     for step in range(21):
         t = step * PERIOD
         body = Box(4.2, 5.6 - speed * t, -math.pi / 2, length, width)
@@ -127,7 +127,7 @@ def test_reflector_makes_a_teammate_without_a_camera(room: Room) -> None:
     rng = np.random.default_rng(4)
     for reflecting, kind in ((True, Kind.TEAMMATE), (False, Kind.UNKNOWN)):
         settings = PerceptionSettings(reflecting_bands=reflecting)
-        tracker = TeammateTracker(settings, room.map, CAMERA)
+        tracker = TeammateTracker(settings, room.map, SILHOUETTES, CAMERA)
         for step in range(15):
             points = room.scan(HERE, [Box(3.3, 5.6, 0.3)], rng)
             near = np.hypot(points[:, 0] - 0.3, points[:, 1] - 1.6) < 0.4
