@@ -95,7 +95,10 @@ def fit_outlines(
     misfit = best / (points.counts + sights.count)
     rows = np.vstack((_mean(system, centre, weights), misfit)).T.tolist()
     owners = chosen.owner[chi2.argmin(axis=0)].tolist()
-    return [OutlineFit(*row, owner) for row, owner in zip(rows, owners, strict=True)]
+    return [
+        OutlineFit(x, y, var_x, var_y, cov_xy, misfit, owner)
+        for (x, y, var_x, var_y, cov_xy, misfit), owner in zip(rows, owners, strict=True)
+    ]
 
 
 class _Centres(NamedTuple):
@@ -186,7 +189,7 @@ class _Points:
     def beyond(self, centre: _Centres) -> NDArray[np.float64]:
         """Return (sides, hypotheses, points) distances, m, outside each side at the centres."""
         nx, ny = self.hypotheses.normals[..., None]
-        return self.along - (nx * centre.x + ny * centre.y)[..., self.owner]
+        return np.asarray(self.along - (nx * centre.x + ny * centre.y)[..., self.owner])
 
     def summed(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return (hypotheses, segments) sums of values (hypotheses, points)."""
@@ -265,7 +268,8 @@ class _Edges:
                 sums[:3, :, index] += np.array((sx * sx, sx * sy, sy * sy))[:, None]
                 sums[3:, :, index] += (sx * target, sy * target, target * target)
         count = np.array([float(len(own)) for own in edges])
-        return cls(*sums, count)
+        xx, xy, yy, right_x, right_y, square = sums
+        return cls(xx, xy, yy, right_x, right_y, square, count)
 
     def chi2(self, centre: _Centres) -> NDArray[np.float64]:
         """Return the squared residuals over their variances for the centres."""

@@ -75,7 +75,7 @@ class Silhouette:
         """Headings (n,), rad, at which it looks different: a part of a turn if symmetric."""
         fold = next((n for n in (4, 2) if self._is_same_after(math.tau / n)), 1)
         count = _HEADINGS // fold
-        return np.arange(count) * (math.tau / fold / count)
+        return np.asarray(np.arange(count) * (math.tau / fold / count), dtype=np.float64)
 
     def _is_same_after(self, angle: float) -> bool:
         points = _turned(self.corners, angle)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any, Protocol
 
 from maps.map_folder import MapFolder
 from tools.bench.bench_fault import BenchFault, fault_figures
+from tools.bench.stand_log import StandLog
 from tools.metrics.metrics import RobotRun, bench_figures
 from tools.metrics.wreck import Wreck
 from tools.simulation.world import World
@@ -22,6 +24,21 @@ class BenchedFleet(Protocol):
 
     def wrecks(self) -> list[Wreck]:
         """Return the robots that are stopped permanently."""
+
+
+def robot_figures(
+    name: str, world: World, index: int, stand: StandLog | None = None
+) -> dict[str, Any]:
+    """Return a robot's first stand with a reason, if any, and its contacts by what it touched.
+
+    index: of its body in the world.
+    """
+    return {
+        "robot": name,
+        "stood_s": stand.stood_s if stand else None,
+        "said": stand.said if stand else None,
+        "collisions_with": dict(Counter(world.contact_kinds(index))),
+    }
 
 
 def bench_result(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -17,7 +16,7 @@ from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, MapSettings, RobotSettings
 from robot_agent.pose.start_pose import StartPose
 from tools.bench.bench_fault import BenchFault, FaultInjector, check_robots, wrecks_of
-from tools.bench.bench_result import bench_result
+from tools.bench.bench_result import bench_result, robot_figures
 from tools.bench.perception_log import PerceptionLog
 from tools.bench.stand_log import StandLog
 from tools.metrics.metrics import RobotRun
@@ -196,18 +195,9 @@ class FleetLog:
     def each(self) -> list[dict[str, Any]]:
         """Return each robot's first stand with a reason, what it said, and its contacts by kind."""
         return [
-            {
-                "robot": name,
-                "stood_s": stand.stood_s,
-                "said": stand.said,
-                "collisions_with": self._collisions(robot.rig.body.index),
-            }
-            for robot, (name, stand) in zip(self._fleet.robots, self._stands.items(), strict=True)
+            robot_figures(rig.name, self._fleet.world, rig.body.index, self._stands[rig.name])
+            for rig in (robot.rig for robot in self._fleet.robots)
         ]
-
-    def _collisions(self, index: int) -> dict[str, int]:
-        """Return a body's contacts by what it touched: ``wall``, or a kind of body."""
-        return dict(Counter(self._fleet.world.contact_kinds(index)))
 
     def runs(self) -> list[RobotRun]:
         """Return the samples, one run per robot."""

@@ -20,7 +20,7 @@ from maps.pose import Pose
 from robot_agent.config import AgentConfig, RobotSettings
 from robot_agent.motion.gate_settings import gate_limits
 from tools.bench.bench_fault import BenchFault, BenchFaultError, FaultKind, check_robots, wrecks_of
-from tools.bench.bench_result import bench_result
+from tools.bench.bench_result import bench_result, robot_figures
 from tools.bench.ideal_obstacles import IdealObstacles
 from tools.bench.ideal_robot import STEP_S, along_arc, make_ideal_robot
 from tools.bench.ideal_sight import IdealSight
@@ -192,6 +192,9 @@ def run_ideal_bench(
         "truth": "ideal",
         **bench_result(fleet, log.runs(), duration, wall),
         "strangers": 0,
+        "each": [
+            robot_figures(robot.name, fleet.world, robot.body.index) for robot in fleet.robots
+        ],
         "perception": PerceptionLog(fleet.world, fleet.folder.border).figures(),  # empty
         "gate_stops": sum(robot.gate_stops for robot in fleet.robots),
     }
