@@ -1,6 +1,6 @@
 """Layout of a recording, and its writer to an MCAP file.
 
-Layout 3 of a recording (``run_header.SCHEMA_VERSION``):
+Layout 4 of a recording (``run_header.SCHEMA_VERSION``):
 
 - metadata record ``run``: the fields of ``RunHeader`` as text;
 - attachments: ``configuration`` (the effective configuration) and ``map/<file>`` (the map folder);

@@ -12,7 +12,7 @@ from pathlib import Path
 from maps.map_folder import MapFolder
 from robot_agent.config import AgentConfig, format_config
 
-SCHEMA_VERSION = 3
+SCHEMA_VERSION = 4
 DEPENDENCIES = ("numpy", "scipy", "opencv-python-headless", "filterpy")
 """Libraries whose arithmetic affects decisions.
 

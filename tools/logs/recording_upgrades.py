@@ -27,6 +27,9 @@ def _identify(fields: Fields, map_files: Mapping[str, bytes]) -> Fields:
 UPGRADES: dict[int, Upgrade] = {
     1: Upgrade("identity of map, border and software", _identify),
     2: Upgrade("decisions with overrides, by today's names", lambda fields, _files: fields),
+    3: Upgrade(
+        "walls by their faces, teammates by several silhouettes", lambda fields, _files: fields
+    ),
 }
 """Upgrades by the layout from which they start."""
 

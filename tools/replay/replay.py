@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import msgspec
 import numpy as np
 
 from maps.map_folder import MapFolder, map_folder_from_files
@@ -18,6 +19,7 @@ from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig
 from robot_agent.messages.effects import Effect, Publish, Send
 from robot_agent.messages.events import Event
+from robot_agent.perception.silhouette import BODY
 from robot_agent.recording.recording_writer import Gap, Note, Reference
 from robot_agent.recording.run_header import same_versions, versions
 from tools.logs.recorded_config import recorded_config
@@ -62,6 +64,8 @@ class ReplayResult:
 
 _FACES_SINCE_LAYOUT = 3
 """The programs of earlier layouts took every wall's surface to be in the middle of its cells."""
+_SILHOUETTES_SINCE_LAYOUT = 4
+"""The programs of earlier layouts knew teammates by the rectangle of their own body alone."""
 
 
 class Replay:
@@ -83,6 +87,9 @@ class Replay:
         """Recorded settings that are obsolete in this program."""
         if config is None:
             config, self.left_out = recorded_config(recording)
+            if recording.layout < _SILHOUETTES_SINCE_LAYOUT:
+                alone = msgspec.structs.replace(config.perception, silhouettes=(BODY,))
+                config = msgspec.structs.replace(config, perception=alone)
         if folder is None:
             name = Path(config.map.folder).name
             folder = map_folder_from_files(name, header.map_files, config.map.border)

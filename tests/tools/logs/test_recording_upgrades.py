@@ -27,6 +27,7 @@ def test_a_recording_of_layout_1_is_read() -> None:
     assert recording.upgrades == [
         "1 to 2: identity of map, border and software",
         "2 to 3: decisions with overrides, by today's names",
+        "3 to 4: walls by their faces, teammates by several silhouettes",
     ]
     assert recording.layout == 1
     header = recording.header
