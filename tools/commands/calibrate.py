@@ -1,8 +1,9 @@
-"""``patrol calibrate``: fit the team's colour model and the camera's direction and focal length."""
+"""``patrol calibrate``: fit a robot's settings to pictures and recordings."""
 
 from __future__ import annotations
 
 import argparse
+import json
 import math
 import sys
 from pathlib import Path
@@ -17,6 +18,7 @@ from drivers.camera_source import CameraSettings
 from robot_agent.config import AgentConfig, load_config
 from robot_agent.perception.band_detector import BandDetector
 from robot_agent.perception.color_settings import ColorModelSettings, ColorSettings
+from robot_agent.perception.silhouette import Silhouettes, rectangle
 from tools.calibration.camera_calibration import fit_camera, pairs_of
 from tools.calibration.color_calibration import (
     Box,
@@ -27,10 +29,14 @@ from tools.calibration.color_calibration import (
     middle_of,
 )
 from tools.calibration.config_section import set_keys
+from tools.calibration.teammate_calibration import learn_silhouette, standing_scans
+from tools.calibration.teammate_picture import draw_silhouette
 from tools.logs.recording import read_recording
+from tools.logs.scan_log import read_scan_log
 
 LIVE_PICTURES = 10
 PICTURE_LIMIT_S = 10.0
+_BODY = rectangle(0.511, 0.425)  # m; a 2-DX, for comparison with what is admitted so far
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -39,7 +45,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "examples:\n"
         "  patrol calibrate color --robot robot1.toml                 target before the lens\n"
         "  patrol calibrate color band*.png --at 160,118 --robot robot1.toml --mask mask.png\n"
-        "  patrol calibrate camera RUN.mcap --robot robot1.toml"
+        "  patrol calibrate camera RUN.mcap --robot robot1.toml\n"
+        "  patrol calibrate teammate RUN.mcap --robot robot1.toml     it turns in place before this"
     )
     kinds = parser.add_subparsers(dest="what", metavar="WHAT", required=True)
     color = kinds.add_parser("color", help="learn the band's colour from pictures or the camera")
@@ -51,11 +58,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
     camera = kinds.add_parser("camera", help="fit direction and focal length to a recording")
     camera.add_argument("recording", type=Path, metavar="REC.mcap")
     camera.add_argument("--robot", type=Path, metavar="ROBOT.toml", help="file to write it into")
+    teammate = kinds.add_parser("teammate", help="learn what a teammate looks like in the laser")
+    teammate.add_argument("recording", type=Path, metavar="RUN", help="recording or CARMEN log")
+    teammate.add_argument("--picture", type=Path, metavar="PNG", help="default: beside RUN")
+    teammate.add_argument("--robot", type=Path, metavar="ROBOT.toml", help="file to write it into")
 
 
 def run(options: argparse.Namespace) -> int:
     """Calibrate, print the result as TOML and, with ``--robot``, write it to that file."""
-    return _color(options) if options.what == "color" else _camera(options)
+    kinds = {"color": _color, "camera": _camera, "teammate": _teammate}
+    return kinds[options.what](options)
 
 
 def _color(options: argparse.Namespace) -> int:
@@ -152,4 +164,27 @@ def _camera(options: argparse.Namespace) -> int:
             "camera",
             {"mount": mount, "focal_length": round(fit.focal_length, 2)},
         )
+    return 0
+
+
+def _teammate(options: argparse.Namespace) -> int:
+    config = load_config(options.robot) if options.robot else AgentConfig()
+    so_far = config.perception.silhouettes
+    scans = [
+        (each.t, each.odometry, each.points()) for each in read_scan_log(options.recording).scans
+    ]
+    learned = learn_silhouette(standing_scans(scans), Silhouettes.admitted(so_far, _BODY).shapes)
+    picture = options.picture or options.recording.with_suffix(".teammate.png")
+    draw_silhouette(learned, picture)
+    silhouettes = [*so_far, [list(corner) for corner in learned.corners]]
+    print("[perception]")
+    print(f"silhouettes = {json.dumps(silhouettes)}")
+    print(
+        f"turned {math.degrees(learned.turned):.0f} degrees; its points lie within "
+        f"{1000 * learned.rms:.0f} mm rms of it, of the best silhouette so far within "
+        f"{1000 * learned.before:.0f} mm; look at {picture}",
+        file=sys.stderr,
+    )
+    if options.robot:
+        set_keys(options.robot, "perception", {"silhouettes": silhouettes})
     return 0
