@@ -129,7 +129,7 @@ class Surroundings:
             near = [
                 (track.x, track.y)
                 for track in tracks
-                if track.robot_like
+                if track.needs_room
                 and t - track.last_seen <= _JUST_SEEN
                 and math.hypot(track.x - localized.x, track.y - localized.y) < _NEAR
             ]

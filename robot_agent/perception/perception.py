@@ -51,7 +51,7 @@ class Perception:
         """body: corners of the robot's own body, which its teammates may have too, m."""
         self._lens = camera
         silhouettes = Silhouettes.admitted(settings.silhouettes, body)
-        self.tracker = TeammateTracker(settings, folder.map, silhouettes, camera)
+        self.tracker = TeammateTracker(settings, folder.map, silhouettes, camera, folder.border)
         self.camera = CameraWatch(camera)
         self.intruders = Intruders(settings, folder.border) if folder.border else None
         self._pictured: Intruder | None = None

@@ -19,7 +19,8 @@ class Track:
     x, y: centre of the outline, m, map frame. vx, vy: velocity, m/s, map frame. covariance:
     (2, 2) of the position, m^2. first_seen, last_seen: times of the laser's first and latest
     detection. robot_sized: as large as a Pioneer in most detections that show it whole. moving: it
-    has moved farther than errors explain. by_color: whether there is evidence by pictures.
+    has moved farther than errors explain. by_color: whether there is evidence by pictures. small:
+    its outline is that of a scanner's housing; a robot's body may lie below the laser's plane.
     """
 
     id: int
@@ -35,11 +36,17 @@ class Track:
     robot_sized: bool
     moving: bool
     by_color: bool
+    small: bool = False
 
     @property
     def teammate(self) -> bool:
         """Whether it is a teammate."""
         return self.kind is Kind.TEAMMATE
+
+    @property
+    def needs_room(self) -> bool:
+        """Whether it may be a robot whose body reaches farther than what the laser sees of it."""
+        return self.robot_like or (self.small and self.kind is Kind.UNKNOWN)
 
     @property
     def robot_like(self) -> bool:

@@ -87,7 +87,7 @@ class TrackFilter:
         self._has_moved = False
         self._next_evidence = t
         self._whole, self._robot_sized = 1, int(detection.robot_sized)
-        self._fits = 0  # in a row
+        self._fits = self._small_fits = 0  # in a row
         self._approached = -math.inf  # when it last came nearer
         self._past: deque[_PastPosition] = deque()
         self._kalman = KalmanFilter(dim_x=4, dim_z=2)
@@ -116,6 +116,12 @@ class TrackFilter:
     def may_be_teammate(self) -> bool:
         """Whether its kind is unknown and its outline alone is a robot's."""
         return self.identity.kind is Kind.UNKNOWN and self._fits >= _MIN_FITS
+
+    @property
+    def position(self) -> tuple[float, float]:
+        """x and y at the latest prediction, m, map frame."""
+        x, y = self._kalman.x[:2].tolist()
+        return x, y
 
     @property
     def robot_like(self) -> bool:
@@ -233,6 +239,7 @@ class TrackFilter:
             robot_sized=self.robot_sized,
             moving=self._has_moved,
             by_color=self.identity.by_color,
+            small=self._small_fits >= _MIN_FITS,
         )
 
     def _decay(self, dt: float) -> tuple[float, float]:
@@ -252,8 +259,9 @@ class TrackFilter:
     def _update_identity(self, t: float, detection: Detection) -> None:
         """Add the laser's evidence of the track's kind: outline, speed, size, reflector."""
         if detection.whole:
-            fits = detection.robot_sized and not detection.small and detection.misfit < _FITS
+            fits = detection.robot_sized and detection.misfit < _FITS
             self._fits = self._fits + 1 if fits else 0
+            self._small_fits = self._small_fits + 1 if fits and detection.small else 0
         if t < self._next_evidence:
             return
         self._next_evidence = t + _SAMPLE_PERIOD

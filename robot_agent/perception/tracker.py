@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from drivers.camera_source import CameraSettings
+from maps.border import Border
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
 from robot_agent.messages.blob import Blob
@@ -30,6 +31,7 @@ MAX_COVERED = 0.5  # share of a scan's beams
 SONAR_GATE = 0.5  # m from a track out of the laser's view to a sonar echo of it
 SONAR_SIGMA = 0.2  # m
 SONAR_MEMORY = 6.0  # s since the laser's last detection
+_IN_THE_WAY = 0.6  # m from the border to the middle of a robot that lets none pass there
 _TENTATIVE_MISSES = 2  # scans in a row that end an unconfirmed track
 _SEEN_LATELY = 0.35  # s before a picture within which a track's position holds for the picture
 _PICTURES_PAUSE = 1.0  # s without a clear picture, after which the laser alone classifies
@@ -51,6 +53,7 @@ class TeammateTracker:
         occupancy: OccupancyMap,
         silhouettes: Silhouettes,
         camera: CameraSettings | None = None,
+        border: Border | None = None,
         *,
         gate_distance: float = GATE_DISTANCE,
         max_covered: float = MAX_COVERED,
@@ -61,6 +64,7 @@ class TeammateTracker:
         a scan's points above which ``covered`` returns None.
         """
         self._silhouettes = silhouettes
+        self._border = border
         self._reflecting_bands = settings.reflecting_bands
         self._gate_distance, self._max_covered = gate_distance, max_covered
         self.unexplained = UnexplainedPoints(occupancy, settings.detection_range)
@@ -189,8 +193,9 @@ class TeammateTracker:
         pose: map_from_base at t. A teammate without detections counts for ``TRACK_MEMORY``; the
         range has a hysteresis of ``VISIBILITY_MARGIN``. Whatever is like a robot and comes nearer
         counts as one, unless pictures show no band: two robots that do not recognize each other
-        would stop nose to nose. Without pictures, a track with a robot's outline counts before it
-        has moved: a robot that turns in place behind a corner would be recognized too late.
+        would stop nose to nose. Without pictures, a track with a robot's outline on the border
+        counts before it has moved: a robot that turns in place behind a corner would be recognized
+        too late, and anything else there blocks the way.
         """
         blind = t - self._pictured_at > _PICTURES_PAUSE
         nearest, nearest_distance = None, math.inf
@@ -199,7 +204,7 @@ class TeammateTracker:
             counts = (
                 each.teammate
                 or (each.confirmed and each.approached_lately(t))
-                or (blind and each.confirmed and each.may_be_teammate)
+                or (blind and each.confirmed and each.may_be_teammate and self._blocks(each))
             )
             if not counts or t - each.supported > TRACK_MEMORY:
                 continue
@@ -213,6 +218,10 @@ class TeammateTracker:
                 nearest, nearest_distance = track, distance
         self._visible = visible
         return nearest
+
+    def _blocks(self, each: TrackFilter) -> bool:
+        """Return whether a track is so near the border that no robot passes; True without one."""
+        return self._border is None or self._border.nearest(*each.position)[0] < _IN_THE_WAY
 
     def _detect(
         self,
