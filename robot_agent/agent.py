@@ -223,6 +223,13 @@ class Agent:
             self._control_step(t, state)
         if states:
             self.pose_tracker.remember(t)
+            self._tell_of_base(t)
+
+    def _tell_of_base(self, t: float) -> None:
+        """Tell people of bumpers that the base lacks."""
+        missing = self.base.missing_bumpers
+        if missing is not None:
+            self.outbox.add(Notice(t, "bumpers", missing, LogLevel.INFO))
 
     def _track_by_sonar(self, t: float, odometry: Pose) -> None:
         """Update teammate tracks outside the laser's view by sonar; odometry: odom_from_base."""

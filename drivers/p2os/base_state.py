@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
+from drivers.p2os.fitted_bumpers import FittedBumpers
 from drivers.p2os.model import RobotModel
 from drivers.p2os.odometer import Odometer
 from drivers.p2os.sip import SIP_MOVING, Sip
@@ -28,7 +29,8 @@ class BaseState:
     """One report of the base, with the time of its measurement.
 
     ``x``, ``y``, ``theta`` are in the odom frame, continuous across counter wraps and new
-    sessions; theta is not wrapped. Bit 0 of a bumper mask is the ring's first segment.
+    sessions; theta is not wrapped. Bit 0 of a bumper mask is the ring's first segment; a ring
+    that is not fitted is 0.
     ``sonar`` holds (transducer number, range in m) of the readings new since the last report.
     Fields that only later firmware reports are None, 0 or False with P2OS.
     """
@@ -64,7 +66,9 @@ class BaseState:
         return abs(self.v_left) < 0.01 and abs(self.v_right) < 0.01
 
 
-def base_state(t: float, sip: Sip, odometer: Odometer, model: RobotModel) -> BaseState:
+def base_state(
+    t: float, sip: Sip, odometer: Odometer, model: RobotModel, bumpers: FittedBumpers
+) -> BaseState:
     """Convert a SIP by the model's factors; ``odometer`` must be up to date with its counters."""
     conversion = model.conversion
     v_left = sip.left_speed_counts * conversion.speed
@@ -72,7 +76,7 @@ def base_state(t: float, sip: Sip, odometer: Odometer, model: RobotModel) -> Bas
     tail = sip.tail
     decivolts = tail.battery_decivolts
     fitted = [reading for reading in sip.sonar if reading[0] < len(model.sonar)]
-    left, right = sip.left_stall_byte, sip.right_stall_byte
+    front, rear = bumpers.pressed(sip)
     return BaseState(
         t,
         odometer.x,
@@ -83,10 +87,10 @@ def base_state(t: float, sip: Sip, odometer: Odometer, model: RobotModel) -> Bas
         v_left,
         v_right,
         0.1 * (sip.battery_decivolts if decivolts is None else decivolts),
-        bool(left & 1),
-        bool(right & 1),
-        right >> 1,
-        left >> 1,
+        bool(sip.left_stall_byte & 1),
+        bool(sip.right_stall_byte & 1),
+        front,
+        rear,
         sip.motors_enabled,
         sip.sonar_on,
         sip.flags,

@@ -16,6 +16,7 @@ from drivers.p2os.commands import CLOSE, OPEN, PULSE, STAND_STILL, STOP, Command
 from drivers.p2os.config_packet import ConfigPacket
 from drivers.p2os.drive_request import DriveRequest
 from drivers.p2os.extended_packets import Notification
+from drivers.p2os.fitted_bumpers import FittedBumpers
 from drivers.p2os.framing import OVERHEAD, PacketFramer
 from drivers.p2os.handshake import Handshake
 from drivers.p2os.latest_packets import LatestPackets
@@ -85,6 +86,7 @@ class P2osSession:
         self._requested = DriveRequest(settings)
         self._outbox = CommandOutbox(self._requests, self._on_sent)
         self._set_up = SetUp(settings, self._outbox)
+        self._bumpers = FittedBumpers()
         self._motors = MotorWatch()
         self._base: BaseState | None = None
         self._last_byte = self._last_sip = self._t = -math.inf
@@ -120,6 +122,11 @@ class P2osSession:
     def watchdog(self) -> float:
         """Time without a packet, s, after which the controller halts the robot."""
         return self._set_up.watchdog
+
+    @property
+    def missing_bumpers(self) -> str | None:
+        """A line for people with the bumper rings that the robot lacks; None if it lacks none."""
+        return None if self._base is None else self._bumpers.missing
 
     @property
     def motors(self) -> MotorState:
@@ -257,6 +264,7 @@ class P2osSession:
                 return self._on_sip(packet, t, t_measured)
             case ConfigPacket():
                 self._set_up.on_config(packet)
+                self._bumpers.on_config(packet)
             case Notification():
                 self._restart(t)
             case None if is_known(data):
@@ -273,7 +281,7 @@ class P2osSession:
         self._odometer.update(
             sip.x_counts, sip.y_counts, sip.heading_counts, self.model.conversion.distance
         )
-        base = base_state(t_measured, sip, self._odometer, self.model)
+        base = base_state(t_measured, sip, self._odometer, self.model, self._bumpers)
         self.counters.unknown_sonars += base.unknown_sonars
         self._motors.update(base, commands_pending=not self._outbox.empty)
         self._base = base
@@ -303,6 +311,7 @@ class P2osSession:
         self._choose_model(identity)
         self.latest = LatestPackets()
         self._odometer.forget_reference()
+        self._bumpers = FittedBumpers()
         self._ours = False
         self._begin_opening(OPEN, t)
         self._set_up.begin(t, resumed=False)

@@ -59,7 +59,7 @@ class BaseExamination:
             self._watchdog(),
             examine_battery(states[-1].battery),
             examine_motors(states[-1]),
-            examine_contacts(states[-1]),
+            examine_contacts(states[-1], self._session.missing_bumpers),
         ]
 
     def _no_session(self) -> Finding:
@@ -167,8 +167,8 @@ def examine_motors(state: BaseState) -> Finding:
     return ok("motors", "off, as after every connect; the agent switches them on")
 
 
-def examine_contacts(state: BaseState) -> Finding:
-    """Check for stalled wheels and pressed bumpers."""
+def examine_contacts(state: BaseState, missing_bumpers: str | None = None) -> Finding:
+    """Check for stalled wheels and pressed bumpers; missing_bumpers: a line on rings not there."""
     sides = [
         side for side, stall in (("left", state.stall_left), ("right", state.stall_right)) if stall
     ]
@@ -182,4 +182,6 @@ def examine_contacts(state: BaseState) -> Finding:
     parts += [f"bumper pressed: {', '.join(pressed)}"] if pressed else []
     if parts:
         return failed("contacts", "; ".join(parts), "push the robot clear of what it touches")
+    if missing_bumpers is not None:
+        return ok("contacts", f"no wheel stalled, no bumper pressed; {missing_bumpers}")
     return ok("contacts", "no wheel stalled, no bumper pressed")

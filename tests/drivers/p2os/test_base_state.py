@@ -3,6 +3,7 @@ from __future__ import annotations
 import pytest
 
 from drivers.p2os.base_state import BaseState, ChargeState, base_state
+from drivers.p2os.fitted_bumpers import FittedBumpers
 from drivers.p2os.model import load_model
 from drivers.p2os.odometer import Odometer
 from drivers.p2os.sip import decode_sip
@@ -15,7 +16,7 @@ def state(flags: str = "03 00", sonar: str = "00", tail: str = P2OS_TAIL) -> Bas
     head = HEAD.format(flags=flags).rsplit(" ", 1)[0]
     sip = decode_sip(bytes.fromhex(f"{head} {sonar} {tail}"))
     assert sip is not None
-    return base_state(7.0, sip, Odometer(), load_model("p2dx"))
+    return base_state(7.0, sip, Odometer(), load_model("p2dx"), FittedBumpers())
 
 
 def test_p2os_report_is_converted_to_si() -> None:

@@ -8,6 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from drivers.p2os.base_state import BaseState, base_state
+from drivers.p2os.fitted_bumpers import FittedBumpers
 from drivers.p2os.model import load_model
 from drivers.p2os.odometer import Odometer
 from drivers.p2os.sip import decode_sip
@@ -29,7 +30,7 @@ IDLE = bytes.fromhex("32 00 00 00 00 00 00 00 00 00 00 80 00 00 00 00 00 00 00 0
 def report(t: float, *readings: tuple[int, float]) -> BaseState:
     sip = decode_sip(IDLE)
     assert sip is not None
-    return replace(base_state(t, sip, Odometer(), MODEL), sonar=readings)
+    return replace(base_state(t, sip, Odometer(), MODEL, FittedBumpers()), sonar=readings)
 
 
 def test_one_echo_counts_beside_and_behind_but_not_ahead() -> None:
