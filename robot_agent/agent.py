@@ -382,6 +382,7 @@ class Agent:
             v=state.v,
             w=state.w,
             views=self.surroundings.views(t),
+            charging=state.charging,
             overloaded=self.freshness.deadline.overloaded(self._now),
             limited=limited,
         )

@@ -17,11 +17,15 @@ NO_TEMPERATURE = -127
 class ChargeState(IntEnum):
     """State of the charger, reported by later firmware."""
 
+    UNKNOWN = -1  # a code that is not documented
     NOT_CHARGING = 0
     BULK = 1
     OVERCHARGE = 2
     FLOAT = 3
     BALANCE = 4
+
+
+_CHARGE_CODES = range(max(ChargeState) + 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +63,11 @@ class BaseState:
     fault_flags: int = 0
     temperature_celsius: int | None = None
     unknown_sonars: int = 0  # number of readings dropped: the model lacks the transducer
+
+    @property
+    def charging(self) -> bool:
+        """Whether the base reports a charger at work, or a state of it that is not documented."""
+        return self.charge_state not in (None, ChargeState.NOT_CHARGING)
 
     @property
     def standing(self) -> bool:
@@ -106,7 +115,9 @@ def base_state(
 
 
 def _charge_state(code: int | None) -> ChargeState | None:
-    return None if code is None or code > max(ChargeState) else ChargeState(code)
+    if code is None:
+        return None
+    return ChargeState(code) if code in _CHARGE_CODES else ChargeState.UNKNOWN
 
 
 def _temperature(celsius: int | None) -> int | None:

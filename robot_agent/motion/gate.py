@@ -43,6 +43,7 @@ class GateInputs(msgspec.Struct, frozen=True):
     w: float  # rad/s
     obstacles: NDArray[np.float64]  # (n, 2), m, base_link: obstacle points of all sources
     views: tuple[FieldOfView, ...] = ()  # of the sensors with fresh data; none: no driving
+    charging: bool = False  # on a charger, or the charger's state is an unknown one
     overloaded: bool = False  # the agent misses its deadlines
     limited: bool = False  # limited mode: slow, needs no localization; all other checks apply
 
@@ -186,6 +187,8 @@ class SafetyGate:
             return GateReason.STALLED_AGAIN
         if inputs.stop_button:
             return GateReason.STOP_BUTTON
+        if inputs.charging:
+            return GateReason.CHARGING
         if self._battery.low:
             return GateReason.BATTERY_LOW
         if not inputs.motors_enabled:

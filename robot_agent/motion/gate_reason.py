@@ -17,6 +17,7 @@ class GateReason(StrEnum):
     BUMPED_AGAIN = "bumped_again"  # latched until a person has inspected the robot
     STALLED_AGAIN = "stalled_again"  # latched likewise
     STOP_BUTTON = "stop_button"
+    CHARGING = "charging"  # or the base reports an unknown state of its charger
     BATTERY_LOW = "battery_low"
     MOTORS_OFF = "motors_off"
     STALLED = "stalled"

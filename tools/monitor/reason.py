@@ -24,6 +24,7 @@ GATE_WORDS: dict[str, str] = {
     GateReason.BUMPED_AGAIN: "bumped again and again, a person must look",
     GateReason.STALLED_AGAIN: "stalled again and again, a person must look",
     GateReason.STOP_BUTTON: "the stop button is pressed",
+    GateReason.CHARGING: "on its charger: unplug it",
     GateReason.BATTERY_LOW: "the battery is low",
     GateReason.MOTORS_OFF: "motors are off",
     GateReason.STALLED: "a motor is stalled",

@@ -57,7 +57,7 @@ class BaseExamination:
             self._line(),
             self._limits(),
             self._watchdog(),
-            examine_battery(states[-1].battery),
+            examine_battery(states[-1].battery, charging=states[-1].charging),
             examine_motors(states[-1]),
             examine_contacts(states[-1], self._session.missing_bumpers),
         ]
@@ -140,9 +140,11 @@ class BaseExamination:
         )
 
 
-def examine_battery(volts: float) -> Finding:
-    """Check a battery's voltage, V."""
+def examine_battery(volts: float, *, charging: bool = False) -> Finding:
+    """Check a battery's voltage, V, and that no charger is at work."""
     text = f"{volts:.1f} V"
+    if charging:
+        return warning("battery", f"{text}, on its charger", "unplug it: it does not drive so")
     if volts < BATTERY_EMPTY:
         return failed(
             "battery", f"{text}, empty below {BATTERY_EMPTY:g} V", "charge or swap it now"

@@ -79,7 +79,8 @@ def test_battery_of_later_firmware_replaces_the_byte() -> None:
     sip = sip_of(IDLE + bytes.fromhex("7b00 00 c4ff"))
     assert sip.tail.battery_decivolts == 123
     assert sip.tail.turn_rate_decidegrees_s == -60
-    assert base_state(0.0, sip, Odometer(), load_model("p2dx"), FittedBumpers()).battery == pytest.approx(12.3)
+    seen = base_state(0.0, sip, Odometer(), load_model("p2dx"), FittedBumpers())
+    assert seen.battery == pytest.approx(12.3)
 
 
 @pytest.mark.parametrize("length", range(len(MOVING)))

@@ -445,6 +445,17 @@ def test_battery_verdict_follows_its_voltage(volts: float, verdict: Verdict) -> 
     assert examine_battery(volts).verdict is verdict
 
 
+def test_base_on_its_charger_is_warned_of() -> None:
+    charged = examine_battery(13.2, charging=True)
+    assert charged.verdict is Verdict.WARNING
+    assert "unplug" in charged.remedy
+
+
+def test_bumpers_that_are_not_fitted_are_named() -> None:
+    missing = "no bumpers fitted (every bit reads 1)"
+    assert missing in examine_contacts(base_report(), missing).text
+
+
 def test_stop_button_and_contacts_fail() -> None:
     assert examine_motors(base_report()).verdict is Verdict.OK
     assert examine_motors(base_report(motors_enabled=True)).verdict is Verdict.WARNING
