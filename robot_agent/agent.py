@@ -6,16 +6,18 @@ bytes and carries out the effects. The same event list gives the same effects, b
 
 from __future__ import annotations
 
+import msgspec
 import numpy as np
 
 from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session
 from drivers.p2os.base_state import BaseState
-from drivers.p2os.model import load_model
+from drivers.p2os.model import RobotModel
 from drivers.p2os.motor_watch import MotorState
 from drivers.p2os.session import P2osSession
 from localization.health import Health
 from localization.localizer import Localizer
+from localization.settings import MotionNoise
 from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
@@ -109,26 +111,18 @@ class Agent:
         )
         self.odometry = self.pose_tracker.odometry
         self.perception = Perception(config.perception, config.camera, folder)
-        self._limits = gate_limits(config.gate, config.laser.scan_period)
-        model = load_model(config.base.model)
-        self.surroundings = Surroundings(
-            Pose(*(config.laser.mount or model.laser_mount)),
-            self._limits,
-            model,
-            folder.map,
-            self.perception.tracker.unexplained,
-        )
         # Decision and control.
         self.patrol = (
             Patrol(config.patrol, folder.border, rng, folder.approach_field)
             if folder.border
             else None
         )
+        self._folder = folder
+        self._use_model(self.base.model)
         self.heading_loop = HeadingLoop()
         self.unpinning = UnpinningManoeuvre()
         self.teleop = Teleop() if config.teleop.enabled else None
         self.recovery = RecoveryTurn()
-        self.gate = SafetyGate(self._limits)
         self.decision: PatrolDecision | None = None
         self.gate_decision: GateDecision | None = None
         self.gate_stops = 0
@@ -162,6 +156,21 @@ class Agent:
         self.outbox.request("base", self.base.pop_requests())
         self.outbox.request("laser", self.laser.pop_requests())
         return self._pop_effects()
+
+    def _use_model(self, model: RobotModel) -> None:
+        """Build what depends on the robot's geometry; every stage takes it from this one model."""
+        config = self.config
+        self._model = model
+        self._limits = gate_limits(config.gate, model, config.laser.scan_period)
+        self.localizer.use_noise(MotionNoise(**msgspec.structs.asdict(model.odometry_noise)))
+        self.surroundings = Surroundings(
+            Pose(*(config.laser.mount or model.laser_mount)),
+            self._limits,
+            model,
+            self._folder.map,
+            self.perception.tracker.unexplained,
+        )
+        self.gate = SafetyGate(self._limits)
 
     @property
     def scan_seen_at(self) -> float | None:
@@ -212,13 +221,15 @@ class Agent:
         self.telemetry.on_bytes("base", t, data, understood=bool(states))
         if self.freshness.is_old(t):
             return
+        if states and self.base.model is not self._model:
+            self._use_model(self.base.model)
         if states:
             self.pose_tracker.recall(t)
         for state in states:
             at_report = Pose(state.x, state.y, state.theta)
             self.odometry.add(state)
             self.freshness.on_base_report(t, state)
-            self.surroundings.on_sonar(state, at_report, self.base.model)
+            self.surroundings.on_sonar(state, at_report)
             self._track_by_sonar(t, at_report)
             self._control_step(t, state)
         if states:
@@ -226,7 +237,10 @@ class Agent:
             self._tell_of_base(t)
 
     def _tell_of_base(self, t: float) -> None:
-        """Tell people of bumpers that the base lacks."""
+        """Tell people of bumpers that the base lacks, and of a model that is not its own."""
+        trouble = self.base.model_trouble
+        if trouble is not None:
+            self.outbox.add(Notice(t, "model", trouble, LogLevel.ERROR))
         missing = self.base.missing_bumpers
         if missing is not None:
             self.outbox.add(Notice(t, "bumpers", missing, LogLevel.INFO))
@@ -382,6 +396,7 @@ class Agent:
             v=state.v,
             w=state.w,
             views=self.surroundings.views(t),
+            body_known=self.base.model_trouble is None,
             charging=state.charging,
             overloaded=self.freshness.deadline.overloaded(self._now),
             limited=limited,

@@ -20,7 +20,8 @@ from drivers.p2os.fitted_bumpers import FittedBumpers
 from drivers.p2os.framing import OVERHEAD, PacketFramer
 from drivers.p2os.handshake import Handshake
 from drivers.p2os.latest_packets import LatestPackets
-from drivers.p2os.model import RobotModel, UnknownModelError, load_model
+from drivers.p2os.model import RobotModel
+from drivers.p2os.model_choice import choose_model, expected_model
 from drivers.p2os.motor_watch import MotorState, MotorWatch
 from drivers.p2os.odometer import Odometer
 from drivers.p2os.packets import decode_packet, is_known
@@ -75,7 +76,9 @@ class P2osSession:
         self.state = SessionState.DOWN
         self.state_since = -math.inf
         self.identity: RobotIdentity | None = None
-        self.model: RobotModel = load_model(settings.model)
+        self.model: RobotModel = expected_model(settings)
+        self.model_trouble: str | None = None
+        """Why the model is not known to be the robot's; the session is then never READY."""
         self.latest = LatestPackets()
         self.counters = SessionCounters()
         self.framer = PacketFramer()
@@ -93,7 +96,6 @@ class P2osSession:
         self._ours = False
         self._odometer_left_open: tuple[int, int, int] | None = None
         self._search_reason: str | None = None
-        self._model_trouble: str | None = None
 
     @property
     def baud(self) -> int:
@@ -140,7 +142,7 @@ class P2osSession:
             return None
         if self.state in SEARCHING:
             return self.handshake.trouble or self._search_reason
-        return self._motors.trouble(self._t) or self._set_up.trouble or self._model_trouble
+        return self.model_trouble or self._motors.trouble(self._t) or self._set_up.trouble
 
     def link_up(self, t: float) -> None:
         """Start the search for the robot: the port is open."""
@@ -308,7 +310,7 @@ class P2osSession:
     def _open(self, identity: RobotIdentity, t: float) -> None:
         """Start the servers and load the model of the robot that answered."""
         self.identity = identity
-        self._choose_model(identity)
+        self.model, self.model_trouble = choose_model(self._settings, identity.subclass)
         self.latest = LatestPackets()
         self._odometer.forget_reference()
         self._bumpers = FittedBumpers()
@@ -329,17 +331,6 @@ class P2osSession:
         self._outbox.restart(t)
         self._last_sip = t
         self._outbox.send(first, t)
-
-    def _choose_model(self, identity: RobotIdentity) -> None:
-        self._model_trouble = None
-        try:
-            self.model = load_model(identity.subclass)
-        except UnknownModelError:
-            self.model = load_model(self._settings.model)
-            self._model_trouble = (
-                f"robot is a {identity.subclass!r}, of which no model is known: its distances are "
-                f"taken for those of a {self.model.subclass}; add a model file for it"
-            )
 
     def _go_silent(self, t: float) -> None:
         self.counters.silences += 1
@@ -362,7 +353,7 @@ class P2osSession:
         """Go on with CONFIG, limits, zero motion, limits read back; then READY."""
         prepared = self._set_up.advance(t)
         self._outbox.flush(t)
-        if prepared and self._base is not None:
+        if prepared and self._base is not None and self.model_trouble is None:
             self._ours = True
             self._enter(SessionState.READY, t)
 

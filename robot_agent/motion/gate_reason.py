@@ -12,6 +12,7 @@ class GateReason(StrEnum):
     INVALID = "invalid"  # an input is NaN or infinite
     STALE_BASE = "stale_base"
     STALE_LASER = "stale_laser"
+    BODY_UNKNOWN = "body_unknown"  # no model known to be this robot's: its size is a guess
     OVERLOADED = "overloaded"  # the agent misses its deadlines
     NOT_LOCALIZED = "not_localized"
     BUMPED_AGAIN = "bumped_again"  # latched until a person has inspected the robot

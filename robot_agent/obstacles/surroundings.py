@@ -88,11 +88,9 @@ class Surroundings:
         walls = points[~self._unexplained.mask(localized, points, ranges)]
         self._wall_memory.update(odometry, walls)
 
-    def on_sonar(self, state: BaseState, odometry: Pose, model: RobotModel) -> None:
+    def on_sonar(self, state: BaseState, odometry: Pose) -> None:
         """Store the sonar echoes of a base report; odometry: odom_from_base at the report."""
-        self._sonar_obstacles.update(
-            state, odometry, model, lambda: self._obstacles.around(odometry)
-        )
+        self._sonar_obstacles.update(state, odometry, lambda: self._obstacles.around(odometry))
 
     def views(self, t: float) -> tuple[FieldOfView, ...]:
         """Return the fields of view, base_link, of the laser and of the front sonars heard by t.

@@ -19,6 +19,7 @@ GATE_WORDS: dict[str, str] = {
     GateReason.INVALID: "a number that is not finite",
     GateReason.STALE_BASE: "no fresh report of the base",
     GateReason.STALE_LASER: "no fresh laser scan",
+    GateReason.BODY_UNKNOWN: "no model is known to be this robot's",
     GateReason.OVERLOADED: "the computer is overloaded",
     GateReason.NOT_LOCALIZED: "not localized",
     GateReason.BUMPED_AGAIN: "bumped again and again, a person must look",

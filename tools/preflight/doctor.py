@@ -18,7 +18,8 @@ from urllib.parse import urlsplit
 
 import numpy as np
 
-from drivers.p2os.model import UnknownModelError, load_model
+from drivers.p2os.model import UnknownModelError
+from drivers.p2os.model_choice import expected_model
 from maps.map_folder import MapFolder
 from maps.occupancy_map import FREE
 from robot_agent.config import AgentConfig, ConfigError, find_map, load_config, load_map
@@ -73,12 +74,12 @@ def is_fit(findings: list[Finding]) -> bool:
 def examine_config(config: AgentConfig) -> list[Finding]:
     """Check the base's model, which the configuration's types do not, and the fields of view."""
     try:
-        model = load_model(config.base.model)
+        model = expected_model(config.base)
     except UnknownModelError as error:
         return [failed("configuration", str(error), "correct base.model")]
     return [
         ok("configuration", f"{config.robot.name} of team {config.robot.team}"),
-        examine_sight(config.laser, model, gate_limits(config.gate)),
+        examine_sight(config.laser, model, gate_limits(config.gate, model)),
     ]
 
 

@@ -6,7 +6,6 @@ import math
 from collections.abc import Sequence
 
 from drivers.p2os.base_state import BaseState
-from drivers.p2os.model import UnknownModelError, load_model
 from drivers.p2os.session import P2osSession, SessionState
 from drivers.p2os.settings import BaseSettings
 from tools.preflight.device_trial import DeviceTrial
@@ -34,10 +33,13 @@ class BaseExamination:
             self.trial = DeviceTrial(settings.url, settings.baud, self._session, self._enough)
 
     def _enough(self, states: Sequence[tuple[float, BaseState]]) -> bool:
-        """Return whether reports were received for LISTENING_S in state READY."""
-        if self._session.state is SessionState.READY:
+        """Return whether reports were received for LISTENING_S in state READY, or of a robot that
+        has no model and so never gets there."""
+        ready = self._session.state is SessionState.READY
+        if ready:
             self._reached = SessionState.READY
             self._trouble = self._session.trouble
+        if ready or self._session.model_trouble is not None:
             return bool(states) and states[-1][0] - self._session.state_since >= LISTENING_S
         return False
 
@@ -49,6 +51,8 @@ class BaseExamination:
         if not_open is not None:
             return [not_open]
         states = [state for _, state in self.trial.measurements]
+        if self._session.model_trouble is not None and states:
+            return [self._port, self._identity()]
         if self._reached is not SessionState.READY or not states:
             return [self._port, self._no_session()]
         return [
@@ -81,14 +85,10 @@ class BaseExamination:
         assert identity is not None, "a session has one"
         text = f"{identity.name}, {identity.robot_class} {identity.subclass}"
         text += f", at {self._session.baud} baud"
-        try:
-            load_model(identity.subclass)
-        except UnknownModelError as error:
-            return warning(
-                "base",
-                f"{text}: no model file, driven as {self._settings.model}",
-                f"add drivers/p2os/models/{identity.subclass.lower()}.toml ({error})",
-            )
+        trouble = self._session.model_trouble
+        if trouble is not None:
+            symptom, _, remedy = trouble.partition(": ")
+            return failed("base", f"{text}: {symptom}; it will not drive", remedy)
         return ok("base", text)
 
     def _line(self) -> Finding:

@@ -77,7 +77,7 @@ def test_geometry_of_the_2dx() -> None:
     model = load_model("p2dx")
     assert model.laser_mount == (0.017, 0.008, 0.0)
     assert model.body.front + model.body.rear == pytest.approx(0.511)
-    assert (model.body.width, model.body.swing_radius) == (0.425, 0.25)
+    assert model.body.width == 0.425
     assert model.top_turn_rate == pytest.approx(math.radians(500))
 
 

@@ -149,14 +149,24 @@ def test_session_opens_without_config_after_three_requests() -> None:
     assert session.config is None
 
 
-@pytest.mark.parametrize(
-    ("reported", "used"), [("P3DX", "p3dx"), ("p2de", "p2de"), ("seekur", "p2at")]
-)
+@pytest.mark.parametrize(("reported", "used"), [("P3DX", "p3dx"), ("p2de", "p2de")])
 def test_model_follows_the_reported_subclass(reported: str, used: str) -> None:
-    session = opened(subclass=reported, model="p2at")
+    session = opened(subclass=reported)
     assert session.model.subclass == used
     assert session.identity is not None
     assert session.identity.subclass == reported
+
+
+@pytest.mark.parametrize(("reported", "model"), [("p9zz", None), ("p3dx", "p2dx")])
+def test_robot_without_a_model_of_its_own_is_never_ready(reported: str, model: str | None) -> None:
+    session = opened(subclass=reported, model=model)
+    for t in keep_reporting(session, 0.0, 4.0, sip()):
+        session.drive(t, 0.3, 0.0)
+        session.enable_motors(t)
+        assert not [c for c in written(session) if c.number == N.ENABLE]
+    assert session.state is SessionState.OPENING
+    assert session.trouble == session.model_trouble
+    assert reported in (session.trouble or "")
 
 
 def test_old_session_is_stopped_then_closed_then_connected(bench: MakeBench) -> None:

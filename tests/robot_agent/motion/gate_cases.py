@@ -180,6 +180,7 @@ CASES = [
     denied("not_localized", health="lost"),
     denied("not_localized", health=None),
     denied("not_localized", health="splendid"),
+    denied("body_unknown", body_known=False),
     denied("overloaded", overloaded=True),
     denied("motors_off", motors_enabled=False),
     denied("stop_button", stop_button=True),
@@ -199,6 +200,7 @@ CASES = [
     # the first reason is the one told
     denied("stale_base", base_time=None, scan_time=None, health="lost"),
     denied("stale_laser", scan_time=None, health="lost"),
+    denied("body_unknown", body_known=False, overloaded=True),
     denied("overloaded", overloaded=True, health="lost"),
     denied("not_localized", health="lost", motors_enabled=False),
     denied("stop_button", stop_button=True, motors_enabled=False),
@@ -241,6 +243,7 @@ CASES = [
     ),
     denied("stale_base", limited=True, base_time=None),
     denied("stale_laser", limited=True, scan_time=None),
+    denied("body_unknown", limited=True, body_known=False),
     denied("overloaded", limited=True, overloaded=True),
     denied("stop_button", limited=True, stop_button=True),
     denied("charging", limited=True, charging=True),
