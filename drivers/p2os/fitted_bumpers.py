@@ -16,22 +16,23 @@ class BumperRing:
 
     A ring that reads OPEN_INPUTS from the session's first report on is not fitted, until it reads
     anything else. A ring of fewer than SEGMENT_BITS segments cannot read OPEN_INPUTS when pressed;
-    the vendor's rings have five. Of a ring that CONFIG states to have SEGMENT_BITS or more a press
-    all along it looks the same, so that it counts. A ring that reads OPEN_INPUTS only later has
-    lost its cable: that counts as pressed.
+    most of the vendor's have five. Of a ring to which model or CONFIG give SEGMENT_BITS or more
+    (the PowerBot's front) a press all along looks the same, so that it counts. A ring that reads
+    OPEN_INPUTS only later has lost its cable: that counts as pressed.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, segments: int) -> None:
+        """Start without a report; segments: of the model's ring, 0 if it has none."""
         self._open_so_far = True
         self._seen = False
-        self._segments: int | None = None
+        self._most_segments = self._segments = segments
 
     @property
     def absence(self) -> str | None:
         """Why the ring's bits do not mean pressed segments; None if they do."""
         if self._segments == 0:
-            return "CONFIG states no segments"
-        may_be_pressed = self._segments is not None and self._segments >= SEGMENT_BITS
+            return "it has no segments, by CONFIG or model"
+        may_be_pressed = self._most_segments >= SEGMENT_BITS
         if self._seen and self._open_so_far and not may_be_pressed:
             return "every bit reads 1"
         return None
@@ -39,6 +40,7 @@ class BumperRing:
     def state_segments(self, count: int) -> None:
         """Take the number of segments that CONFIG states."""
         self._segments = count
+        self._most_segments = max(self._most_segments, count)
 
     def pressed(self, bits: int) -> int:
         """Take the bits of a report; return the mask of pressed segments, 0 if not fitted."""
@@ -50,9 +52,11 @@ class BumperRing:
 class FittedBumpers:
     """Both rings of one session; make it anew where the servers are opened anew."""
 
-    def __init__(self) -> None:
-        self._front = BumperRing()
-        self._rear = BumperRing()
+    def __init__(self, segments: tuple[int, int]) -> None:
+        """Start without a report; segments: of the model's (front, rear) ring."""
+        front, rear = segments
+        self._front = BumperRing(front)
+        self._rear = BumperRing(rear)
 
     @property
     def missing(self) -> str | None:

@@ -31,6 +31,7 @@ class ModelFileError(ValueError):
 class Conversion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """SI value of one wire count."""
 
+    heading_counts: Literal[1024, 4096] = 4096  # per turn
     distance: Positive  # m per x or y count
     speed: Positive  # m/s per wheel speed count
     range: Positive  # m per sonar count
@@ -52,8 +53,10 @@ class Body(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 class LaserMount(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Pose of the laser in base_link."""
+    """Type of the vendor's laser and its pose in base_link."""
 
+    type: Literal["lms2xx", "lms1xx", "lms500", "tim5xx", "s3series", "none"] = "lms2xx"
+    upside_down: bool = False
     x: float  # m
     y: float  # m
     heading_deg: float
@@ -91,6 +94,7 @@ class RobotModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     top_speed: Positive  # m/s
     top_turn_rate_deg: Positive  # deg/s
     sonar_far: Positive  # m, reported by a transducer without an echo
+    bumper_segments: tuple[int, int] = (5, 5)  # of the front and the rear ring, where fitted
     battery: Literal[12, 24] = 12  # V, nominal, of lead-acid blocks
     sonar: tuple[SonarMount, ...]
     conversion: Conversion
@@ -120,10 +124,14 @@ def model_names() -> list[str]:
     return sorted(name.removesuffix(".toml") for name in files if name.endswith(".toml"))
 
 
-@cache
 def load_model(subclass: str) -> RobotModel:
     """Return the model of a subclass, ignoring case; raises UnknownModelError."""
-    return msgspec.convert(_fields(subclass.lower()), type=RobotModel)
+    return _shipped(subclass.lower())
+
+
+@cache
+def _shipped(name: str) -> RobotModel:
+    return msgspec.convert(_fields(name), type=RobotModel)
 
 
 def load_model_file(path: Path) -> RobotModel:

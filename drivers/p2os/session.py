@@ -23,7 +23,7 @@ from drivers.p2os.latest_packets import LatestPackets
 from drivers.p2os.model import RobotModel
 from drivers.p2os.model_choice import choose_model, expected_model
 from drivers.p2os.motor_watch import MotorState, MotorWatch
-from drivers.p2os.odometer import Odometer
+from drivers.p2os.odometer import Odometer, in_finest_counts
 from drivers.p2os.packets import decode_packet, is_known
 from drivers.p2os.robot_identity import RobotIdentity
 from drivers.p2os.set_up import SetUp
@@ -89,12 +89,12 @@ class P2osSession:
         self._requested = DriveRequest(settings)
         self._outbox = CommandOutbox(self._requests, self._on_sent)
         self._set_up = SetUp(settings, self._outbox)
-        self._bumpers = FittedBumpers()
+        self._bumpers = FittedBumpers(self.model.bumper_segments)
         self._motors = MotorWatch()
         self._base: BaseState | None = None
         self._last_byte = self._last_sip = self._t = -math.inf
         self._ours = False
-        self._odometer_left_open: tuple[int, int, int] | None = None
+        self._left_open: Sip | None = None  # latest SIP of a session another client left open
         self._search_reason: str | None = None
 
     @property
@@ -118,7 +118,8 @@ class P2osSession:
 
         From the session that another client left open, if there was one, else from the latest SIP.
         """
-        return self._odometer_left_open or self._odometer.counters
+        left_open = self._left_open
+        return self._odometer.counters if left_open is None else self._counters_of(left_open)
 
     @property
     def watchdog(self) -> float:
@@ -256,7 +257,7 @@ class P2osSession:
             sip = decode_sip(data)
             if not self._ours or sip is None:
                 if sip is not None:
-                    self._odometer_left_open = (sip.x_counts, sip.y_counts, sip.heading_counts)
+                    self._left_open = sip
                 self._on_handshake(data, t)
                 return None
             self._resume(t)
@@ -280,14 +281,17 @@ class P2osSession:
     def _on_sip(self, sip: Sip, t: float, t_measured: float) -> BaseState:
         self.counters.sips += 1
         self._last_sip = t
-        self._odometer.update(
-            sip.x_counts, sip.y_counts, sip.heading_counts, self.model.conversion.distance
-        )
+        self._odometer.update(*self._counters_of(sip), self.model.conversion.distance)
         base = base_state(t_measured, sip, self._odometer, self.model, self._bumpers)
         self.counters.unknown_sonars += base.unknown_sonars
         self._motors.update(base, commands_pending=not self._outbox.empty)
         self._base = base
         return base
+
+    def _counters_of(self, sip: Sip) -> tuple[int, int, int]:
+        """Return the x, y and heading counters of a SIP, the heading in the finest counts."""
+        per_turn = self.model.conversion.heading_counts
+        return sip.x_counts, sip.y_counts, in_finest_counts(sip.heading_counts, per_turn)
 
     # Finding the robot
 
@@ -313,9 +317,10 @@ class P2osSession:
         self.model, self.model_trouble = choose_model(self._settings, identity.subclass)
         self.latest = LatestPackets()
         self._odometer.forget_reference()
-        self._bumpers = FittedBumpers()
+        self._bumpers = FittedBumpers(self.model.bumper_segments)
         self._ours = False
         self._begin_opening(OPEN, t)
+        self._set_up.limit_to(self.model)
         self._set_up.begin(t, resumed=False)
         self._outbox.flush(t)
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from drivers.p2os.base_state import BaseState
+from drivers.p2os.model import RobotModel
 from drivers.p2os.session import P2osSession, SessionState
 from drivers.p2os.settings import BaseSettings
 from tools.preflight.device_trial import DeviceTrial
@@ -15,6 +16,7 @@ from tools.preflight.watchdog_trial import ADVISED_WATCHDOG_S
 
 BATTERY_LOW = 11.75  # V
 BATTERY_EMPTY = 11.0  # V; near it the controller shuts down
+DRIVEN_LASER = "lms2xx"
 LISTENING_S = 1.0  # with the session open
 WATCHDOG_LIMIT_MS = 2000  # a robot cut off must stop within this
 
@@ -58,6 +60,7 @@ class BaseExamination:
         return [
             self._port,
             self._identity(),
+            examine_laser_type(self._session.model),
             self._line(),
             self._limits(),
             self._watchdog(),
@@ -138,6 +141,20 @@ class BaseExamination:
             f"{text}: a robot that is cut off would drive on",
             remedy,
         )
+
+
+def examine_laser_type(model: RobotModel) -> Finding:
+    """Check that the laser that the vendor mounts on a robot is one for which there is a driver."""
+    laser = model.laser
+    if laser.type != DRIVEN_LASER:
+        there = "no laser" if laser.type == "none" else f"a laser of type {laser.type}"
+        return warning(
+            "laser type",
+            f"a {model.subclass} comes with {there}: only the LMS 200 has a driver",
+            "mount an LMS 200 and set laser.mount to its place",
+        )
+    text = f"the vendor mounts an LMS 200 on a {model.subclass}"
+    return ok("laser type", f"{text}, upside down" if laser.upside_down else text)
 
 
 def examine_battery(volts: float, *, charging: bool = False) -> Finding:

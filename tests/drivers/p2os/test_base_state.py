@@ -16,7 +16,7 @@ def state(flags: str = "03 00", sonar: str = "00", tail: str = P2OS_TAIL) -> Bas
     head = HEAD.format(flags=flags).rsplit(" ", 1)[0]
     sip = decode_sip(bytes.fromhex(f"{head} {sonar} {tail}"))
     assert sip is not None
-    return base_state(7.0, sip, Odometer(), load_model("p2dx"), FittedBumpers())
+    return base_state(7.0, sip, Odometer(), load_model("p2dx"), FittedBumpers((5, 5)))
 
 
 def test_p2os_report_is_converted_to_si() -> None:

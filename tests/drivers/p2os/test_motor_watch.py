@@ -16,7 +16,7 @@ def report(*, motors: bool, stalled: bool = False, button: bool = False) -> Base
     data[16] = motors | button << 5
     sip = decode_sip(bytes(data))
     assert sip is not None
-    return base_state(0.0, sip, Odometer(), load_model("p2dx"), FittedBumpers())
+    return base_state(0.0, sip, Odometer(), load_model("p2dx"), FittedBumpers((5, 5)))
 
 
 def running() -> MotorWatch:

@@ -11,6 +11,7 @@ from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import CLOSE, OPEN, PULSE, STOP, Command, decode_command
 from drivers.p2os.config_packet import ConfigPacket
 from drivers.p2os.framing import PacketFramer, encode_packet
+from drivers.p2os.model import load_model, model_names
 from drivers.p2os.motor_watch import MotorState
 from drivers.p2os.robot_identity import RobotIdentity
 from drivers.p2os.session import P2osSession, SessionState
@@ -124,6 +125,20 @@ def test_connects_and_sets_up_before_ready(bench: MakeBench) -> None:
     assert wire.session.config.speed_max == 400
     assert not wire.emulator.motors_enabled
     assert wire.states[-1].sonar_on
+
+
+@pytest.mark.parametrize("name", model_names())
+def test_robot_of_each_model_connects_and_all_its_sonars_are_heard(
+    bench: MakeBench, name: str
+) -> None:
+    wire = bench(robot_baud=38400, baud=38400, robot=name)
+    wire.connect()
+    wire.run(2.0)
+    assert wire.session.trouble is None
+    assert wire.session.model is load_model(name)
+    heard = {number for state in wire.states for number, _ in state.sonar}
+    assert heard == set(range(len(load_model(name).sonar)))
+    assert wire.session.counters.unknown_sonars == 0
 
 
 def test_setup_is_rate_limited(bench: MakeBench) -> None:

@@ -30,7 +30,7 @@ IDLE = bytes.fromhex("32 00 00 00 00 00 00 00 00 00 00 80 00 00 00 00 00 00 00 0
 def report(t: float, *readings: tuple[int, float]) -> BaseState:
     sip = decode_sip(IDLE)
     assert sip is not None
-    return replace(base_state(t, sip, Odometer(), MODEL, FittedBumpers()), sonar=readings)
+    return replace(base_state(t, sip, Odometer(), MODEL, FittedBumpers((5, 5))), sonar=readings)
 
 
 def test_one_echo_counts_beside_and_behind_but_not_ahead() -> None:

@@ -28,6 +28,7 @@ from drivers.emulation.line_faults import LineFaults
 from drivers.lms200.errors import Severity
 from drivers.lms200.health import LaserHealth
 from drivers.p2os.base_state import BaseState
+from drivers.p2os.model import load_model
 from maps.map_folder import load_map_folder
 from robot_agent.config import AgentConfig, load_config
 from tools.campaign.agent_stage import START, make_room
@@ -42,7 +43,12 @@ from tools.preflight.doctor import (
     examine_recorder,
     is_fit,
 )
-from tools.preflight.doctor_base import examine_battery, examine_contacts, examine_motors
+from tools.preflight.doctor_base import (
+    examine_battery,
+    examine_contacts,
+    examine_laser_type,
+    examine_motors,
+)
 from tools.preflight.doctor_camera import CameraExamination, examine_adjustments, examine_picture
 from tools.preflight.doctor_laser import best_rate, examine_health
 from tools.preflight.doctor_port import examine_port
@@ -443,6 +449,14 @@ def base_report(**changes: object) -> BaseState:
 )
 def test_battery_verdict_follows_its_voltage(volts: float, verdict: Verdict) -> None:
     assert examine_battery(volts).verdict is verdict
+
+
+def test_laser_without_a_driver_is_warned_of() -> None:
+    assert examine_laser_type(load_model("p2dx")).verdict is Verdict.OK
+    other = examine_laser_type(load_model("p3dx-sh-lms500"))
+    assert other.verdict is Verdict.WARNING
+    assert "p3dx-sh-lms500 comes with a laser of type lms500" in other.text
+    assert "no laser" in examine_laser_type(load_model("amigo")).text
 
 
 def test_base_on_its_charger_is_warned_of() -> None:
