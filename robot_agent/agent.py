@@ -18,6 +18,7 @@ from drivers.p2os.session import P2osSession
 from localization.health import Health
 from localization.localizer import Localizer
 from localization.settings import MotionNoise
+from maps.approach_field import BodySize
 from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
@@ -112,11 +113,7 @@ class Agent:
         self.odometry = self.pose_tracker.odometry
         self.perception = Perception(config.perception, config.camera, folder)
         # Decision and control.
-        self.patrol = (
-            Patrol(config.patrol, folder.border, rng, folder.approach_field)
-            if folder.border
-            else None
-        )
+        self.patrol = Patrol(config.patrol, folder.border, rng) if folder.border else None
         self._folder = folder
         self._use_model(self.base.model)
         self.heading_loop = HeadingLoop()
@@ -171,6 +168,9 @@ class Agent:
             self.perception.tracker.unexplained,
         )
         self.gate = SafetyGate(self._limits)
+        if self.patrol is not None:
+            size = BodySize(model.body.corner_reach, 0.5 * model.body.width)
+            self.patrol.use_approach_field(self._folder.approach_field_of(size))
 
     @property
     def scan_seen_at(self) -> float | None:

@@ -34,6 +34,11 @@ class BaseExamination:
         if not self._port.remedy:
             self.trial = DeviceTrial(settings.url, settings.baud, self._session, self._enough)
 
+    @property
+    def model(self) -> RobotModel:
+        """The model that the base has reported; before that the expected one."""
+        return self._session.model
+
     def _enough(self, states: Sequence[tuple[float, BaseState]]) -> bool:
         """Return whether reports were received for LISTENING_S in state READY, or of a robot that
         has no model and so never gets there."""

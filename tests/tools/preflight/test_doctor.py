@@ -62,6 +62,8 @@ from tools.simulation.world import World
 UNPRIVILEGED = 65534  # the user and group without rights
 DEVICE_LIMIT = 3.0  # s; reached by silent devices only
 
+MODEL = load_model("p2dx")
+
 
 class RobotOnTheBench:
     """An emulated robot in a small room, its lines and its camera, run on a thread."""
@@ -356,34 +358,34 @@ def test_unknown_key_is_the_only_finding(tmp_path: Path) -> None:
 
 def test_border_too_near_a_wall_fails(room: Path) -> None:
     config = configured('[map]\nfolder = "room"\n', room)
-    assert not failures(examine_map(config, room))
+    assert not failures(examine_map(config, room, MODEL))
     border = room / "room" / "border.toml"
     sound = border.read_text()
     border.write_text(sound.replace("4.5]", "5.6]"))
-    (finding,) = examine_map(config, room)
+    (finding,) = examine_map(config, room, MODEL)
     assert finding.subject == "map and border"
     assert finding.verdict is Verdict.FAILED
     assert "patrol map show" in finding.remedy
     border.write_text(sound)
-    assert not failures(examine_map(config, room))
+    assert not failures(examine_map(config, room, MODEL))
 
 
 def test_map_without_border_or_folder_fails(room: Path) -> None:
     (room / "room" / "border.toml").unlink()
     config = configured('[map]\nfolder = "room"\n', room)
-    assert "border.toml is missing" in examine_map(config, room)[0].text
-    absent = examine_map(configured('[map]\nfolder = "nowhere"\n', room), room)
+    assert "border.toml is missing" in examine_map(config, room, MODEL)[0].text
+    absent = examine_map(configured('[map]\nfolder = "nowhere"\n', room), room, MODEL)
     assert absent[0].verdict is Verdict.FAILED
 
 
 @pytest.mark.parametrize(("x", "words"), [(0.02, "not on free ground"), (-5.0, "outside the map")])
 def test_start_off_free_ground_fails(room: Path, x: float, words: str) -> None:
     text = f'[map]\nfolder = "room"\n[start]\nx = {x}\ny = 3.0\ntheta = 0.0\n'
-    assert words in failures(examine_map(configured(text, room), room))["start"].text
+    assert words in failures(examine_map(configured(text, room), room, MODEL))["start"].text
 
 
 def test_unknown_start_is_a_warning(room: Path) -> None:
-    findings = examine_map(configured('[map]\nfolder = "room"\n', room), room)
+    findings = examine_map(configured('[map]\nfolder = "room"\n', room), room, MODEL)
     assert [f.verdict for f in findings if f.subject == "start"] == [Verdict.WARNING]
     assert is_fit(findings)
 
@@ -391,7 +393,7 @@ def test_unknown_start_is_a_warning(room: Path) -> None:
 def test_unusable_rules_fail(room: Path) -> None:
     (room / "rules.toml").write_text("nonsense = 1\n")
     text = f'[map]\nfolder = "room"\n[patrol]\nrules_file = "{room / "rules.toml"}"\n'
-    assert "rules" in failures(examine_map(configured(text, room), room))
+    assert "rules" in failures(examine_map(configured(text, room), room, MODEL))
 
 
 def test_disk_fails_if_full_or_not_writable(tmp_path: Path) -> None:
