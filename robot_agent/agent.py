@@ -160,8 +160,9 @@ class Agent:
         self._model = model
         self._limits = gate_limits(config.gate, model, config.laser.scan_period)
         self.localizer.use_noise(MotionNoise(**msgspec.structs.asdict(model.odometry_noise)))
+        self.laser_mount = Pose(*(config.laser.mount or model.laser_mount))
         self.surroundings = Surroundings(
-            Pose(*(config.laser.mount or model.laser_mount)),
+            self.laser_mount,
             self._limits,
             model,
             self._folder.map,

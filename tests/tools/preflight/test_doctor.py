@@ -29,6 +29,7 @@ from drivers.lms200.errors import Severity
 from drivers.lms200.health import LaserHealth
 from drivers.p2os.base_state import BaseState
 from drivers.p2os.model import load_model
+from drivers.p2os.robot_identity import RobotIdentity
 from maps.map_folder import load_map_folder
 from robot_agent.config import AgentConfig, load_config
 from tools.campaign.agent_stage import START, make_room
@@ -459,6 +460,29 @@ def test_laser_without_a_driver_is_warned_of() -> None:
     assert other.verdict is Verdict.WARNING
     assert "p3dx-sh-lms500 comes with a laser of type lms500" in other.text
     assert "no laser" in examine_laser_type(load_model("amigo")).text
+
+
+def test_unknown_subclass_fails_with_how_to_add_it(robot: RobotOnTheBench) -> None:
+    robot.do(lambda: setattr(robot.rig.base, "identity", RobotIdentity("R", "Pioneer", "p9zz")))
+    base = failures(examine_devices(devices_of(robot), DEVICE_LIMIT))["base"]
+    assert "a 'p9zz', of which no model is known; it will not drive" in base.text
+    assert 'base.model = "./mine.toml"' in base.remedy
+
+
+def test_model_that_contradicts_the_robot_fails(robot: RobotOnTheBench) -> None:
+    config = devices_of(robot)
+    base = msgspec.structs.replace(config.base, model="p3at")
+    contradicted = msgspec.structs.replace(config, base=base)
+    found = failures(examine_devices(contradicted, DEVICE_LIMIT))["base"]
+    assert "'p3at'" in found.text
+    assert "'p2dx'" in found.text
+    assert "delete base.model" in found.remedy
+
+
+def test_border_must_leave_room_for_the_robots_model(room: Path) -> None:
+    config = configured('[map]\nfolder = "room"\n', room)
+    (finding,) = examine_map(config, room, load_model("seekur"))
+    assert "at least 1.03 m needed" in finding.text
 
 
 def test_base_on_its_charger_is_warned_of() -> None:
