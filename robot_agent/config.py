@@ -13,7 +13,7 @@ import tomli_w
 
 from drivers.camera_source import CameraSettings
 from drivers.lms200.settings import LaserSettings
-from drivers.p2os.model import ModelFileError, load_model_file
+from drivers.p2os.model import ModelFileError, UnknownModelError, load_model, load_model_file
 from drivers.p2os.settings import BaseSettings
 from localization.settings import LocalizationSettings
 from maps.map_folder import MapFolder, load_map_folder
@@ -177,11 +177,14 @@ def _with_model_file(config: AgentConfig, path: Path) -> AgentConfig:
     path: of the configuration file, whose folder the name is relative to.
     """
     model = config.base.model
-    if model is None or not model.endswith(MODEL_FILE_SUFFIX):
+    if model is None:
         return config
     try:
+        if not model.endswith(MODEL_FILE_SUFFIX):
+            load_model(model)
+            return config
         content = load_model_file(path.parent / model)
-    except ModelFileError as error:
+    except (ModelFileError, UnknownModelError) as error:
         raise ConfigError(f"{path}: base.model: {error}") from error
     return msgspec.structs.replace(
         config, base=msgspec.structs.replace(config.base, model_file=content)

@@ -111,5 +111,12 @@ def test_unusable_model_file_is_named(tmp_path: Path, content: str | None) -> No
         load_config(robot)
 
 
+def test_name_of_no_model_is_refused_where_the_file_is_loaded(tmp_path: Path) -> None:
+    robot = tmp_path / "robot.toml"
+    robot.write_text('[base]\nmodel = "p9"\n')
+    with pytest.raises(ConfigError, match=r"base\.model: robot model 'p9': no such model"):
+        load_config(robot)
+
+
 def test_unknown_model_does_not_raise_in_parsing() -> None:
     assert parse_config(b'[base]\nmodel = "p9"\n', "x").base.model == "p9"

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maps.pose import Pose
-from robot_agent.config import parse_config
 from robot_agent.perception.scan_points import move_points
 from tools.logs.carmen import CarmenScan, LogError, read_carmen
 from tools.logs.log_step import LogStep
+from tools.logs.recorded_config import recorded_config
 from tools.logs.recorded_scans import recorded_mount, recorded_scans
 from tools.logs.recording import read_recording
 
@@ -88,7 +88,7 @@ def read_scan_log(path: Path) -> ScanLog:
 
 def _read_recorded(path: Path) -> ScanLog:
     recording = read_recording(path)
-    config = parse_config(recording.header.configuration, f"{path} (configuration)")
+    config, _ = recorded_config(recording)
     mount = recorded_mount(recording, config)
     steps = list(recorded_scans(recording, config))
     if not steps:
