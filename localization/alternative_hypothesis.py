@@ -26,7 +26,7 @@ from localization.kld import SampleLimits
 from localization.likelihood_field import LikelihoodField
 from localization.motion_model import step_covariance
 from localization.refinement import Refinement
-from localization.settings import MotionSettings
+from localization.settings import MotionNoise
 from maps.pose import Pose
 
 STOPS = 16  # scans kept
@@ -66,14 +66,14 @@ class AlternativeSearch:
 
     def __init__(
         self,
-        motion: MotionSettings,
+        motion: MotionNoise,
         limits: SampleLimits,
         field: LikelihoodField,
         refinement: Refinement,
         search: GlobalSearch,
         rng: np.random.Generator,
     ) -> None:
-        self._motion = motion
+        self.motion = motion
         self._limits = limits
         self._field = field
         self._refinement = refinement
@@ -123,7 +123,7 @@ class AlternativeSearch:
 
         None if no particles are left.
         """
-        particles = ParticleFilter(self._motion, self._field, self._rng)
+        particles = ParticleFilter(self.motion, self._field, self._rng)
         particles.restart(self._search.sample(self._rng))
         for number, (stop, pose) in enumerate(zip(self._way, avoided, strict=True)):
             if number > 0:
@@ -143,13 +143,13 @@ class AlternativeSearch:
         Each step of the odometry is reversed and the pose refined by the scan.
         """
         stops, poses = list(self._way), []
-        covariance = step_covariance(Pose(0.0, 0.0, 0.0), self._motion)
+        covariance = step_covariance(Pose(0.0, 0.0, 0.0), self.motion)
         for stop in reversed(stops):
             refined = self._refinement.refine(pose, covariance, stop.points)
             pose = pose if refined is None else refined.pose
             poses.append(pose)
             pose = pose.compose(stop.increment.inverse())
-            covariance = step_covariance(stop.increment, self._motion)
+            covariance = step_covariance(stop.increment, self.motion)
         return poses[::-1]
 
     def _log_likelihood(self, poses: list[Pose]) -> float:

@@ -12,7 +12,7 @@ from localization.kld import SampleLimits, needed_samples
 from localization.likelihood_field import LikelihoodField
 from localization.motion_model import move_particles
 from localization.resampling import draw_low_variance, effective_sample_size
-from localization.settings import MotionSettings
+from localization.settings import MotionNoise
 from maps.pose import Pose
 
 RESAMPLE_BELOW = 0.5  # effective share of the particles
@@ -56,11 +56,11 @@ class ParticleFilter:
 
     def __init__(
         self,
-        motion: MotionSettings,
+        motion: MotionNoise,
         field: LikelihoodField,
         rng: np.random.Generator,
     ) -> None:
-        self._motion = motion
+        self.motion = motion
         self._field = field
         self._rng = rng
         self.restart(np.zeros((1, 3)))
@@ -105,7 +105,7 @@ class ParticleFilter:
     def predict(self, increment: Pose) -> None:
         """Move the particles by a step of the odometry (base_then_from_base_now)."""
         self.particles, self._slips = move_particles(
-            self.particles, self._slips, increment, self._motion, self._rng
+            self.particles, self._slips, increment, self.motion, self._rng
         )
 
     def weigh(

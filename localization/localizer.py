@@ -25,7 +25,7 @@ from localization.kld import SampleLimits
 from localization.likelihood_field import LikelihoodField
 from localization.refinement import Refined, Refinement
 from localization.scan_check import Fit, ScanCheck
-from localization.settings import LocalizationSettings
+from localization.settings import LocalizationSettings, MotionNoise
 from localization.slip_search import SlipSearch
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
@@ -83,7 +83,9 @@ class Localizer:
     ) -> None:
         self._rng = rng
         field = LikelihoodField(occupancy, settings.beams)
-        self._filter = ParticleFilter(settings.motion, field, rng)
+        self._settings = settings
+        motion = settings.motion.over(MotionNoise())
+        self._filter = ParticleFilter(motion, field, rng)
         self._refinement = Refinement(occupancy)
         self._slips = SlipSearch(field, self._refinement)
         self._check = ScanCheck(occupancy, self._refinement.surface)
@@ -94,7 +96,7 @@ class Localizer:
         # A number fixed for tracking would be too small for a search.
         self._search_limits = SampleLimits(settings.min_particles, MAX_SEARCH_PARTICLES)
         self._alternatives = AlternativeSearch(
-            settings.motion, self._search_limits, field, self._refinement, self._search, rng
+            motion, self._search_limits, field, self._refinement, self._search, rng
         )
         self._min_covariance = np.diag(np.square((MIN_SIGMA_XY, MIN_SIGMA_XY, MIN_SIGMA_THETA)))
         self._monitor = HealthMonitor()
@@ -106,6 +108,10 @@ class Localizer:
         self._still_scans = 0
         self._search_due = 0.0  # 0 to 1; at 1 a search of the whole map starts
         self.estimate: Estimate | None = None
+
+    def use_noise(self, noise: MotionNoise) -> None:
+        """Take the noise of the robot's odometry, where the settings leave it open."""
+        self._filter.motion = self._alternatives.motion = self._settings.motion.over(noise)
 
     @property
     def particles(self) -> NDArray[np.float64]:

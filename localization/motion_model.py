@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from localization.settings import MotionSettings
+from localization.settings import MotionNoise
 from maps.pose import Pose, wrap_angle
 
 # Standard deviations added at every update: without them the particles would not move while the
@@ -46,7 +46,7 @@ def move_particles(
     particles: NDArray[np.float64],
     slips: NDArray[np.float32],
     increment: Pose,
-    settings: MotionSettings,
+    settings: MotionNoise,
     rng: np.random.Generator,
     *,
     slip_share: float = SLIP_SHARE,
@@ -88,7 +88,7 @@ def move_particles(
     return moved, slips
 
 
-def step_covariance(increment: Pose, settings: MotionSettings) -> NDArray[np.float64]:
+def step_covariance(increment: Pose, settings: MotionNoise) -> NDArray[np.float64]:
     """Return the covariance (3, 3) of a step of the odometry without slip; x, y, theta, m and rad.
 
     It is the same along and across, as half of it comes from the heading at the step's start.
@@ -104,14 +104,14 @@ def step_covariance(increment: Pose, settings: MotionSettings) -> NDArray[np.flo
     return np.diag(np.square((xy, xy, theta)))
 
 
-def _rotation_sigma(rotation: float, translation: float, settings: MotionSettings) -> float:
+def _rotation_sigma(rotation: float, translation: float, settings: MotionNoise) -> float:
     return math.hypot(
         settings.rotation_per_rotation * rotation, settings.rotation_per_translation * translation
     )
 
 
 def _translation_sigma(
-    first: float, translation: float, second: float, settings: MotionSettings
+    first: float, translation: float, second: float, settings: MotionNoise
 ) -> float:
     return math.hypot(
         settings.translation_per_translation * translation,

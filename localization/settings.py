@@ -6,42 +6,59 @@ from typing import Annotated
 
 import msgspec
 
+NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]
+
+
+class MotionNoise(msgspec.Struct, frozen=True, kw_only=True):
+    """Standard deviations of the odometry's errors, proportional to what it counted.
+
+    The defaults are those of a two-wheeled Pioneer.
+    """
+
+    rotation_per_rotation: float = 0.1  # rad/rad
+    rotation_per_translation: float = 0.07  # rad/m
+    translation_per_translation: float = 0.07  # m/m
+    translation_per_rotation: float = 0.03  # m/rad
+
 
 class MotionSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Standard deviations of the odometry's errors, proportional to what it counted."""
+    """Standard deviations of the odometry's errors where they are set; None: the model's."""
 
     rotation_per_rotation: Annotated[
-        float,
+        NotNegative | None,
         msgspec.Meta(
-            ge=0.0,
-            description="Odometry's error in heading per heading turned; default: the model's",
+            description="Odometry's error in heading per heading turned; unset: the model's",
             extra={"unit": "rad/rad"},
         ),
-    ] = 0.1
+    ] = None
     rotation_per_translation: Annotated[
-        float,
+        NotNegative | None,
         msgspec.Meta(
-            ge=0.0,
-            description="Odometry's error in heading per distance driven; default: the model's",
+            description="Odometry's error in heading per distance driven; unset: the model's",
             extra={"unit": "rad/m"},
         ),
-    ] = 0.07
+    ] = None
     translation_per_translation: Annotated[
-        float,
+        NotNegative | None,
         msgspec.Meta(
-            ge=0.0,
-            description="Odometry's error in distance per distance driven; default: the model's",
+            description="Odometry's error in distance per distance driven; unset: the model's",
             extra={"unit": "m/m"},
         ),
-    ] = 0.07
+    ] = None
     translation_per_rotation: Annotated[
-        float,
+        NotNegative | None,
         msgspec.Meta(
-            ge=0.0,
-            description="Odometry's error in distance per heading turned; default: the model's",
+            description="Odometry's error in distance per heading turned; unset: the model's",
             extra={"unit": "m/rad"},
         ),
-    ] = 0.03
+    ] = None
+
+    def over(self, noise: MotionNoise) -> MotionNoise:
+        """Return noise with the values that are set here in place of its own."""
+        own = {
+            name: value for name, value in msgspec.structs.asdict(self).items() if value is not None
+        }
+        return msgspec.structs.replace(noise, **own)
 
 
 class LocalizationSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -14,10 +14,9 @@ from scipy.sparse.csgraph import dijkstra
 from maps.border import Border
 from maps.occupancy_map import FREE, OccupancyMap
 
-_CLEARANCE = 0.40  # m: the base's corners are 0.37 m from the axle's middle, and a margin
-_NARROW_CLEARANCE = 0.30  # m of clearance: enough to drive straight, not to turn on the spot
+_TURNING_MARGIN_CM = 3  # beyond the reach of a body that turns on the spot
+_PASSING_MARGIN_CM = 8  # beside a body that drives straight
 _NARROW_COST = 3.0  # cost factor of narrow cells, so that wider paths are preferred
-_SIGHT_CLEARANCE = 0.30  # m of clearance of a line of sight, or that of its start if less
 _BESIDE = 0.30  # m; nearer to the border no wall can be between: it keeps 0.45 m from all walls
 _LOOK_AHEAD = 0.8  # m along the path to the point steered for
 _SNAP = 0.6  # m to the nearest cell with a path, for a robot outside all of them
@@ -43,11 +42,37 @@ class Approach(NamedTuple):
 _NO_PATH = Approach(math.inf, (0.0, 0.0))
 
 
+class BodySize(NamedTuple):
+    """Extent of a robot for path planning, m from the middle of its axle.
+
+    reach: of its farthest corner. half_width: to each side.
+    """
+
+    reach: float
+    half_width: float
+
+    @property
+    def turning_clearance(self) -> float:
+        """Clearance, m, in which it turns on the spot; whole centimetres."""
+        return (math.ceil(100.0 * self.reach) + _TURNING_MARGIN_CM) / 100.0
+
+    @property
+    def passing_clearance(self) -> float:
+        """Clearance, m, in which it drives straight, but cannot turn; whole centimetres."""
+        return (math.ceil(100.0 * self.half_width) + _PASSING_MARGIN_CM) / 100.0
+
+
+TWO_WHEELED_PIONEER = BodySize(0.3685, 0.2125)
+
+
 class ApproachField:
     """The shortest paths to a border from every cell of a map; immutable once built."""
 
-    def __init__(self, occupancy: OccupancyMap, border: Border) -> None:
+    def __init__(
+        self, occupancy: OccupancyMap, border: Border, body: BodySize = TWO_WHEELED_PIONEER
+    ) -> None:
         """Compute all shortest paths (Dijkstra from all points of the border at once)."""
+        self._body = body
         self._occupancy = occupancy
         self._padded = np.pad(_clearances(occupancy), 1)  # no clearance outside the map
         self._clearance = self._padded[1:-1, 1:-1]
@@ -57,7 +82,7 @@ class ApproachField:
         inside = occupancy.inside(rows, cols)
         goals = np.zeros(occupancy.cells.shape, dtype=np.bool_)
         goals[rows[inside], cols[inside]] = True
-        cost, next_cell = _shortest_paths(self._clearance, goals)
+        cost, next_cell = _shortest_paths(self._clearance, goals, body)
         self._distance = cost * occupancy.resolution
         self._next_cell = next_cell
         self._nearest = _nearest_with_path(np.isfinite(cost))
@@ -116,15 +141,15 @@ class ApproachField:
         return origin.x + (col + 0.5) * resolution, origin.y + (row + 0.5) * resolution
 
     def _is_passable(self, x: float, y: float, to_x: float, to_y: float) -> bool:
-        """Whether a straight line keeps _CLEARANCE, or the clearance of its start if less."""
+        """Whether a line keeps the clearance to turn, or the clearance of its start if less."""
         room = self._clearance_along(x, y, to_x, to_y)
-        return bool(room.min() >= min(_CLEARANCE, room[0]))
+        return bool(room.min() >= min(self._body.turning_clearance, room[0]))
 
     def _line_of_sight(self, x: float, y: float, to_x: float, to_y: float) -> bool:
-        """Whether a straight line keeps _SIGHT_CLEARANCE, or the clearance of its start if less."""
+        """Whether a line keeps the clearance to pass, or the clearance of its start if less."""
         resolution = self._occupancy.resolution
         room = self._clearance_along(x, y, to_x, to_y)
-        needed = min(_SIGHT_CLEARANCE, max(float(room[0]) - resolution, resolution / 2))
+        needed = min(self._body.passing_clearance, max(float(room[0]) - resolution, resolution / 2))
         return bool(room.min() >= needed)
 
     def _clearance_along(self, x: float, y: float, to_x: float, to_y: float) -> NDArray[np.float32]:
@@ -153,14 +178,14 @@ def _clearances(occupancy: OccupancyMap) -> NDArray[np.float32]:
 
 
 def _shortest_paths(
-    clearance: NDArray[np.float32], goals: NDArray[np.bool_]
+    clearance: NDArray[np.float32], goals: NDArray[np.bool_], body: BodySize
 ) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
     """Return (rows, cols) path lengths in cells to the nearest goal, and each path's next cell.
 
     Length infinite and next cell -1 where there is no path; next cell -1 at the goals.
     """
     node = np.full(clearance.shape, _NOWHERE, dtype=np.int32)
-    cells = np.flatnonzero((clearance >= _NARROW_CLEARANCE) | (goals & (clearance > 0.0)))
+    cells = np.flatnonzero((clearance >= body.passing_clearance) | (goals & (clearance > 0.0)))
     node.flat[cells] = np.arange(len(cells))
     cost = np.full(clearance.shape, np.inf, dtype=np.float32)
     next_cell = np.full(clearance.shape, _NOWHERE, dtype=np.int32)
@@ -168,7 +193,7 @@ def _shortest_paths(
     if not len(starts):
         return cost, next_cell
     lengths, before, _ = dijkstra(
-        _graph(node, clearance, len(cells)),
+        _graph(node, clearance < body.turning_clearance, len(cells)),
         indices=starts,
         min_only=True,
         return_predecessors=True,
@@ -179,11 +204,9 @@ def _shortest_paths(
     return cost, next_cell
 
 
-def _graph(
-    node: NDArray[np.int32], clearance: NDArray[np.float32], count: int
-) -> csr_array[np.float64]:
+def _graph(node: NDArray[np.int32], narrow: NDArray[np.bool_], count: int) -> csr_array[np.float64]:
     """Return the graph (nodes, nodes) of the lengths between neighboring cells."""
-    factor = np.where(clearance < _CLEARANCE, _NARROW_COST, 1.0)
+    factor = np.where(narrow, _NARROW_COST, 1.0)
     ones, others, lengths = [], [], []
     for move in _MOVES:
         for row, col in (move, -move):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,10 +11,19 @@ from numpy.typing import NDArray
 from maps.border import Border
 from maps.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 
-NEEDED_CLEARANCE = (
-    0.45  # m: the robot's 0.29 m circumscribed radius, 0.1 m off the border, a margin
-)
+_KEPT_FREE = 0.08  # m beyond the corners of a robot that turns beside a wall
+NEEDED_CLEARANCE = 0.45
+"""m that a border for two-wheeled Pioneers keeps from all walls."""
 _STEP = 0.01  # m along the border
+
+
+def needed_clearance(reach: float) -> float:
+    """Return the clearance, m, whole centimetres, that a robot needs to turn on the border.
+
+    reach: distance of its farthest corner from the middle of the axle, m. It may be some way off
+    the border, and its pose off by some centimetres.
+    """
+    return math.ceil(100.0 * (reach + _KEPT_FREE) - 1e-9) / 100.0
 
 
 @dataclass(frozen=True, slots=True)

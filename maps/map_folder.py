@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from maps.approach_field import ApproachField
+from maps.approach_field import TWO_WHEELED_PIONEER, ApproachField, BodySize
 from maps.border import Border, BorderError
 from maps.border_file import read_border
 from maps.occupancy_map import MapError, OccupancyMap, assemble_map, read_description, read_map_file
@@ -35,9 +35,25 @@ class MapFolder:
     border_name: str = DEFAULT_BORDER
 
     @cached_property
+    def _approach_fields(self) -> dict[tuple[float, float], ApproachField]:
+        return {}
+
+    @property
     def approach_field(self) -> ApproachField | None:
-        """The paths to the border round walls, computed once; None without a border."""
-        return ApproachField(self.map, self.border) if self.border else None
+        """The paths of a two-wheeled Pioneer, as ``approach_field_of``."""
+        return self.approach_field_of(TWO_WHEELED_PIONEER)
+
+    def approach_field_of(self, body: BodySize) -> ApproachField | None:
+        """Return the paths of a body to the border round walls, computed once for each size.
+
+        None without a border.
+        """
+        if self.border is None:
+            return None
+        size = body.turning_clearance, body.passing_clearance
+        if size not in self._approach_fields:
+            self._approach_fields[size] = ApproachField(self.map, self.border, body)
+        return self._approach_fields[size]
 
 
 def load_map_folder(folder: Path, border: str = DEFAULT_BORDER) -> MapFolder:

@@ -6,16 +6,19 @@ bytes and carries out the effects. The same event list gives the same effects, b
 
 from __future__ import annotations
 
+import msgspec
 import numpy as np
 
 from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session
 from drivers.p2os.base_state import BaseState
-from drivers.p2os.model import load_model
+from drivers.p2os.model import RobotModel
 from drivers.p2os.motor_watch import MotorState
 from drivers.p2os.session import P2osSession
 from localization.health import Health
 from localization.localizer import Localizer
+from localization.settings import MotionNoise
+from maps.approach_field import BodySize
 from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
@@ -54,7 +57,7 @@ from robot_agent.motion.unpinning import UnpinningManoeuvre
 from robot_agent.obstacles.surroundings import Surroundings
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.perception import NewIntruder, Perception
-from robot_agent.perception.silhouette import rectangle
+from robot_agent.perception.silhouette import Corners, rectangle
 from robot_agent.pose.pose_memory import PoseMemory
 from robot_agent.pose.pose_tracker import PoseTracker
 from robot_agent.report.health_summary import HealthSummary
@@ -109,28 +112,17 @@ class Agent:
             remembered=config.remembered,
         )
         self.odometry = self.pose_tracker.odometry
-        self._limits = gate_limits(config.gate, config.laser.scan_period)
-        body = rectangle(self._limits.front + self._limits.rear, 2.0 * self._limits.half_width)
-        self.perception = Perception(config.perception, config.camera, folder, body)
-        model = load_model(config.base.model)
-        self.surroundings = Surroundings(
-            Pose(*(config.laser.mount or model.laser_mount)),
-            self._limits,
-            model,
-            folder.map,
-            self.perception.tracker.unexplained,
+        self.perception = Perception(
+            config.perception, config.camera, folder, _corners(self.base.model)
         )
         # Decision and control.
-        self.patrol = (
-            Patrol(config.patrol, folder.border, rng, folder.approach_field)
-            if folder.border
-            else None
-        )
+        self.patrol = Patrol(config.patrol, folder.border, rng) if folder.border else None
+        self._folder = folder
+        self._use_model(self.base.model)
         self.heading_loop = HeadingLoop()
         self.unpinning = UnpinningManoeuvre()
         self.teleop = Teleop() if config.teleop.enabled else None
         self.recovery = RecoveryTurn()
-        self.gate = SafetyGate(self._limits)
         self.decision: PatrolDecision | None = None
         self.gate_decision: GateDecision | None = None
         self.gate_stops = 0
@@ -166,6 +158,26 @@ class Agent:
         self.outbox.request("base", self.base.pop_requests())
         self.outbox.request("laser", self.laser.pop_requests())
         return self._pop_effects()
+
+    def _use_model(self, model: RobotModel) -> None:
+        """Build what depends on the robot's geometry; every stage takes it from this one model."""
+        config = self.config
+        self._model = model
+        self._limits = gate_limits(config.gate, model, config.laser.scan_period)
+        self.localizer.use_noise(MotionNoise(**msgspec.structs.asdict(model.odometry_noise)))
+        self.laser_mount = Pose(*(config.laser.mount or model.laser_mount))
+        self.surroundings = Surroundings(
+            self.laser_mount,
+            self._limits,
+            model,
+            self._folder.map,
+            self.perception.tracker.unexplained,
+        )
+        self.perception.use_body(_corners(model))
+        self.gate = SafetyGate(self._limits)
+        if self.patrol is not None:
+            size = BodySize(model.body.corner_reach, 0.5 * model.body.width)
+            self.patrol.use_approach_field(self._folder.approach_field_of(size))
 
     @property
     def scan_seen_at(self) -> float | None:
@@ -225,17 +237,29 @@ class Agent:
         self.telemetry.on_bytes("base", t, data, understood=bool(states))
         if self.freshness.is_old(t):
             return
+        if states and self.base.model is not self._model:
+            self._use_model(self.base.model)
         if states:
             self.pose_tracker.recall(t)
         for state in states:
             at_report = Pose(state.x, state.y, state.theta)
             self.odometry.add(state)
             self.freshness.on_base_report(t, state)
-            self.surroundings.on_sonar(state, at_report, self.base.model)
+            self.surroundings.on_sonar(state, at_report)
             self._track_by_sonar(t, at_report)
             self._control_step(t, state)
         if states:
             self.pose_tracker.remember(t)
+            self._tell_of_base(t)
+
+    def _tell_of_base(self, t: float) -> None:
+        """Tell people of bumpers that the base lacks, and of a model that is not its own."""
+        trouble = self.base.model_trouble
+        if trouble is not None:
+            self.outbox.add(Notice(t, "model", trouble, LogLevel.ERROR))
+        missing = self.base.missing_bumpers
+        if missing is not None:
+            self.outbox.add(Notice(t, "bumpers", missing, LogLevel.INFO))
 
     def _track_by_sonar(self, t: float, odometry: Pose) -> None:
         """Update teammate tracks outside the laser's view by sonar; odometry: odom_from_base."""
@@ -388,6 +412,8 @@ class Agent:
             v=state.v,
             w=state.w,
             views=self.surroundings.views(t),
+            body_known=self.base.model_trouble is None,
+            charging=state.charging,
             overloaded=self.freshness.deadline.overloaded(self._now),
             limited=limited,
         )
@@ -431,3 +457,8 @@ class Agent:
         self.pose_tracker.remember(t, at_once=True)
         self.base.shut_down(t)
         self.laser.shut_down(t)
+
+
+def _corners(model: RobotModel) -> Corners:
+    """Return the corners of a robot's body, m."""
+    return rectangle(model.body.front + model.body.rear, model.body.width)

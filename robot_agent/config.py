@@ -13,9 +13,9 @@ import tomli_w
 
 from drivers.camera_source import CameraSettings
 from drivers.lms200.settings import LaserSettings
-from drivers.p2os.model import UnknownModelError, load_model
+from drivers.p2os.model import ModelFileError, UnknownModelError, load_model, load_model_file
 from drivers.p2os.settings import BaseSettings
-from localization.settings import LocalizationSettings, MotionSettings
+from localization.settings import LocalizationSettings
 from maps.map_folder import MapFolder, load_map_folder
 from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.motion.teleop import TeleopSettings
@@ -24,6 +24,8 @@ from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.pose.pose_memory import MemorySettings, RememberedPose
 from robot_agent.pose.start_pose import StartPose
 
+MODEL_FILE_SUFFIX = ".toml"
+"""A ``base.model`` that ends so is a file, any other the name of a shipped model."""
 KeyPart = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9_-]+$")]
 
 
@@ -142,7 +144,7 @@ def load_config(path: Path) -> AgentConfig:
 
     Raises:
         ConfigError: the file is missing, is not TOML, or has an unknown key, a wrong type or a
-            value out of range, at any depth.
+            value out of range, at any depth; or so has the model file that it names.
     """
     try:
         content = path.read_bytes()
@@ -150,7 +152,7 @@ def load_config(path: Path) -> AgentConfig:
         raise ConfigError(
             f"{path}: cannot be read ({error.strerror}); give the path of a robot's TOML file"
         ) from error
-    return parse_config(content, str(path))
+    return _with_model_file(parse_config(content, str(path)), path)
 
 
 def parse_config(content: bytes, source: str) -> AgentConfig:
@@ -164,24 +166,29 @@ def parse_config(content: bytes, source: str) -> AgentConfig:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{source}: is not TOML: {error}; correct that line") from error
     try:
-        return _with_noise_of_model(msgspec.convert(table, AgentConfig), table)
+        return msgspec.convert(table, AgentConfig)
     except msgspec.ValidationError as error:
         raise ConfigError(_explain(source, str(error), table)) from error
 
 
-def _with_noise_of_model(config: AgentConfig, table: dict[str, Any]) -> AgentConfig:
-    """Return the configuration with the model's odometry noise where the file sets none."""
+def _with_model_file(config: AgentConfig, path: Path) -> AgentConfig:
+    """Return the configuration with the content of its model file, if it names one.
+
+    path: of the configuration file, whose folder the name is relative to.
+    """
+    model = config.base.model
+    if model is None:
+        return config
     try:
-        model = load_model(config.base.model)
-    except UnknownModelError:
-        return config  # reported where the model is loaded
-    motion: dict[str, Any] = table.get("localization", {}).get("motion", {})
-    noise = msgspec.to_builtins(model.odometry_noise)
-    whole = msgspec.to_builtins(config.localization.motion) | noise | motion
-    localization = msgspec.structs.replace(
-        config.localization, motion=msgspec.convert(whole, MotionSettings)
+        if not model.endswith(MODEL_FILE_SUFFIX):
+            load_model(model)
+            return config
+        content = load_model_file(path.parent / model)
+    except (ModelFileError, UnknownModelError) as error:
+        raise ConfigError(f"{path}: base.model: {error}") from error
+    return msgspec.structs.replace(
+        config, base=msgspec.structs.replace(config.base, model_file=content)
     )
-    return msgspec.structs.replace(config, localization=localization)
 
 
 def _explain(source: str, complaint: str, table: dict[str, Any]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
+from drivers.p2os.fitted_bumpers import FittedBumpers
 from drivers.p2os.model import RobotModel
 from drivers.p2os.odometer import Odometer
 from drivers.p2os.sip import SIP_MOVING, Sip
@@ -16,6 +17,7 @@ NO_TEMPERATURE = -127
 class ChargeState(IntEnum):
     """State of the charger, reported by later firmware."""
 
+    UNKNOWN = -1  # a code that is not documented
     NOT_CHARGING = 0
     BULK = 1
     OVERCHARGE = 2
@@ -23,12 +25,16 @@ class ChargeState(IntEnum):
     BALANCE = 4
 
 
+_CHARGE_CODES = range(max(ChargeState) + 1)
+
+
 @dataclass(frozen=True, slots=True)
 class BaseState:
     """One report of the base, with the time of its measurement.
 
     ``x``, ``y``, ``theta`` are in the odom frame, continuous across counter wraps and new
-    sessions; theta is not wrapped. Bit 0 of a bumper mask is the ring's first segment.
+    sessions; theta is not wrapped. Bit 0 of a bumper mask is the ring's first segment; a ring
+    that is not fitted is 0.
     ``sonar`` holds (transducer number, range in m) of the readings new since the last report.
     Fields that only later firmware reports are None, 0 or False with P2OS.
     """
@@ -59,12 +65,19 @@ class BaseState:
     unknown_sonars: int = 0  # number of readings dropped: the model lacks the transducer
 
     @property
+    def charging(self) -> bool:
+        """Whether the base reports a charger at work, or a state of it that is not documented."""
+        return self.charge_state not in (None, ChargeState.NOT_CHARGING)
+
+    @property
     def standing(self) -> bool:
         """Whether both wheels report less than 10 mm/s."""
         return abs(self.v_left) < 0.01 and abs(self.v_right) < 0.01
 
 
-def base_state(t: float, sip: Sip, odometer: Odometer, model: RobotModel) -> BaseState:
+def base_state(
+    t: float, sip: Sip, odometer: Odometer, model: RobotModel, bumpers: FittedBumpers
+) -> BaseState:
     """Convert a SIP by the model's factors; ``odometer`` must be up to date with its counters."""
     conversion = model.conversion
     v_left = sip.left_speed_counts * conversion.speed
@@ -72,7 +85,7 @@ def base_state(t: float, sip: Sip, odometer: Odometer, model: RobotModel) -> Bas
     tail = sip.tail
     decivolts = tail.battery_decivolts
     fitted = [reading for reading in sip.sonar if reading[0] < len(model.sonar)]
-    left, right = sip.left_stall_byte, sip.right_stall_byte
+    front, rear = bumpers.pressed(sip)
     return BaseState(
         t,
         odometer.x,
@@ -83,10 +96,10 @@ def base_state(t: float, sip: Sip, odometer: Odometer, model: RobotModel) -> Bas
         v_left,
         v_right,
         0.1 * (sip.battery_decivolts if decivolts is None else decivolts),
-        bool(left & 1),
-        bool(right & 1),
-        right >> 1,
-        left >> 1,
+        bool(sip.left_stall_byte & 1),
+        bool(sip.right_stall_byte & 1),
+        front,
+        rear,
         sip.motors_enabled,
         sip.sonar_on,
         sip.flags,
@@ -102,7 +115,9 @@ def base_state(t: float, sip: Sip, odometer: Odometer, model: RobotModel) -> Bas
 
 
 def _charge_state(code: int | None) -> ChargeState | None:
-    return None if code is None or code > max(ChargeState) else ChargeState(code)
+    if code is None:
+        return None
+    return ChargeState(code) if code in _CHARGE_CODES else ChargeState.UNKNOWN
 
 
 def _temperature(celsius: int | None) -> int | None:

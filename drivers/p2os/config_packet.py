@@ -112,6 +112,11 @@ class ConfigPacket:
         """Whether the packet has more fields than those of P2OS."""
         return self.field_count > P2OS_FIELD_COUNT
 
+    @property
+    def states_bumpers(self) -> bool:
+        """Whether the fields with the numbers of bumper segments were on the wire."""
+        return self.field_count >= BUMPER_FIELD_COUNT
+
     def encode(self) -> bytes:
         """Return the packet's data: the first ``field_count`` fields and the surplus."""
         parts = [bytes((CONFIG_TYPE,))]
@@ -131,6 +136,8 @@ def _wire_layout() -> list[tuple[str, str]]:
 
 
 _LAYOUT = _wire_layout()
+BUMPER_FIELD_COUNT = [name for name, _ in _LAYOUT].index("rear_bumper_segments") + 1
+"""Fields of the shortest packet with the numbers of bumper segments."""
 LATER_FIELD_COUNT = [name for name, _ in _LAYOUT].index("charge_threshold") + 1
 """Fields an AROS/ARCOS-like controller sends."""
 

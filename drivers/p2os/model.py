@@ -1,6 +1,6 @@
 """Robot models: conversion factors, limits and geometry, loaded from ``models/*.toml``.
 
-A model file with ``like = "p2dx"`` holds only the differences to that model.
+A model file with ``like = "p2dx"`` holds only the differences to that shipped model.
 """
 
 from __future__ import annotations
@@ -8,22 +8,30 @@ from __future__ import annotations
 import math
 from functools import cache
 from importlib import resources
-from typing import Annotated, Any
+from pathlib import Path
+from typing import Annotated, Any, Literal
 
 import msgspec
 
 Positive = Annotated[float, msgspec.Meta(gt=0.0)]
 NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]
 _MODELS = resources.files("drivers.p2os.models")
+DEFAULT_MODEL = "p2dx"
+"""Model of a robot that has not yet said what it is."""
 
 
 class UnknownModelError(ValueError):
     """No model file exists for a subclass."""
 
 
+class ModelFileError(ValueError):
+    """A model file cannot be used; the message names file, reason and remedy."""
+
+
 class Conversion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """SI value of one wire count."""
 
+    heading_counts: Literal[1024, 4096] = 4096  # per turn
     distance: Positive  # m per x or y count
     speed: Positive  # m/s per wheel speed count
     range: Positive  # m per sonar count
@@ -37,12 +45,18 @@ class Body(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
     front: Positive
     rear: Positive
     width: Positive
-    swing_radius: Positive
+
+    @property
+    def corner_reach(self) -> float:
+        """Distance, m, of the farthest corner from the middle of the axle: its reach in a turn."""
+        return math.hypot(max(self.front, self.rear), 0.5 * self.width)
 
 
 class LaserMount(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Pose of the laser in base_link."""
+    """Type of the vendor's laser and its pose in base_link."""
 
+    type: Literal["lms2xx", "lms1xx", "lms500", "tim5xx", "s3series", "none"] = "lms2xx"
+    upside_down: bool = False
     x: float  # m
     y: float  # m
     heading_deg: float
@@ -80,6 +94,8 @@ class RobotModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     top_speed: Positive  # m/s
     top_turn_rate_deg: Positive  # deg/s
     sonar_far: Positive  # m, reported by a transducer without an echo
+    bumper_segments: tuple[int, int] = (5, 5)  # of the front and the rear ring, where fitted
+    battery: Literal[12, 24] = 12  # V, nominal, of lead-acid blocks
     sonar: tuple[SonarMount, ...]
     conversion: Conversion
     body: Body
@@ -90,6 +106,11 @@ class RobotModel(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     def top_turn_rate(self) -> float:
         """Fastest turn in rad/s."""
         return math.radians(self.top_turn_rate_deg)
+
+    @property
+    def battery_share(self) -> float:
+        """The battery's voltage in units of a 12 V one's."""
+        return self.battery / 12
 
     @property
     def laser_mount(self) -> tuple[float, float, float]:
@@ -103,19 +124,35 @@ def model_names() -> list[str]:
     return sorted(name.removesuffix(".toml") for name in files if name.endswith(".toml"))
 
 
-@cache
 def load_model(subclass: str) -> RobotModel:
     """Return the model of a subclass, ignoring case; raises UnknownModelError."""
-    name = subclass.lower()
-    if name not in model_names():
-        known = ", ".join(model_names())
-        raise UnknownModelError(f"robot model {subclass!r}: no such model, use one of {known}")
+    return _shipped(subclass.lower())
+
+
+@cache
+def _shipped(name: str) -> RobotModel:
     return msgspec.convert(_fields(name), type=RobotModel)
 
 
+def load_model_file(path: Path) -> RobotModel:
+    """Return the model of a file outside this package; raises ModelFileError."""
+    try:
+        return msgspec.convert(_merged(path.read_text(encoding="utf-8")), type=RobotModel)
+    except (OSError, UnicodeDecodeError, msgspec.DecodeError, UnknownModelError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise ModelFileError(f"{path}: {reason}; correct the model file") from error
+
+
 def _fields(name: str) -> dict[str, Any]:
-    """Return the content of a model file merged over that of the file named by ``like``."""
-    text = _MODELS.joinpath(f"{name}.toml").read_text(encoding="utf-8")
+    """Return the whole content of a shipped model file; raises UnknownModelError."""
+    if name not in model_names():
+        known = ", ".join(model_names())
+        raise UnknownModelError(f"robot model {name!r}: no such model, use one of {known}")
+    return _merged(_MODELS.joinpath(f"{name}.toml").read_text(encoding="utf-8"))
+
+
+def _merged(text: str) -> dict[str, Any]:
+    """Return the content of a model file merged over that of the model named by ``like``."""
     own: dict[str, Any] = msgspec.toml.decode(text)
     base = own.pop("like", None)
     return own if base is None else _overlaid(_fields(base), own)

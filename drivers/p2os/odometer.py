@@ -20,6 +20,11 @@ def counter_step(new: int, old: int) -> int:
     return (new - old + _HALF) % COUNTS_PER_TURN - _HALF
 
 
+def in_finest_counts(heading: int, counts_per_turn: int) -> int:
+    """Return a heading counter in COUNTS_PER_TURN, of a controller with fewer counts in a turn."""
+    return heading * (COUNTS_PER_TURN // counts_per_turn)
+
+
 def is_near_zero(counter: int) -> bool:
     """Whether a counter is at zero, within the drift of a robot at rest."""
     return abs((counter + 0x4000) % 0x8000 - 0x4000) <= ZERO_DRIFT

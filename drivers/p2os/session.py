@@ -16,12 +16,14 @@ from drivers.p2os.commands import CLOSE, OPEN, PULSE, STAND_STILL, STOP, Command
 from drivers.p2os.config_packet import ConfigPacket
 from drivers.p2os.drive_request import DriveRequest
 from drivers.p2os.extended_packets import Notification
+from drivers.p2os.fitted_bumpers import FittedBumpers
 from drivers.p2os.framing import OVERHEAD, PacketFramer
 from drivers.p2os.handshake import Handshake
 from drivers.p2os.latest_packets import LatestPackets
-from drivers.p2os.model import RobotModel, UnknownModelError, load_model
+from drivers.p2os.model import RobotModel
+from drivers.p2os.model_choice import choose_model, expected_model
 from drivers.p2os.motor_watch import MotorState, MotorWatch
-from drivers.p2os.odometer import Odometer
+from drivers.p2os.odometer import Odometer, in_finest_counts
 from drivers.p2os.packets import decode_packet, is_known
 from drivers.p2os.robot_identity import RobotIdentity
 from drivers.p2os.set_up import SetUp
@@ -74,7 +76,9 @@ class P2osSession:
         self.state = SessionState.DOWN
         self.state_since = -math.inf
         self.identity: RobotIdentity | None = None
-        self.model: RobotModel = load_model(settings.model)
+        self.model: RobotModel = expected_model(settings)
+        self.model_trouble: str | None = None
+        """Why the model is not known to be the robot's; the session is then never READY."""
         self.latest = LatestPackets()
         self.counters = SessionCounters()
         self.framer = PacketFramer()
@@ -85,13 +89,13 @@ class P2osSession:
         self._requested = DriveRequest(settings)
         self._outbox = CommandOutbox(self._requests, self._on_sent)
         self._set_up = SetUp(settings, self._outbox)
+        self._bumpers = FittedBumpers(self.model.bumper_segments)
         self._motors = MotorWatch()
         self._base: BaseState | None = None
         self._last_byte = self._last_sip = self._t = -math.inf
         self._ours = False
-        self._odometer_left_open: tuple[int, int, int] | None = None
+        self._left_open: Sip | None = None  # latest SIP of a session another client left open
         self._search_reason: str | None = None
-        self._model_trouble: str | None = None
 
     @property
     def baud(self) -> int:
@@ -114,12 +118,18 @@ class P2osSession:
 
         From the session that another client left open, if there was one, else from the latest SIP.
         """
-        return self._odometer_left_open or self._odometer.counters
+        left_open = self._left_open
+        return self._odometer.counters if left_open is None else self._counters_of(left_open)
 
     @property
     def watchdog(self) -> float:
         """Time without a packet, s, after which the controller halts the robot."""
         return self._set_up.watchdog
+
+    @property
+    def missing_bumpers(self) -> str | None:
+        """A line for people with the bumper rings that the robot lacks; None if it lacks none."""
+        return None if self._base is None else self._bumpers.missing
 
     @property
     def motors(self) -> MotorState:
@@ -133,7 +143,7 @@ class P2osSession:
             return None
         if self.state in SEARCHING:
             return self.handshake.trouble or self._search_reason
-        return self._motors.trouble(self._t) or self._set_up.trouble or self._model_trouble
+        return self.model_trouble or self._motors.trouble(self._t) or self._set_up.trouble
 
     def link_up(self, t: float) -> None:
         """Start the search for the robot: the port is open."""
@@ -247,7 +257,7 @@ class P2osSession:
             sip = decode_sip(data)
             if not self._ours or sip is None:
                 if sip is not None:
-                    self._odometer_left_open = (sip.x_counts, sip.y_counts, sip.heading_counts)
+                    self._left_open = sip
                 self._on_handshake(data, t)
                 return None
             self._resume(t)
@@ -257,6 +267,7 @@ class P2osSession:
                 return self._on_sip(packet, t, t_measured)
             case ConfigPacket():
                 self._set_up.on_config(packet)
+                self._bumpers.on_config(packet)
             case Notification():
                 self._restart(t)
             case None if is_known(data):
@@ -270,14 +281,17 @@ class P2osSession:
     def _on_sip(self, sip: Sip, t: float, t_measured: float) -> BaseState:
         self.counters.sips += 1
         self._last_sip = t
-        self._odometer.update(
-            sip.x_counts, sip.y_counts, sip.heading_counts, self.model.conversion.distance
-        )
-        base = base_state(t_measured, sip, self._odometer, self.model)
+        self._odometer.update(*self._counters_of(sip), self.model.conversion.distance)
+        base = base_state(t_measured, sip, self._odometer, self.model, self._bumpers)
         self.counters.unknown_sonars += base.unknown_sonars
         self._motors.update(base, commands_pending=not self._outbox.empty)
         self._base = base
         return base
+
+    def _counters_of(self, sip: Sip) -> tuple[int, int, int]:
+        """Return the x, y and heading counters of a SIP, the heading in the finest counts."""
+        per_turn = self.model.conversion.heading_counts
+        return sip.x_counts, sip.y_counts, in_finest_counts(sip.heading_counts, per_turn)
 
     # Finding the robot
 
@@ -300,11 +314,13 @@ class P2osSession:
     def _open(self, identity: RobotIdentity, t: float) -> None:
         """Start the servers and load the model of the robot that answered."""
         self.identity = identity
-        self._choose_model(identity)
+        self.model, self.model_trouble = choose_model(self._settings, identity.subclass)
         self.latest = LatestPackets()
         self._odometer.forget_reference()
+        self._bumpers = FittedBumpers(self.model.bumper_segments)
         self._ours = False
         self._begin_opening(OPEN, t)
+        self._set_up.limit_to(self.model)
         self._set_up.begin(t, resumed=False)
         self._outbox.flush(t)
 
@@ -320,17 +336,6 @@ class P2osSession:
         self._outbox.restart(t)
         self._last_sip = t
         self._outbox.send(first, t)
-
-    def _choose_model(self, identity: RobotIdentity) -> None:
-        self._model_trouble = None
-        try:
-            self.model = load_model(identity.subclass)
-        except UnknownModelError:
-            self.model = load_model(self._settings.model)
-            self._model_trouble = (
-                f"robot is a {identity.subclass!r}, of which no model is known: its distances are "
-                f"taken for those of a {self.model.subclass}; add a model file for it"
-            )
 
     def _go_silent(self, t: float) -> None:
         self.counters.silences += 1
@@ -353,7 +358,7 @@ class P2osSession:
         """Go on with CONFIG, limits, zero motion, limits read back; then READY."""
         prepared = self._set_up.advance(t)
         self._outbox.flush(t)
-        if prepared and self._base is not None:
+        if prepared and self._base is not None and self.model_trouble is None:
             self._ours = True
             self._enter(SessionState.READY, t)
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from enum import Enum
 
+import msgspec
+
 from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.command_outbox import (
     DEFAULT_WATCHDOG,
@@ -13,6 +15,7 @@ from drivers.p2os.command_outbox import (
 )
 from drivers.p2os.commands import REQUEST_CONFIG, STAND_STILL, STOP, Command, command
 from drivers.p2os.config_packet import ConfigPacket
+from drivers.p2os.model import RobotModel
 from drivers.p2os.settings import BaseSettings
 
 ACCELERATION = 0.3  # m/s^2
@@ -58,6 +61,14 @@ class SetUp:
         """Time without a packet, s, after which the controller halts; by CONFIG or default."""
         stated = self.config.watchdog_ms if self.config and self.config.is_whole else 0
         return 0.001 * stated if stated else DEFAULT_WATCHDOG
+
+    def limit_to(self, model: RobotModel) -> None:
+        """Ask for no higher limits than those of the robot's model."""
+        self._settings = msgspec.structs.replace(
+            self._settings,
+            max_speed=min(self._settings.max_speed, model.top_speed),
+            max_turn_rate=min(self._settings.max_turn_rate, model.top_turn_rate),
+        )
 
     def begin(self, t: float, *, resumed: bool) -> None:
         """Start; a resumed session skips the first CONFIG."""

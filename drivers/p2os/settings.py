@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 import msgspec
 
+from drivers.p2os.model import RobotModel
+
 
 class BaseSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The robot base: its serial port, model and the speed limits given to its controller."""
@@ -21,12 +23,14 @@ class BaseSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         msgspec.Meta(description="Rate of the base's line", extra={"unit": "baud"}),
     ] = 9600
     model: Annotated[
-        str,
+        str | None,
         msgspec.Meta(
-            description="Model file used if the robot reports a subclass without one; its odometry"
-            " noise is the default of localization.motion"
+            description="What the robot must report to be, or a model file of its own, relative to"
+            " the configuration file (./mine.toml); unset: the model it reports"
         ),
-    ] = "p2dx"
+    ] = None
+    model_file: RobotModel | None = None
+    """Content of the file that ``model`` names: filled in where the configuration is loaded."""
     max_speed: Annotated[
         float,
         msgspec.Meta(

@@ -136,6 +136,17 @@ class IntruderPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=T
     ] = ""
 
 
+class BodyPayload(msgspec.Struct, frozen=True):
+    """The robot's size and its laser's place, by its model, in base_link."""
+
+    front: Annotated[float, Meta(description="m from the axle")]
+    rear: Annotated[float, Meta(description="m from the axle")]
+    half_width: Annotated[float, Meta(description="m")]
+    laser_x: Annotated[float, Meta(description="m")]
+    laser_y: Annotated[float, Meta(description="m")]
+    laser_theta: Annotated[float, Meta(description="rad")]
+
+
 class StatusPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """Whether this robot is well: power, devices, localization."""
 
@@ -144,6 +155,7 @@ class StatusPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=Tru
     team: str
     uptime: Annotated[float, Meta(description="time since the agent's start (s)")]
     health: Annotated[str, Meta(description="ok, or the first thing that keeps it from patrolling")]
+    body: BodyPayload | None = None
     battery: Annotated[float | None, Meta(description="V; absent until the base reports")] = None
     motors_enabled: bool = False
     stalled: bool = False

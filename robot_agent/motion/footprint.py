@@ -23,6 +23,11 @@ class Footprint:
         """Distance, m, of the farthest corner from the middle of the axle: its reach in a turn."""
         return math.hypot(max(self._front, self._rear), self._half_width)
 
+    @property
+    def middle_offset(self) -> float:
+        """Distance, m, of the body's middle from the middle of the axle."""
+        return 0.5 * abs(self._rear - self._front)
+
     def covers(self, points: NDArray[np.float64], margin: float = 0.0) -> NDArray[np.bool_]:
         """Return (n,) which points (n, 2), m, base_link, are in the footprint plus margin, m."""
         x, y = points.T

@@ -43,6 +43,8 @@ class GateInputs(msgspec.Struct, frozen=True):
     w: float  # rad/s
     obstacles: NDArray[np.float64]  # (n, 2), m, base_link: obstacle points of all sources
     views: tuple[FieldOfView, ...] = ()  # of the sensors with fresh data; none: no driving
+    body_known: bool = True  # whether the footprint is known to be this robot's
+    charging: bool = False  # on a charger, or the charger's state is an unknown one
     overloaded: bool = False  # the agent misses its deadlines
     limited: bool = False  # limited mode: slow, needs no localization; all other checks apply
 
@@ -172,6 +174,8 @@ class SafetyGate:
             return GateReason.STALE_LASER
         if not _all_finite(inputs.obstacles):
             return GateReason.INVALID
+        if not inputs.body_known:
+            return GateReason.BODY_UNKNOWN
         if inputs.overloaded:
             return GateReason.OVERLOADED
         located = inputs.limited or inputs.health in ("localized", "unsure")
@@ -186,6 +190,8 @@ class SafetyGate:
             return GateReason.STALLED_AGAIN
         if inputs.stop_button:
             return GateReason.STOP_BUTTON
+        if inputs.charging:
+            return GateReason.CHARGING
         if self._battery.low:
             return GateReason.BATTERY_LOW
         if not inputs.motors_enabled:

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 import msgspec
 
+from drivers.p2os.model import DEFAULT_MODEL, load_model
 from robot_agent.motion.freshness_limits import BASE, LASER
+
+_BODY = load_model(DEFAULT_MODEL).body
 
 
 class GateLimits(msgspec.Struct, frozen=True, kw_only=True):
-    """Limits of the gate. The footprint is a rectangle round the axle's middle (Pioneer 2-DX)."""
+    """Limits of the gate. The footprint is a rectangle round the axle's middle.
 
-    front: float = 0.21  # m from the axle to the foremost point
-    rear: float = 0.301  # m from the axle to the rearmost point
-    half_width: float = 0.2125  # m
+    ``gate_limits`` takes footprint and battery from the robot's model.
+    """
+
+    front: float = _BODY.front  # m from the axle to the foremost point
+    rear: float = _BODY.rear  # m from the axle to the rearmost point
+    half_width: float = 0.5 * _BODY.width  # m
     margin: float = 0.08  # m kept free beside while driving
-    front_margin: float = 0.20  # m kept free ahead: room to turn, as corners reach 0.37 m
+    front_margin: float = 0.20  # m kept free ahead: room to turn
     turn_margin: float = 0.02  # m kept free round the body while turning in place
     max_base_age: float = BASE.max_age  # s since the last base report was measured
     max_scan_age: float | None = None  # s likewise of a scan; None: LASER.max_age

@@ -12,11 +12,13 @@ class GateReason(StrEnum):
     INVALID = "invalid"  # an input is NaN or infinite
     STALE_BASE = "stale_base"
     STALE_LASER = "stale_laser"
+    BODY_UNKNOWN = "body_unknown"  # no model known to be this robot's: its size is a guess
     OVERLOADED = "overloaded"  # the agent misses its deadlines
     NOT_LOCALIZED = "not_localized"
     BUMPED_AGAIN = "bumped_again"  # latched until a person has inspected the robot
     STALLED_AGAIN = "stalled_again"  # latched likewise
     STOP_BUTTON = "stop_button"
+    CHARGING = "charging"  # or the base reports an unknown state of its charger
     BATTERY_LOW = "battery_low"
     MOTORS_OFF = "motors_off"
     STALLED = "stalled"

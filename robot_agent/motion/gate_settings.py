@@ -6,30 +6,22 @@ from typing import Annotated
 
 import msgspec
 
+from drivers.p2os.model import RobotModel
 from robot_agent.motion.freshness_limits import scan_age_limit
 from robot_agent.motion.gate_limits import GateLimits
 
 Positive = Annotated[float, msgspec.Meta(gt=0.0)]
 NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]
 _DEFAULT = GateLimits()
+_TURNING_ROOM = 0.04  # m, ours: beyond the reach of the corners, before an obstacle ahead
 
 
 class GateSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Body, speeds and battery of one robot, for the gate; its other limits are constants."""
+    """Speeds and battery of one robot, for the gate.
 
-    front: Annotated[
-        Positive,
-        msgspec.Meta(
-            description="from the axle to the foremost point of the body", extra={"unit": "m"}
-        ),
-    ] = _DEFAULT.front
-    rear: Annotated[
-        Positive,
-        msgspec.Meta(description="from the axle to the rearmost point", extra={"unit": "m"}),
-    ] = _DEFAULT.rear
-    half_width: Annotated[
-        Positive, msgspec.Meta(description="half the body's width", extra={"unit": "m"})
-    ] = _DEFAULT.half_width
+    Its body is that of the robot's model; the other limits are constants.
+    """
+
     margin: Annotated[
         NotNegative, msgspec.Meta(description="kept free beside while driving", extra={"unit": "m"})
     ] = _DEFAULT.margin
@@ -40,26 +32,44 @@ class GateSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
         Positive, msgspec.Meta(description="limit of the turning rate", extra={"unit": "rad/s"})
     ] = _DEFAULT.max_turn_rate
     battery_cutoff: Annotated[
-        Positive,
-        msgspec.Meta(description="near it the controller itself shuts down", extra={"unit": "V"}),
-    ] = _DEFAULT.battery_cutoff
+        Positive | None,
+        msgspec.Meta(
+            description="near it the controller itself shuts down; unset: by the model's battery",
+            extra={"unit": "V"},
+        ),
+    ] = None
     battery_resume: Annotated[
-        Positive,
-        msgspec.Meta(description="from which a robot may drive again", extra={"unit": "V"}),
-    ] = _DEFAULT.battery_resume
+        Positive | None,
+        msgspec.Meta(
+            description="from which a robot may drive again; unset: by the model's battery",
+            extra={"unit": "V"},
+        ),
+    ] = None
 
     def __post_init__(self) -> None:
         """Raise ValueError if battery_resume is below battery_cutoff."""
-        if self.battery_resume < self.battery_cutoff:
+        cutoff, resume = self.battery_cutoff, self.battery_resume
+        if cutoff is not None and resume is not None and resume < cutoff:
             raise ValueError(
-                f"battery_resume {self.battery_resume} V must not be below "
-                f"battery_cutoff {self.battery_cutoff} V"
+                f"battery_resume {resume} V must not be below battery_cutoff {cutoff} V"
             )
 
 
-def gate_limits(settings: GateSettings, scan_period: float | None = None) -> GateLimits:
+def gate_limits(
+    settings: GateSettings, model: RobotModel, scan_period: float | None = None
+) -> GateLimits:
     """Return the limits for a robot; scan_period, s, sets the age limit of scans if given."""
-    limits = GateLimits(**msgspec.structs.asdict(settings))
-    if scan_period is None:
-        return limits
-    return msgspec.structs.replace(limits, max_scan_age=scan_age_limit(scan_period))
+    body = model.body
+    front_margin = max(_DEFAULT.front_margin, body.corner_reach - body.front + _TURNING_ROOM)
+    return GateLimits(
+        front=body.front,
+        rear=body.rear,
+        half_width=0.5 * body.width,
+        margin=settings.margin,
+        front_margin=front_margin,
+        max_speed=settings.max_speed,
+        max_turn_rate=settings.max_turn_rate,
+        battery_cutoff=settings.battery_cutoff or _DEFAULT.battery_cutoff * model.battery_share,
+        battery_resume=settings.battery_resume or _DEFAULT.battery_resume * model.battery_share,
+        max_scan_age=None if scan_period is None else scan_age_limit(scan_period),
+    )

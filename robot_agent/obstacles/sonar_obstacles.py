@@ -56,22 +56,26 @@ class SonarObstacles:
     _low_t: NDArray[np.float64]  # (n,) s, when each was heard
 
     def __init__(self, model: RobotModel) -> None:
-        self._use_model(model)
+        count = len(model.sonar)
+        self._ring = SonarRing(model)
+        self._cones = [_cone(mount, model) for mount in model.sonar]
+        self._is_front = np.array([_is_front(mount) for mount in model.sonar], dtype=bool)
+        self._echoes = np.full((count, 2), np.nan)
+        self._heard_t = np.full(count, -np.inf)  # of these echoes
+        self._low = np.empty((0, 2))
+        self._low_t = np.empty(0)
 
     def update(
         self,
         state: BaseState,
         odometry: Pose,
-        model: RobotModel,
         seen: Callable[[], NDArray[np.float64]],
     ) -> None:
         """Store a base report's readings; odometry: odom_from_base when it was measured.
 
-        model: geometry of the transducers; all echoes are dropped when it changes. seen:
-        returns the laser's points near the robot, (n, 2), m, base_link; few reports need them.
+        seen: returns the laser's points near the robot, (n, 2), m, base_link; few reports need
+        them.
         """
-        if model is not self._model:
-            self._use_model(model)
         self._ring.update(state.t, state.sonar)
         fresh = [number for number, _ in state.sonar]
         if not fresh:
@@ -133,14 +137,3 @@ class SonarObstacles:
     def _cone_to(self, number: int, half_angle: float, reach: float) -> FieldOfView:
         """Return a transducer's cone of another half angle, rad, and reach, m."""
         return self._cones[number]._replace(half_angle=half_angle, reach=reach)
-
-    def _use_model(self, model: RobotModel) -> None:
-        count = len(model.sonar)
-        self._model = model
-        self._ring = SonarRing(model)
-        self._cones = [_cone(mount, model) for mount in model.sonar]
-        self._is_front = np.array([_is_front(mount) for mount in model.sonar], dtype=bool)
-        self._echoes = np.full((count, 2), np.nan)
-        self._heard_t = np.full(count, -np.inf)  # of these echoes
-        self._low = np.empty((0, 2))
-        self._low_t = np.empty(0)

@@ -14,13 +14,14 @@ from drivers.p2os.model import RobotModel
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
 from robot_agent.motion.field_of_view import FieldOfView
+from robot_agent.motion.footprint import Footprint
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.obstacle_points import ObstaclePoints, ObstacleSource
 from robot_agent.obstacles.latest_scan import Obstacles
 from robot_agent.obstacles.map_obstacles import MapObstacles
 from robot_agent.obstacles.recent_scan_memory import RecentScanMemory
 from robot_agent.obstacles.sonar_obstacles import SonarObstacles
-from robot_agent.obstacles.teammate_keep_out import teammate_keep_out
+from robot_agent.obstacles.teammate_keep_out import TeammateKeepOut
 from robot_agent.obstacles.wall_memory import WallMemory
 from robot_agent.perception.scan_points import ScanProjector, move_points
 from robot_agent.perception.track import Track
@@ -53,6 +54,7 @@ class Surroundings:
         self._sonar_obstacles = SonarObstacles(model)
         self._map_obstacles = MapObstacles(occupancy, gate)
         self._wall_memory = WallMemory(gate)
+        self._keep_out = TeammateKeepOut(Footprint(gate))
         self._unexplained = unexplained
 
     @property
@@ -88,11 +90,9 @@ class Surroundings:
         walls = points[~self._unexplained.mask(localized, points, ranges)]
         self._wall_memory.update(odometry, walls)
 
-    def on_sonar(self, state: BaseState, odometry: Pose, model: RobotModel) -> None:
+    def on_sonar(self, state: BaseState, odometry: Pose) -> None:
         """Store the sonar echoes of a base report; odometry: odom_from_base at the report."""
-        self._sonar_obstacles.update(
-            state, odometry, model, lambda: self._obstacles.around(odometry)
-        )
+        self._sonar_obstacles.update(state, odometry, lambda: self._obstacles.around(odometry))
 
     def views(self, t: float) -> tuple[FieldOfView, ...]:
         """Return the fields of view, base_link, of the laser and of the front sonars heard by t.
@@ -134,7 +134,7 @@ class Surroundings:
                 and math.hypot(track.x - localized.x, track.y - localized.y) < _NEAR
             ]
             if near:
-                room = teammate_keep_out(move_points(np.array(near), localized.inverse()))
+                room = self._keep_out.around(move_points(np.array(near), localized.inverse()))
                 parts.append((ObstacleSource.TEAMMATE_ROOM, room))
         return ObstaclePoints.joined(parts)
 

@@ -18,6 +18,7 @@ from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.perception.scan_points import move_points
 
 _NEAR = 0.8  # m round the robot; points farther away are seen again or do not matter
+_BEYOND = 0.4  # m at least beyond the corners' reach
 _STEP = 0.04  # m between two scans that are kept
 _KEPT_WAY = 1.5  # m driven until a scan is dropped; odometry is precise enough up to here
 _CELL = 0.05  # m; the points of a wall within a cell are averaged
@@ -38,6 +39,7 @@ class WallMemory:
         """Start without walls. gate: limits with the footprint."""
         self._footprint = Footprint(gate)
         self._reach = self._footprint.corner_reach + _MARGIN
+        self._near = max(_NEAR, self._footprint.corner_reach + _BEYOND)
         self._way = 0.0  # m driven so far
         self._kept_at: Pose | None = None  # odom_from_base of the last scan kept
         self._scans: deque[tuple[float, NDArray[np.float64]]] = deque()  # way, points in odom
@@ -52,7 +54,7 @@ class WallMemory:
             self._way += driven
         self._kept_at = odometry
         x, y = walls.T
-        near = walls[x * x + y * y < _NEAR * _NEAR]
+        near = walls[x * x + y * y < self._near**2]
         if len(near):
             self._scans.append((self._way, move_points(near, odometry)))
         while self._scans and self._way - self._scans[0][0] > _KEPT_WAY:

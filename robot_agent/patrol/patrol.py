@@ -123,6 +123,11 @@ class Patrol:
         self._abscissa: float | None = None  # of the last step, m
         self._direction: int | None = None  # of the last patrol; None before the first
 
+    def use_approach_field(self, approach_field: ApproachField | None) -> None:
+        """Take the paths round walls of a robot of another size."""
+        if AROUND_WALLS in self._settings.modifiers:
+            self._approach_field = approach_field
+
     def step(
         self,
         t: float,

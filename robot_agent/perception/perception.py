@@ -50,11 +50,16 @@ class Perception:
     ) -> None:
         """body: corners of the robot's own body, which its teammates may have too, m."""
         self._lens = camera
+        self._settings = settings
         silhouettes = Silhouettes.admitted(settings.silhouettes, body)
         self.tracker = TeammateTracker(settings, folder.map, silhouettes, camera, folder.border)
         self.camera = CameraWatch(camera)
         self.intruders = Intruders(settings, folder.border) if folder.border else None
         self._pictured: Intruder | None = None
+
+    def use_body(self, body: Corners) -> None:
+        """Admit the settings' silhouettes for another body of the robot, corners in m."""
+        self.tracker.silhouettes = Silhouettes.admitted(self._settings.silhouettes, body)
 
     def tracked_points(
         self, t: float, estimate: Estimate | None, odometry: Pose, points: NDArray[np.float64]

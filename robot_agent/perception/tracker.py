@@ -63,7 +63,8 @@ class TeammateTracker:
         gate_distance: m; no association of a detection farther from a track. max_covered: share of
         a scan's points above which ``covered`` returns None.
         """
-        self._silhouettes = silhouettes
+        self.silhouettes = silhouettes
+        """What teammates may look like."""
         self._border = border
         self._reflecting_bands = settings.reflecting_bands
         self._gate_distance, self._max_covered = gate_distance, max_covered
@@ -233,7 +234,7 @@ class TeammateTracker:
         """Return the segments of a scan that may be a robot or a person, in the map frame."""
         ranges = np.hypot(points[:, 0], points[:, 1])
         unexplained = self.unexplained.mask(pose, points, ranges, sigma)
-        segments = find_segments(self._silhouettes, points, ranges, unexplained, reflectors)
+        segments = find_segments(self.silhouettes, points, ranges, unexplained, reflectors)
         known = USUAL_POSE_SIGMA if sigma is None else sigma
         return [_in_map(pose, segment, known) for segment in segments]
 

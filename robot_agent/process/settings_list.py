@@ -10,7 +10,7 @@ import msgspec
 
 from robot_agent.config import AgentConfig
 
-INTERNAL_SECTIONS = frozenset({"remembered"})
+INTERNAL_SECTIONS = frozenset({"remembered", "base.model_file"})
 """Sections that the agent fills in for its recordings; not for configuration files."""
 
 
@@ -42,7 +42,7 @@ def format_settings(settings: list[Setting]) -> str:
 def _settings_of(shape: type[msgspec.Struct], place: str) -> Iterator[Setting]:
     hints = get_type_hints(shape, include_extras=True)
     for field in msgspec.structs.fields(shape):
-        if not place and field.name in INTERNAL_SECTIONS:
+        if place + field.name in INTERNAL_SECTIONS:
             continue
         hint = hints[field.name]
         section = _section_in(hint)

@@ -6,6 +6,7 @@ from typing import Protocol
 
 from drivers.lms200.session import Lms200Session
 from drivers.p2os.session import P2osSession
+from maps.pose import Pose
 from robot_agent.motion.gate import GateDecision
 from robot_agent.motion.teleop import Teleop
 from robot_agent.perception.perception import Perception
@@ -18,6 +19,10 @@ class AgentState(Protocol):
     @property
     def base(self) -> P2osSession:
         """Session with the robot base."""
+
+    @property
+    def laser_mount(self) -> Pose:
+        """base_from_laser, as configured or by the robot's model."""
 
     @property
     def laser(self) -> Lms200Session:

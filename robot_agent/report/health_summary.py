@@ -28,6 +28,8 @@ class HealthSummary:
     def health(self) -> str:
         """Return "ok", or the first reason that prevents the robot from patrolling."""
         state = self._state
+        if state.base.model_trouble is not None:
+            return "base: no model known to be this robot's"
         if state.base.state is not SessionState.READY:
             return f"base {state.base.state}"
         if state.laser.state is not LaserState.STREAMING:

@@ -30,6 +30,7 @@ from robot_agent.messages.foxglove import (
 )
 from robot_agent.messages.notice import Notice
 from robot_agent.messages.streams import (
+    BodyPayload,
     CameraReport,
     DecisionPayload,
     DeviceStatus,
@@ -242,6 +243,7 @@ class TelemetryBuilder:
             team=self._team,
             uptime=t,
             health=self._health.health(),
+            body=self._body(),
             battery=None if base is None else base.battery,
             motors_enabled=base is not None and base.motors_enabled,
             stalled=base is not None and (base.stall_left or base.stall_right),
@@ -252,6 +254,10 @@ class TelemetryBuilder:
             degraded=self._health.degraded(t),
             localization=self._localization(),
         )
+
+    def _body(self) -> BodyPayload:
+        body, mount = self._state.base.model.body, self._state.laser_mount
+        return BodyPayload(body.front, body.rear, 0.5 * body.width, *mount)
 
     def _device(self, t: float, link: LinkName) -> DeviceStatus:
         session = self._state.base if link == "base" else self._state.laser

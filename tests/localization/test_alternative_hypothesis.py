@@ -15,7 +15,7 @@ from localization.kld import SampleLimits
 from localization.likelihood_field import LikelihoodField
 from localization.localizer import Localizer
 from localization.refinement import Refinement
-from localization.settings import LocalizationSettings
+from localization.settings import LocalizationSettings, MotionNoise
 from maps.pose import Pose
 
 APART = 9.0  # m between the two rooms
@@ -24,7 +24,7 @@ APART = 9.0  # m between the two rooms
 def alternative_search(room, seed: int = 3) -> AlternativeSearch:
     settings, rng = LocalizationSettings(), np.random.default_rng(seed)
     return AlternativeSearch(
-        settings.motion,
+        settings.motion.over(MotionNoise()),
         SampleLimits(settings.min_particles, settings.max_particles),
         LikelihoodField(room.map, settings.beams),
         Refinement(room.map),

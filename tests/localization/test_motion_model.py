@@ -15,12 +15,12 @@ from localization.motion_model import (
     decompose,
     move_particles,
 )
-from localization.settings import MotionSettings
+from localization.settings import MotionNoise
 from maps.pose import Pose
 
 COUNT = 20000
 HERE = Pose(0, 0, 0)
-SETTINGS = MotionSettings()
+SETTINGS = MotionNoise()
 
 
 def moved(increment: Pose, start: Pose = HERE, slip_share: float = 0.0) -> np.ndarray:
@@ -84,7 +84,7 @@ def test_some_particles_are_moved_as_if_the_wheels_slipped() -> None:
 
 
 def test_a_particle_that_slipped_is_likely_to_slip_again_by_as_much() -> None:
-    settings = MotionSettings(translation_per_translation=0.0)
+    settings = MotionNoise(translation_per_translation=0.0)
     slips, rng = np.full(COUNT, 0.3, np.float32), np.random.default_rng(1)
     particles, after = move_particles(
         np.zeros((COUNT, 3)), slips, Pose(1.0, 0, 0), settings, rng, slip_share=0.0

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from maps.approach_field import ApproachField
+from maps.approach_field import TWO_WHEELED_PIONEER, ApproachField, BodySize
 from maps.border import Border
 from maps.border_primitives import Segment
 from maps.map_folder import load_map_folder
@@ -120,6 +120,22 @@ def test_same_map_gives_the_same_field():
     one, other = (ApproachField(hall((0.0, 2.0, 5.0, 2.2)), LINE) for _ in range(2))
     for x in np.linspace(0.5, 5.0, 30):
         assert ask(one, float(x), 3.0) == ask(other, float(x), 3.0)
+
+
+def test_clearances_follow_the_size_of_the_body():
+    assert TWO_WHEELED_PIONEER.turning_clearance == 0.40
+    assert TWO_WHEELED_PIONEER.passing_clearance == 0.30
+    large = BodySize(0.6401, 0.34)
+    assert (large.turning_clearance, large.passing_clearance) == (0.68, 0.42)
+
+
+def test_gap_that_only_a_small_body_passes_is_a_way_for_that_one_alone():
+    occupancy = hall((0.0, 2.0, 2.6, 2.2), (3.4, 2.0, 10.0, 2.2))
+    small = ask(ApproachField(occupancy, LINE), 3.0, 3.0)
+    large = ask(ApproachField(occupancy, LINE, BodySize(0.6401, 0.34)), 3.0, 3.0)
+    assert large is not None
+    assert large.distance == math.inf
+    assert small is None or small.distance < math.inf
 
 
 def test_paper_lab_has_a_path_from_every_room_and_is_fast():

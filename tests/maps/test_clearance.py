@@ -7,7 +7,7 @@ import pytest
 
 from maps.border import Border
 from maps.border_primitives import Segment
-from maps.clearance import border_clearance
+from maps.clearance import NEEDED_CLEARANCE, border_clearance, needed_clearance
 from maps.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 from maps.pose import Pose
 
@@ -70,3 +70,8 @@ def test_place_of_entering_unknown_space_is_found() -> None:
 def test_map_without_walls_has_clearance_everywhere() -> None:
     occupancy = OccupancyMap(np.zeros((60, 80), np.uint8), 0.05, ORIGIN)
     assert border_clearance(occupancy, straight(-1, 11, 1, 11)).minimum > 6.9
+
+
+def test_needed_clearance_follows_the_reach_of_the_corners() -> None:
+    assert needed_clearance(0.3685) == NEEDED_CLEARANCE
+    assert needed_clearance(0.4022) == 0.49

@@ -259,7 +259,7 @@ def test_sonar_echo_behind_slows_a_turn_towards_it(folder: MapFolder) -> None:
     state = agent.odometry.latest
     assert state is not None
     behind = replace(state, sonar=((11, 0.1), (12, 0.1)))
-    agent.surroundings.on_sonar(behind, Pose(state.x, state.y, state.theta), agent.base.model)
+    agent.surroundings.on_sonar(behind, Pose(state.x, state.y, state.theta))
     inputs = msgspec.structs.replace(agent._gate_inputs(state.t, state), v=0.0, w=0.0, bumpers=0)
     with_sonar, without = (
         msgspec.structs.replace(inputs, obstacles=points)
@@ -267,7 +267,7 @@ def test_sonar_echo_behind_slows_a_turn_towards_it(folder: MapFolder) -> None:
     )
     turns = []
     for seen in (with_sonar, without):
-        gate = SafetyGate(gate_limits(agent.config.gate))
+        gate = SafetyGate(gate_limits(agent.config.gate, agent.base.model))
         for step in range(10):
             t = state.t + 0.1 * step
             at = msgspec.structs.replace(seen, base_time=t, scan_time=t)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from drivers.p2os.model import load_model
 from robot_agent.config import (
     AgentConfig,
     ConfigError,
@@ -87,21 +88,34 @@ def test_configured_map_is_loaded_with_its_border(tmp_path: Path) -> None:
     assert not folder.border.closed
 
 
-@pytest.mark.parametrize("model", ["p2dx", "p3dx"])
-def test_defaults_are_the_odometry_noise_of_our_robots(model: str) -> None:
-    assert parse_config(f'[base]\nmodel = "{model}"\n'.encode(), "x").localization == (
-        AgentConfig().localization
-    )
-
-
-def test_odometry_noise_is_the_models_unless_set() -> None:
-    motion = "translation_per_rotation = 0.5\n"
-    told = f'[base]\nmodel = "p3at"\n[localization.motion]\n{motion}'
-    config = parse_config(told.encode(), "x")
-    found = config.localization.motion
-    assert (found.rotation_per_rotation, found.translation_per_translation) == (0.3, 0.1)
-    assert found.translation_per_rotation == 0.5
+def test_model_file_beside_the_robots_file_is_loaded_and_kept_in_the_configuration(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "mine.toml").write_text('like = "p3at"\nsubclass = "p9zz"\n')
+    robot = tmp_path / "robot.toml"
+    robot.write_text('[base]\nmodel = "./mine.toml"\n')
+    config = load_config(robot)
+    assert config.base.model_file is not None
+    assert config.base.model_file.subclass == "p9zz"
+    assert config.base.model_file.body == load_model("p3at").body
     assert parse_config(format_config(config).encode(), "x") == config
+
+
+@pytest.mark.parametrize("content", [None, "width = 1", 'like = "p9"', "like"])
+def test_unusable_model_file_is_named(tmp_path: Path, content: str | None) -> None:
+    if content is not None:
+        (tmp_path / "mine.toml").write_text(content)
+    robot = tmp_path / "robot.toml"
+    robot.write_text('[base]\nmodel = "mine.toml"\n')
+    with pytest.raises(ConfigError, match=r"base\.model: .*mine\.toml"):
+        load_config(robot)
+
+
+def test_name_of_no_model_is_refused_where_the_file_is_loaded(tmp_path: Path) -> None:
+    robot = tmp_path / "robot.toml"
+    robot.write_text('[base]\nmodel = "p9"\n')
+    with pytest.raises(ConfigError, match=r"base\.model: robot model 'p9': no such model"):
+        load_config(robot)
 
 
 def test_unknown_model_does_not_raise_in_parsing() -> None:

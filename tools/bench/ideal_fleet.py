@@ -15,6 +15,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from drivers.p2os.model_choice import expected_model
 from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig, RobotSettings
@@ -67,7 +68,9 @@ class IdealFleet:
         self._ahead = np.array([robot.body.outline.middle for robot in self.robots])
         self._sight = IdealSight(config.perception.detection_range, folder.map, len(self.robots))
         self._closest = [math.inf] * len(self.robots)  # m to the nearest other robot
-        self._obstacles = IdealObstacles(gate_limits(config.gate), folder.map, folder.border)
+        self._obstacles = IdealObstacles(
+            gate_limits(config.gate, expected_model(config.base)), folder.map, folder.border
+        )
 
     def step(self) -> None:
         """Advance by STEP_S: motion, sensing, decisions."""

@@ -12,8 +12,9 @@ from maps.border import Border
 from maps.clearance import border_clearance
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose
+from robot_agent.motion.footprint import Footprint
 from robot_agent.motion.gate_limits import GateLimits
-from robot_agent.obstacles.teammate_keep_out import teammate_keep_out
+from robot_agent.obstacles.teammate_keep_out import TeammateKeepOut
 from robot_agent.patrol.actions import PATROLLING
 from tools.bench.ideal_robot import STEP_S, IdealRobot
 from tools.simulation.robot_body import Outline
@@ -28,6 +29,7 @@ class IdealObstacles:
 
     def __init__(self, gate: GateLimits, occupancy: OccupancyMap, border: Border) -> None:
         self._gate = gate
+        self._keep_out = TeammateKeepOut(Footprint(gate))
         outline = Outline()
         self._outline = outline.perimeter(_OUTLINE_STEP)
         self._outline_reach = outline.reach
@@ -64,7 +66,7 @@ class IdealObstacles:
         if not near:
             return points
         middles = np.array([robots[other].body.rectangle()[:2] for other in near])
-        return np.concatenate((points, teammate_keep_out((middles - here) @ into_base)))
+        return np.concatenate((points, self._keep_out.around((middles - here) @ into_base)))
 
     def _gate_range(self, robot: IdealRobot) -> float:
         """Return the farthest distance from base_link that the gate's next step considers, m."""

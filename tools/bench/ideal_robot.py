@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.p2os.emulator.motion_controller import ramp
+from drivers.p2os.model_choice import expected_model
 from drivers.p2os.set_up import ACCELERATION, DECELERATION, TURN_ACCELERATION, TURN_DECELERATION
 from maps.map_folder import MapFolder
 from maps.pose import Pose
@@ -109,7 +110,7 @@ def make_ideal_robot(body: RobotBody, config: AgentConfig, folder: MapFolder) ->
         patrol=Patrol(config.patrol, folder.border, rng, folder.approach_field),
         heading_loop=HeadingLoop(),
         unpinning=UnpinningManoeuvre(),
-        gate=SafetyGate(gate_limits(config.gate)),
+        gate=SafetyGate(gate_limits(config.gate, expected_model(config.base))),
     )
 
 

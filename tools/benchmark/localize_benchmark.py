@@ -17,7 +17,7 @@ from localization.filter import ParticleFilter
 from localization.kld import SampleLimits
 from localization.likelihood_field import LikelihoodField
 from localization.localizer import INDEPENDENT_BEAMS, Localizer
-from localization.settings import LocalizationSettings
+from localization.settings import LocalizationSettings, MotionNoise
 from maps.map_folder import load_map_folder
 from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap
 from maps.pose import Pose
@@ -98,7 +98,7 @@ def _filter_update(
 ) -> Callable[[int], object]:
     rng = np.random.default_rng(SEED)
     field = LikelihoodField(occupancy, settings.beams)
-    particles = ParticleFilter(settings.motion, field, rng)
+    particles = ParticleFilter(settings.motion.over(MotionNoise()), field, rng)
     cloud = rng.standard_normal((settings.min_particles, 3)) * (0.1, 0.1, 0.05)
     limits = SampleLimits(settings.min_particles, settings.max_particles)
     particles.restart(np.array(scans[0][0]) + cloud)

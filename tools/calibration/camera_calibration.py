@@ -13,9 +13,9 @@ from drivers.camera_source import CameraSettings
 from maps.map_folder import map_folder_from_files
 from maps.pose import Pose
 from robot_agent.agent import Agent
-from robot_agent.config import parse_config
 from robot_agent.messages.events import BlobsSeen, Event
 from tools.calibration.color_calibration import CalibrationError
+from tools.logs.recorded_config import recorded_config
 from tools.logs.recording import Recording
 
 MIN_PAIRS = 20
@@ -54,7 +54,7 @@ def pairs_of(recording: Recording) -> tuple[list[Pair], CameraSettings]:
     header.
     """
     header = recording.header
-    config = parse_config(header.configuration, f"{recording.path} (configuration)")
+    config, _ = recorded_config(recording)
     folder = map_folder_from_files(config.map.folder, header.map_files, config.map.border)
     agent = Agent(config, folder, header.start_wall_ns)
     pairs = []

@@ -16,12 +16,12 @@ from maps.map_folder import map_folder_from_files
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose
 from robot_agent.agent import Agent
-from robot_agent.config import parse_config
 from robot_agent.messages.blob import Blob
 from robot_agent.messages.events import BlobsSeen, Event, PictureTaken
 from robot_agent.perception.identity import Kind
 from robot_agent.perception.scan_points import move_points
 from robot_agent.perception.track import Track
+from tools.logs.recorded_config import recorded_config
 from tools.logs.recording import Recording, RecordingError
 
 mpl.use("Agg")
@@ -52,7 +52,7 @@ def moment_of(recording: Recording) -> Moment:
     Raises RecordingError if there is none.
     """
     header = recording.header
-    config = parse_config(header.configuration, f"{recording.path} (configuration)")
+    config, _ = recorded_config(recording)
     folder = map_folder_from_files(config.map.folder, header.map_files, config.map.border)
     agent = Agent(config, folder, header.start_wall_ns)
     blobs: tuple[Blob, ...] = ()

@@ -12,13 +12,14 @@ import cv2
 import numpy as np
 
 from maps.map_folder import MapFolder, load_map_folder
-from robot_agent.config import find_map, parse_config
+from robot_agent.config import find_map
 from tools.localize.localize import LocalizeOptions, localize_steps, log_steps, map_of_log
 from tools.localize.localize_report import STUDIES, format_table, run_count, run_study
 from tools.localize.localize_study import RESOLUTION, read_study_log
 from tools.localize.localize_trials import kidnapped_steps, outcome
 from tools.logs.carmen import LogError, read_carmen
 from tools.logs.log_step import LogStep
+from tools.logs.recorded_config import recorded_config
 from tools.logs.recorded_scans import recorded_scans
 from tools.logs.recording import read_recording
 from tools.mapping.map_build import Scans
@@ -126,7 +127,7 @@ def _read(path: Path, options: argparse.Namespace) -> tuple[list[LogStep], MapFo
         if options.map_from:
             raise LogError(f"{path}: --map-from needs a CARMEN log: give --map DIR")
         recording = read_recording(path)
-        config = parse_config(recording.header.configuration, f"{path} (configuration)")
+        config, _ = recorded_config(recording)
         steps = list(recorded_scans(recording, config))
         _warn(recording.truncated)
         return steps, _folder(options)

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 from drivers.lms200.scan import Scan
-from drivers.p2os.model import load_model
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.messages.effects import Publish
@@ -18,7 +17,7 @@ from robot_agent.messages.streams import DecisionPayload, decode
 from robot_agent.recording.recording_writer import Reference
 from tools.logs.carmen import LogError
 from tools.logs.recorded_config import recorded_config
-from tools.logs.recorded_scans import NEAREST_REFERENCE_S, ScanDecoder
+from tools.logs.recorded_scans import NEAREST_REFERENCE_S, ScanDecoder, recorded_mount
 from tools.logs.recording import Recording
 
 NO_RETURN_M = 81.91
@@ -42,7 +41,7 @@ def recording_to_carmen(recording: Recording, target: Path) -> int:
     recording without a scan.
     """
     config, _ = recorded_config(recording)
-    mount = Pose(*(config.laser.mount or load_model(config.base.model).laser_mount))
+    mount = recorded_mount(recording, config)
     scans = 0
     with target.open("w") as file:
         file.write(_HEAD)

@@ -18,6 +18,9 @@ from robot_agent.config import (
 from robot_agent.patrol.settings import DEFAULT_MODIFIERS, EVEN_GAPS
 from tools.logs.recording import Recording
 
+BODY_KEY = "gate.front"
+"""In every configuration of the versions in which base.model was only a fallback."""
+
 
 def recorded_config(recording: Recording) -> tuple[AgentConfig, list[str]]:
     """Return a recording's configuration and the names of settings left out as obsolete.
@@ -47,6 +50,8 @@ def _upgraded(content: bytes, source: str) -> tuple[dict[str, Any], list[str]]:
         added = [EVEN_GAPS] if strategy == EVEN_GAPS else []
         _set(table, "patrol.modifiers", [*DEFAULT_MODIFIERS, *added])
         _remove(table, "patrol.strategy")
+    if _lookup(table, BODY_KEY) is not None and _lookup(table, "base.model") is not None:
+        _remove(table, "base.model")  # what the robot reported was driven by its own model then
     for key in [key for key in RENAMED_KEYS if _lookup(table, key) is not None]:
         _set(table, RENAMED_KEYS[key], _lookup(table, key))
         _remove(table, key)

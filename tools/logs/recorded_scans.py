@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session
-from drivers.p2os.model import load_model
 from drivers.p2os.session import P2osSession
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
@@ -36,14 +35,35 @@ def recorded_scans(recording: Recording, config: AgentConfig) -> Iterator[LogSte
                 yield LogStep(t, odometry, points, _pose_of(reference, t))
 
 
+def recorded_mount(recording: Recording, config: AgentConfig) -> Pose:
+    """Return base_from_laser in a recording: as configured, else of the model the base reports."""
+    decoder = ScanDecoder(config)
+    for item in recording.items():
+        if decoder.knows_model:
+            break
+        if isinstance(item, Event):
+            decoder.scans(item)
+    return decoder.mount
+
+
 class ScanDecoder:
     """The agent's two device sessions and its odometry, without the later stages."""
 
     def __init__(self, config: AgentConfig) -> None:
         self._base, self._laser = P2osSession(config.base), Lms200Session(config.laser)
         self._odometry = OdometryHistory()
-        mount = config.laser.mount or load_model(config.base.model).laser_mount
-        self._projector = ScanProjector(Pose(*mount))
+        self._configured_mount = config.laser.mount
+        self._projector = ScanProjector(self.mount)
+
+    @property
+    def mount(self) -> Pose:
+        """base_from_laser: as configured, else that of the base's model."""
+        return Pose(*(self._configured_mount or self._base.model.laser_mount))
+
+    @property
+    def knows_model(self) -> bool:
+        """Whether the base has said what it is."""
+        return self._base.identity is not None
 
     def on_event(self, event: Event) -> list[tuple[float, Pose, NDArray[np.float64]]]:
         """Handle an event; return its scans: time, odom_from_base, points (n, 2), m, base_link."""
@@ -63,8 +83,11 @@ class ScanDecoder:
         scans: list[Scan] = []
         match event:
             case BytesReceived(t, "base", data):
+                model = self._base.model
                 for state in self._base.feed(data, t):
                     self._odometry.add(state)
+                if self._base.model is not model:
+                    self._projector = ScanProjector(self.mount)
             case BytesReceived(t, "laser", data):
                 scans = self._laser.feed(data, t)
             case Tick(t):

@@ -9,13 +9,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.p2os.model import load_model
 from maps.pose import Pose
-from robot_agent.config import AgentConfig, parse_config
 from robot_agent.perception.scan_points import move_points
 from tools.logs.carmen import CarmenScan, LogError, read_carmen
 from tools.logs.log_step import LogStep
-from tools.logs.recorded_scans import recorded_scans
+from tools.logs.recorded_config import recorded_config
+from tools.logs.recorded_scans import recorded_mount, recorded_scans
 from tools.logs.recording import read_recording
 
 
@@ -89,8 +88,8 @@ def read_scan_log(path: Path) -> ScanLog:
 
 def _read_recorded(path: Path) -> ScanLog:
     recording = read_recording(path)
-    config = parse_config(recording.header.configuration, f"{path} (configuration)")
-    mount = _laser_mount(config)
+    config, _ = recorded_config(recording)
+    mount = recorded_mount(recording, config)
     steps = list(recorded_scans(recording, config))
     if not steps:
         raise LogError(f"{path}: no scan with odometry in the recording: record some driving")
@@ -103,11 +102,6 @@ def _read_recorded(path: Path) -> ScanLog:
         referenced=all(step.reference is not None for step in steps),
         truncated=recording.truncated,
     )
-
-
-def _laser_mount(config: AgentConfig) -> Pose:
-    """Return base_from_laser."""
-    return Pose(*(config.laser.mount or load_model(config.base.model).laser_mount))
 
 
 def _of_laser(step: LogStep, mount: Pose) -> RecordedScan:

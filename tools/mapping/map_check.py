@@ -45,8 +45,13 @@ class MapReport:
         return "\n".join(str(finding) for finding in self.findings)
 
 
-def check_map(folder: Path, border: str = DEFAULT_BORDER) -> MapReport:
-    """Check that a map folder can be patrolled along one of its borders."""
+def check_map(
+    folder: Path, border: str = DEFAULT_BORDER, needed: float = NEEDED_CLEARANCE
+) -> MapReport:
+    """Check that a map folder can be patrolled along one of its borders.
+
+    needed: clearance, m, that the robot needs along it.
+    """
     try:
         content = load_map_folder(folder, border)
     except (MapError, BorderError) as error:
@@ -56,7 +61,7 @@ def check_map(folder: Path, border: str = DEFAULT_BORDER) -> MapReport:
     if content.border is None:
         missing = f"{folder / border}.toml is missing, draw one (see maps/border_file.py)"
         return MapReport((*findings, Finding("border", ok=False, text=missing)))
-    return MapReport((*findings, *_border_findings(content.map, content.border)))
+    return MapReport((*findings, *_border_findings(content.map, content.border, needed)))
 
 
 def _map_findings(occupancy: OccupancyMap) -> list[Finding]:
@@ -70,7 +75,7 @@ def _map_findings(occupancy: OccupancyMap) -> list[Finding]:
     ]
 
 
-def _border_findings(occupancy: OccupancyMap, border: Border) -> list[Finding]:
+def _border_findings(occupancy: OccupancyMap, border: Border, needed: float) -> list[Finding]:
     room = border_clearance(occupancy, border)
     radius = border.tightest_radius
     turning = "no turns" if math.isinf(radius) else f"tightest {radius:.2f} m"
@@ -84,8 +89,8 @@ def _border_findings(occupancy: OccupancyMap, border: Border) -> list[Finding]:
         ),
         Finding(
             "clearance",
-            room.minimum >= NEEDED_CLEARANCE,
-            f"{room.minimum:.2f} m at {room.narrowest}, at least {NEEDED_CLEARANCE:g} m needed",
+            room.minimum >= needed,
+            f"{room.minimum:.2f} m at {room.narrowest}, at least {needed:g} m needed",
         ),
     ]
     for where, what in (

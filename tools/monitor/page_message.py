@@ -89,7 +89,12 @@ def _status(robot: RobotState) -> dict[str, Any]:
     status = robot.status
     assert isinstance(status, StatusPayload)
     localization = status.localization
+    body = status.body
     return {
+        "body": None
+        if body is None
+        else {"front": body.front, "rear": body.rear, "halfWidth": body.half_width},
+        "laserAt": None if body is None else [body.laser_x, body.laser_y, body.laser_theta],
         "uptime": status.uptime,
         "health": _text(status.health),
         "battery": status.battery,

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from maps.map_folder import DEFAULT_BORDER, MapFolder, map_folder_from_files
-from robot_agent.config import parse_config
 from robot_agent.recording.recording_writer import CONFIGURATION_ATTACHMENT, RUN_METADATA
+from tools.logs.recorded_config import parse_old_config
 from tools.monitor.recorded_payloads import RecordedPayload, RecordedPayloads
 from tools.monitor.team_recorder import TEAM_METADATA
 from tools.monitor.watch import Watch
@@ -148,7 +148,7 @@ def _map_of(file: RecordedPayloads) -> tuple[str, str]:
     """Return the names of the map and the border a recording was made on."""
     if RUN_METADATA in file.metadata:
         content = file.attachments.get(CONFIGURATION_ATTACHMENT, b"")
-        settings = parse_config(content, str(file.path)).map
+        settings = parse_old_config(content, str(file.path))[0].map
         return Path(settings.folder).name, settings.border
     team = file.metadata.get(TEAM_METADATA, {})
     return team.get("map", file.path.stem), team.get("border", DEFAULT_BORDER)

@@ -7,9 +7,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from drivers.p2os.model import load_model
+from drivers.p2os.model import DEFAULT_MODEL, load_model
 from maps.map_folder import MapFolder
-from robot_agent.config import AgentConfig
 from robot_agent.messages.streams import ACTIONS
 from robot_agent.perception.visibility import VISIBILITY
 
@@ -31,16 +30,15 @@ class Site:
 
     def description(self) -> dict[str, object]:
         """Return map, border, footprint and laser mount for the page, m, map frame."""
-        config = AgentConfig()
-        gate = config.gate
-        mount = config.laser.mount or load_model(config.base.model).laser_mount
-        shape = {"front": gate.front, "rear": gate.rear, "halfWidth": gate.half_width}
+        model = load_model(DEFAULT_MODEL)
+        body = model.body
+        shape = {"front": body.front, "rear": body.rear, "halfWidth": 0.5 * body.width}
         result: dict[str, object] = {
             "name": "no map",
             "actions": ACTIONS,
             "visibility": VISIBILITY,
             "robot": shape,
-            "laser": list(mount),
+            "laser": list(model.laser_mount),
         }
         if self.folder is None:
             return result

@@ -18,7 +18,8 @@ from urllib.parse import urlsplit
 
 import numpy as np
 
-from drivers.p2os.model import UnknownModelError, load_model
+from drivers.p2os.model import RobotModel, UnknownModelError
+from maps.clearance import needed_clearance
 from maps.map_folder import MapFolder
 from maps.occupancy_map import FREE
 from robot_agent.config import AgentConfig, ConfigError, find_map, load_config, load_map
@@ -55,10 +56,15 @@ def examine(
         config = load_config(path)
     except ConfigError as error:
         return [failed("configuration", str(error), "correct the file, then run this again")]
+    try:
+        base = BaseExamination(config.base)
+    except UnknownModelError as error:
+        return [failed("configuration", str(error), "correct base.model")]
+    devices = examine_devices(config, limit, progress, base)
     return [
-        *examine_config(config),
-        *examine_map(config, path.parent),
-        *examine_devices(config, limit, progress),
+        *examine_config(config, base.model),
+        *examine_map(config, path.parent, base.model),
+        *devices,
         examine_clock(),
         examine_recorder(config.recorder.folder),
         examine_operator(config.telemetry.operator),
@@ -70,22 +76,21 @@ def is_fit(findings: list[Finding]) -> bool:
     return all(finding.verdict is not Verdict.FAILED for finding in findings)
 
 
-def examine_config(config: AgentConfig) -> list[Finding]:
-    """Check the base's model, which the configuration's types do not, and the fields of view."""
-    try:
-        model = load_model(config.base.model)
-    except UnknownModelError as error:
-        return [failed("configuration", str(error), "correct base.model")]
+def examine_config(config: AgentConfig, model: RobotModel) -> list[Finding]:
+    """Check what no type of the configuration checks: the fields of view of a robot's sensors."""
     return [
         ok("configuration", f"{config.robot.name} of team {config.robot.team}"),
-        examine_sight(config.laser, model, gate_limits(config.gate)),
+        examine_sight(config.laser, model, gate_limits(config.gate, model)),
     ]
 
 
-def examine_map(config: AgentConfig, relative_to: Path) -> list[Finding]:
-    """Check map and border, then start pose and rules; paths are relative to a folder."""
+def examine_map(config: AgentConfig, relative_to: Path, model: RobotModel) -> list[Finding]:
+    """Check map and border, then start pose and rules; paths are relative to a folder.
+
+    model: of the robot that must have room along the border.
+    """
     folder = find_map(config.map.folder, relative_to)
-    report = check_map(folder, config.map.border)
+    report = check_map(folder, config.map.border, needed_clearance(model.body.corner_reach))
     wrong = [
         str(finding).removeprefix("FAIL").strip() for finding in report.findings if not finding.ok
     ]
@@ -127,10 +132,13 @@ def _examine_rules(config: AgentConfig, content: MapFolder) -> Finding:
 
 
 def examine_devices(
-    config: AgentConfig, limit: float, progress: Callable[[float], None] = lambda _: None
+    config: AgentConfig,
+    limit: float,
+    progress: Callable[[float], None] = lambda _: None,
+    base: BaseExamination | None = None,
 ) -> list[Finding]:
     """Check base, laser and camera concurrently, base and laser for at most ``limit`` s."""
-    base, laser = BaseExamination(config.base), LaserExamination(config.laser)
+    base, laser = base or BaseExamination(config.base), LaserExamination(config.laser)
     trials = [trial for trial in (base.trial, laser.trial) if trial is not None]
     camera = CameraExamination(config.camera)
     run_trials(trials, limit, progress)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from drivers.p2os.base_state import BaseState
-from drivers.p2os.model import UnknownModelError, load_model
+from drivers.p2os.model import RobotModel
 from drivers.p2os.session import P2osSession, SessionState
 from drivers.p2os.settings import BaseSettings
 from tools.preflight.device_trial import DeviceTrial
@@ -16,6 +16,7 @@ from tools.preflight.watchdog_trial import ADVISED_WATCHDOG_S
 
 BATTERY_LOW = 11.75  # V
 BATTERY_EMPTY = 11.0  # V; near it the controller shuts down
+DRIVEN_LASER = "lms2xx"
 LISTENING_S = 1.0  # with the session open
 WATCHDOG_LIMIT_MS = 2000  # a robot cut off must stop within this
 
@@ -33,11 +34,19 @@ class BaseExamination:
         if not self._port.remedy:
             self.trial = DeviceTrial(settings.url, settings.baud, self._session, self._enough)
 
+    @property
+    def model(self) -> RobotModel:
+        """The model that the base has reported; before that the expected one."""
+        return self._session.model
+
     def _enough(self, states: Sequence[tuple[float, BaseState]]) -> bool:
-        """Return whether reports were received for LISTENING_S in state READY."""
-        if self._session.state is SessionState.READY:
+        """Return whether reports were received for LISTENING_S in state READY, or of a robot that
+        has no model and so never gets there."""
+        ready = self._session.state is SessionState.READY
+        if ready:
             self._reached = SessionState.READY
             self._trouble = self._session.trouble
+        if ready or self._session.model_trouble is not None:
             return bool(states) and states[-1][0] - self._session.state_since >= LISTENING_S
         return False
 
@@ -49,17 +58,20 @@ class BaseExamination:
         if not_open is not None:
             return [not_open]
         states = [state for _, state in self.trial.measurements]
+        if self._session.model_trouble is not None and states:
+            return [self._port, self._identity()]
         if self._reached is not SessionState.READY or not states:
             return [self._port, self._no_session()]
         return [
             self._port,
             self._identity(),
+            examine_laser_type(self._session.model),
             self._line(),
             self._limits(),
             self._watchdog(),
-            examine_battery(states[-1].battery),
+            examine_battery(states[-1].battery, charging=states[-1].charging),
             examine_motors(states[-1]),
-            examine_contacts(states[-1]),
+            examine_contacts(states[-1], self._session.missing_bumpers),
         ]
 
     def _no_session(self) -> Finding:
@@ -81,14 +93,10 @@ class BaseExamination:
         assert identity is not None, "a session has one"
         text = f"{identity.name}, {identity.robot_class} {identity.subclass}"
         text += f", at {self._session.baud} baud"
-        try:
-            load_model(identity.subclass)
-        except UnknownModelError as error:
-            return warning(
-                "base",
-                f"{text}: no model file, driven as {self._settings.model}",
-                f"add drivers/p2os/models/{identity.subclass.lower()}.toml ({error})",
-            )
+        trouble = self._session.model_trouble
+        if trouble is not None:
+            symptom, _, remedy = trouble.partition(": ")
+            return failed("base", f"{text}: {symptom}; it will not drive", remedy)
         return ok("base", text)
 
     def _line(self) -> Finding:
@@ -140,9 +148,25 @@ class BaseExamination:
         )
 
 
-def examine_battery(volts: float) -> Finding:
-    """Check a battery's voltage, V."""
+def examine_laser_type(model: RobotModel) -> Finding:
+    """Check that the laser that the vendor mounts on a robot is one for which there is a driver."""
+    laser = model.laser
+    if laser.type != DRIVEN_LASER:
+        there = "no laser" if laser.type == "none" else f"a laser of type {laser.type}"
+        return warning(
+            "laser type",
+            f"a {model.subclass} comes with {there}: only the LMS 200 has a driver",
+            "mount an LMS 200 and set laser.mount to its place",
+        )
+    text = f"the vendor mounts an LMS 200 on a {model.subclass}"
+    return ok("laser type", f"{text}, upside down" if laser.upside_down else text)
+
+
+def examine_battery(volts: float, *, charging: bool = False) -> Finding:
+    """Check a battery's voltage, V, and that no charger is at work."""
     text = f"{volts:.1f} V"
+    if charging:
+        return warning("battery", f"{text}, on its charger", "unplug it: it does not drive so")
     if volts < BATTERY_EMPTY:
         return failed(
             "battery", f"{text}, empty below {BATTERY_EMPTY:g} V", "charge or swap it now"
@@ -167,8 +191,8 @@ def examine_motors(state: BaseState) -> Finding:
     return ok("motors", "off, as after every connect; the agent switches them on")
 
 
-def examine_contacts(state: BaseState) -> Finding:
-    """Check for stalled wheels and pressed bumpers."""
+def examine_contacts(state: BaseState, missing_bumpers: str | None = None) -> Finding:
+    """Check for stalled wheels and pressed bumpers; missing_bumpers: a line on rings not there."""
     sides = [
         side for side, stall in (("left", state.stall_left), ("right", state.stall_right)) if stall
     ]
@@ -182,4 +206,6 @@ def examine_contacts(state: BaseState) -> Finding:
     parts += [f"bumper pressed: {', '.join(pressed)}"] if pressed else []
     if parts:
         return failed("contacts", "; ".join(parts), "push the robot clear of what it touches")
+    if missing_bumpers is not None:
+        return ok("contacts", f"no wheel stalled, no bumper pressed; {missing_bumpers}")
     return ok("contacts", "no wheel stalled, no bumper pressed")

@@ -13,12 +13,19 @@ MOTOR_POWER = 30.0  # W per m/s
 class EmulatedBattery:
     """A voltage, ``volts``, that falls with time and motion and may be set.
 
+    pretended_volts: what the controller reports instead, as BATTEST sets it; None: the real ones.
     charge_state: what later firmware reports of the charger; the voltage does not rise.
     """
 
     def __init__(self) -> None:
         self.volts = FULL
+        self.pretended_volts: float | None = None
         self.charge_state = ChargeState.NOT_CHARGING
+
+    @property
+    def reported_volts(self) -> float:
+        """The voltage that the controller reports."""
+        return self.volts if self.pretended_volts is None else self.pretended_volts
 
     def drain(self, duration: float, distance: float) -> None:
         """Use the energy of ``duration`` s and ``distance`` m of wheel motion."""

@@ -323,8 +323,8 @@ class P2osEmulator:
         self.base.bump_stall = command.integer & 3
 
     def _pretend_battery(self, command: Command, _t: float) -> None:
-        if command.integer > 0:
-            self.battery.volts = 0.1 * command.integer
+        """BATTEST: report these decivolts; 0 gives back the real battery."""
+        self.battery.pretended_volts = 0.1 * command.integer if command.integer > 0 else None
 
     def _change_baud(self, command: Command, _t: float) -> None:
         if 0 <= command.integer < len(HOST_BAUDS):

@@ -54,7 +54,7 @@ def sip_report(
     v, w = base.velocity
     wheel_difference = w / conversion.turn
     stall = base.stalled
-    decivolts = round(10.0 * base.battery.volts)
+    decivolts = round(10.0 * base.battery.reported_volts)
     flags = MOTORS_FLAG * base.motors_enabled | SONAR_FLAG * (sonar is not None)
     tail = SipTail(pins.analog_port, 0, 0, pins.inputs, pins.outputs)
     sip = Sip(
@@ -93,7 +93,7 @@ def io_report(base: EmulatedBase, pins: EmulatedPins) -> IoPacket:
     """Return the digital and analog pins; a pressed bumper segment's bit is 0."""
     bumpers = (~(mask << 1) & 0xFF for mask in (base.front_bumpers, base.rear_bumpers))
     inputs = bytes((pins.inputs, *bumpers, 0))
-    battery = min(ANALOG_MAX, round(base.battery.volts / BATTERY_FULL_SCALE * ANALOG_MAX))
+    battery = min(ANALOG_MAX, round(base.battery.reported_volts / BATTERY_FULL_SCALE * ANALOG_MAX))
     analog = (0,) * (ANALOG_INPUTS - 1) + (battery,)
     return IoPacket(inputs, bytes((pins.outputs,)), analog)
 

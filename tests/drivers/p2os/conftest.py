@@ -109,10 +109,10 @@ def garble(data: bytes) -> bytes:
 
 @pytest.fixture
 def bench() -> Callable[..., Bench]:
-    """Make a bench: ``bench(robot_baud=..., model=..., **settings)``."""
+    """Make a bench: ``bench(robot_baud=..., robot=..., **settings)``."""
 
-    def make(robot_baud: int = 9600, model: str = "p2dx", **settings: object) -> Bench:
-        emulator = P2osEmulator(load_model(model), baud=robot_baud)
+    def make(robot_baud: int = 9600, robot: str = "p2dx", **settings: object) -> Bench:
+        emulator = P2osEmulator(load_model(robot), baud=robot_baud)
         return Bench(BaseSettings(**settings), emulator)  # type: ignore[arg-type]
 
     return make

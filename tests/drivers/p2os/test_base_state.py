@@ -3,6 +3,7 @@ from __future__ import annotations
 import pytest
 
 from drivers.p2os.base_state import BaseState, ChargeState, base_state
+from drivers.p2os.fitted_bumpers import FittedBumpers
 from drivers.p2os.model import load_model
 from drivers.p2os.odometer import Odometer
 from drivers.p2os.sip import decode_sip
@@ -15,7 +16,7 @@ def state(flags: str = "03 00", sonar: str = "00", tail: str = P2OS_TAIL) -> Bas
     head = HEAD.format(flags=flags).rsplit(" ", 1)[0]
     sip = decode_sip(bytes.fromhex(f"{head} {sonar} {tail}"))
     assert sip is not None
-    return base_state(7.0, sip, Odometer(), load_model("p2dx"))
+    return base_state(7.0, sip, Odometer(), load_model("p2dx"), FittedBumpers((5, 5)))
 
 
 def test_p2os_report_is_converted_to_si() -> None:
@@ -49,10 +50,22 @@ def test_fields_of_later_firmware_are_converted() -> None:
 
 
 @pytest.mark.parametrize("cold", ["80", "81"])
-def test_unmeasured_temperature_and_unknown_charge_state_are_none(cold: str) -> None:
+def test_unmeasured_temperature_is_none_and_undocumented_charge_state_is_unknown(cold: str) -> None:
     seen = state(tail=f"{P2OS_TAIL} 86 00 09 00 00 00 00 00 00 {cold} 00")
     assert seen.temperature_celsius is None
-    assert seen.charge_state is None
+    assert seen.charge_state is ChargeState.UNKNOWN
+
+
+@pytest.mark.parametrize(
+    ("code", "charging"), [("00", False), ("01", True), ("04", True), ("05", True), ("FF", True)]
+)
+def test_any_charge_state_but_not_charging_counts_as_charging(code: str, charging: bool) -> None:
+    assert state(tail=f"{P2OS_TAIL} 86 00 {code}").charging is charging
+
+
+def test_base_that_reports_no_charge_state_is_not_charging() -> None:
+    assert not state().charging
+    assert not state(tail=f"{P2OS_TAIL} 86 00").charging
 
 
 def test_readings_of_transducers_the_model_lacks_are_counted() -> None:

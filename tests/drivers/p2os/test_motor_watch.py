@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from drivers.p2os.base_state import BaseState, base_state
+from drivers.p2os.fitted_bumpers import FittedBumpers
 from drivers.p2os.model import load_model
 from drivers.p2os.motor_watch import MotorState, MotorWatch
 from drivers.p2os.odometer import Odometer
@@ -15,7 +16,7 @@ def report(*, motors: bool, stalled: bool = False, button: bool = False) -> Base
     data[16] = motors | button << 5
     sip = decode_sip(bytes(data))
     assert sip is not None
-    return base_state(0.0, sip, Odometer(), load_model("p2dx"))
+    return base_state(0.0, sip, Odometer(), load_model("p2dx"), FittedBumpers((5, 5)))
 
 
 def running() -> MotorWatch:

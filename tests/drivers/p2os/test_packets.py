@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from drivers.p2os.base_state import base_state
 from drivers.p2os.config_packet import ConfigPacket, decode_config
+from drivers.p2os.fitted_bumpers import FittedBumpers
 from drivers.p2os.model import load_model
 from drivers.p2os.odometer import Odometer
 from drivers.p2os.robot_identity import RobotIdentity, decode_sync_reply
@@ -50,7 +51,7 @@ def test_moving_sip_is_decoded() -> None:
     model = load_model("p2dx")
     odometer.update(0, 32700, 1024, model.conversion.distance)
     odometer.update(sip.x_counts, sip.y_counts, 1024 + 1024, model.conversion.distance)
-    state = base_state(5.0, sip, odometer, model)
+    state = base_state(5.0, sip, odometer, model, FittedBumpers((5, 5)))
     # The counters' frame was a quarter turn ahead of odom when the reference was set.
     assert (state.x, state.y) == pytest.approx((0.0, -0.84))
     assert state.theta == pytest.approx(math.pi / 2)
@@ -66,7 +67,7 @@ def test_moving_sip_is_decoded() -> None:
 
 
 def test_stalled_sip_is_decoded() -> None:
-    state = base_state(0.0, sip_of(STALLED), Odometer(), load_model("p2dx"))
+    state = base_state(0.0, sip_of(STALLED), Odometer(), load_model("p2dx"), FittedBumpers((5, 5)))
     assert (state.stall_left, state.stall_right) == (True, False)
     assert state.rear_bumpers == 1 << 2
     assert state.front_bumpers == 1 << 0 | 1 << 4
@@ -78,7 +79,8 @@ def test_battery_of_later_firmware_replaces_the_byte() -> None:
     sip = sip_of(IDLE + bytes.fromhex("7b00 00 c4ff"))
     assert sip.tail.battery_decivolts == 123
     assert sip.tail.turn_rate_decidegrees_s == -60
-    assert base_state(0.0, sip, Odometer(), load_model("p2dx")).battery == pytest.approx(12.3)
+    seen = base_state(0.0, sip, Odometer(), load_model("p2dx"), FittedBumpers((5, 5)))
+    assert seen.battery == pytest.approx(12.3)
 
 
 @pytest.mark.parametrize("length", range(len(MOVING)))

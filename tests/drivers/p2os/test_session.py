@@ -11,6 +11,7 @@ from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import CLOSE, OPEN, PULSE, STOP, Command, decode_command
 from drivers.p2os.config_packet import ConfigPacket
 from drivers.p2os.framing import PacketFramer, encode_packet
+from drivers.p2os.model import load_model, model_names
 from drivers.p2os.motor_watch import MotorState
 from drivers.p2os.robot_identity import RobotIdentity
 from drivers.p2os.session import P2osSession, SessionState
@@ -126,6 +127,20 @@ def test_connects_and_sets_up_before_ready(bench: MakeBench) -> None:
     assert wire.states[-1].sonar_on
 
 
+@pytest.mark.parametrize("name", model_names())
+def test_robot_of_each_model_connects_and_all_its_sonars_are_heard(
+    bench: MakeBench, name: str
+) -> None:
+    wire = bench(robot_baud=38400, baud=38400, robot=name)
+    wire.connect()
+    wire.run(2.0)
+    assert wire.session.trouble is None
+    assert wire.session.model is load_model(name)
+    heard = {number for state in wire.states for number, _ in state.sonar}
+    assert heard == set(range(len(load_model(name).sonar)))
+    assert wire.session.counters.unknown_sonars == 0
+
+
 def test_setup_is_rate_limited(bench: MakeBench) -> None:
     wire = bench(baud=115200, robot_baud=115200)
     wire.connect()
@@ -149,14 +164,24 @@ def test_session_opens_without_config_after_three_requests() -> None:
     assert session.config is None
 
 
-@pytest.mark.parametrize(
-    ("reported", "used"), [("P3DX", "p3dx"), ("p2de", "p2de"), ("seekur", "p2at")]
-)
+@pytest.mark.parametrize(("reported", "used"), [("P3DX", "p3dx"), ("p2de", "p2de")])
 def test_model_follows_the_reported_subclass(reported: str, used: str) -> None:
-    session = opened(subclass=reported, model="p2at")
+    session = opened(subclass=reported)
     assert session.model.subclass == used
     assert session.identity is not None
     assert session.identity.subclass == reported
+
+
+@pytest.mark.parametrize(("reported", "model"), [("p9zz", None), ("p3dx", "p2dx")])
+def test_robot_without_a_model_of_its_own_is_never_ready(reported: str, model: str | None) -> None:
+    session = opened(subclass=reported, model=model)
+    for t in keep_reporting(session, 0.0, 4.0, sip()):
+        session.drive(t, 0.3, 0.0)
+        session.enable_motors(t)
+        assert not [c for c in written(session) if c.number == N.ENABLE]
+    assert session.state is SessionState.OPENING
+    assert session.trouble == session.model_trouble
+    assert reported in (session.trouble or "")
 
 
 def test_old_session_is_stopped_then_closed_then_connected(bench: MakeBench) -> None:

@@ -26,7 +26,7 @@ def surroundings() -> Surroundings:
     occupancy = OccupancyMap(cells, 0.05, Pose(-2.025, -2.0, 0.0))
     config = AgentConfig()
     unexplained = UnexplainedPoints(occupancy, config.perception.detection_range)
-    model = load_model(config.base.model)
+    model = load_model("p2dx")
     return Surroundings(Pose(*model.laser_mount), GateLimits(), model, occupancy, unexplained)
 
 

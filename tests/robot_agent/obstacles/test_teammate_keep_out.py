@@ -5,9 +5,20 @@ import math
 import numpy as np
 import pytest
 
+from drivers.p2os.model import load_model
+from robot_agent.motion.footprint import Footprint
 from robot_agent.motion.gate_limits import GateLimits
+from robot_agent.motion.gate_settings import GateSettings, gate_limits
 from robot_agent.motion.swept_footprint import SweptFootprint
-from robot_agent.obstacles.teammate_keep_out import RADIUS, teammate_keep_out
+from robot_agent.obstacles.teammate_keep_out import TeammateKeepOut
+
+KEEP_OUT = TeammateKeepOut(Footprint(GateLimits()))
+
+
+def test_circle_of_a_larger_robot_is_larger() -> None:
+    large = gate_limits(GateSettings(), load_model("powerbot"))
+    assert KEEP_OUT.radius == 0.42
+    assert TeammateKeepOut(Footprint(large)).radius == 0.73
 
 
 def test_robot_stops_where_both_can_turn() -> None:
@@ -16,13 +27,13 @@ def test_robot_stops_where_both_can_turn() -> None:
     corner = math.hypot(gate.rear, gate.half_width)
     axle_before_middle = (gate.rear - gate.front) / 2.0
     for distance in np.arange(0.84, 1.6, 0.02):
-        free = 1.0 * body.free_share(1.0, 0.0, teammate_keep_out(np.array([[distance, 0.0]])))
+        free = 1.0 * body.free_share(1.0, 0.0, KEEP_OUT.around(np.array([[distance, 0.0]])))
         assert distance - free - axle_before_middle > 2 * corner
-    assert body.free_share(1.0, 0.0, teammate_keep_out(np.array([[2.2, 0.0]]))) == 1.0
+    assert body.free_share(1.0, 0.0, KEEP_OUT.around(np.array([[2.2, 0.0]]))) == 1.0
 
 
 @pytest.mark.parametrize("distance", [0.45, 0.6, 0.75])
 def test_points_within_the_own_circle_are_left_out(distance: float) -> None:
-    room = teammate_keep_out(np.array([[distance, 0.0], [0.0, -distance]]))
+    room = KEEP_OUT.around(np.array([[distance, 0.0], [0.0, -distance]]))
     assert SweptFootprint(GateLimits()).free_share(0.0, math.pi, room) == 1.0
-    assert np.hypot(*room.T).min() > RADIUS
+    assert np.hypot(*room.T).min() > KEEP_OUT.radius

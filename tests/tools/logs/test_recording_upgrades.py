@@ -80,3 +80,10 @@ def test_changes_are_applied_and_checked() -> None:
     ):
         with pytest.raises(ConfigError, match=complaint):
             changed_config(content, "r", [change])
+
+
+def test_base_model_of_old_configurations_was_a_fallback_and_is_no_demand() -> None:
+    old = b'[base]\nmodel = "p2dx"\n[gate]\nfront = 0.21\n'
+    assert parse_old_config(old, "old")[0].base.model is None
+    new = b'[base]\nmodel = "p2dx"\n'
+    assert parse_old_config(new, "new")[0].base.model == "p2dx"

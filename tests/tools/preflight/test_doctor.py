@@ -28,6 +28,8 @@ from drivers.emulation.line_faults import LineFaults
 from drivers.lms200.errors import Severity
 from drivers.lms200.health import LaserHealth
 from drivers.p2os.base_state import BaseState
+from drivers.p2os.model import load_model
+from drivers.p2os.robot_identity import RobotIdentity
 from maps.map_folder import load_map_folder
 from robot_agent.config import AgentConfig, load_config
 from tools.campaign.agent_stage import START, make_room
@@ -42,7 +44,12 @@ from tools.preflight.doctor import (
     examine_recorder,
     is_fit,
 )
-from tools.preflight.doctor_base import examine_battery, examine_contacts, examine_motors
+from tools.preflight.doctor_base import (
+    examine_battery,
+    examine_contacts,
+    examine_laser_type,
+    examine_motors,
+)
 from tools.preflight.doctor_camera import CameraExamination, examine_adjustments, examine_picture
 from tools.preflight.doctor_laser import best_rate, examine_health
 from tools.preflight.doctor_port import examine_port
@@ -55,6 +62,8 @@ from tools.simulation.world import World
 
 UNPRIVILEGED = 65534  # the user and group without rights
 DEVICE_LIMIT = 3.0  # s; reached by silent devices only
+
+MODEL = load_model("p2dx")
 
 
 class RobotOnTheBench:
@@ -350,34 +359,34 @@ def test_unknown_key_is_the_only_finding(tmp_path: Path) -> None:
 
 def test_border_too_near_a_wall_fails(room: Path) -> None:
     config = configured('[map]\nfolder = "room"\n', room)
-    assert not failures(examine_map(config, room))
+    assert not failures(examine_map(config, room, MODEL))
     border = room / "room" / "border.toml"
     sound = border.read_text()
     border.write_text(sound.replace("4.5]", "5.6]"))
-    (finding,) = examine_map(config, room)
+    (finding,) = examine_map(config, room, MODEL)
     assert finding.subject == "map and border"
     assert finding.verdict is Verdict.FAILED
     assert "patrol map show" in finding.remedy
     border.write_text(sound)
-    assert not failures(examine_map(config, room))
+    assert not failures(examine_map(config, room, MODEL))
 
 
 def test_map_without_border_or_folder_fails(room: Path) -> None:
     (room / "room" / "border.toml").unlink()
     config = configured('[map]\nfolder = "room"\n', room)
-    assert "border.toml is missing" in examine_map(config, room)[0].text
-    absent = examine_map(configured('[map]\nfolder = "nowhere"\n', room), room)
+    assert "border.toml is missing" in examine_map(config, room, MODEL)[0].text
+    absent = examine_map(configured('[map]\nfolder = "nowhere"\n', room), room, MODEL)
     assert absent[0].verdict is Verdict.FAILED
 
 
 @pytest.mark.parametrize(("x", "words"), [(0.02, "not on free ground"), (-5.0, "outside the map")])
 def test_start_off_free_ground_fails(room: Path, x: float, words: str) -> None:
     text = f'[map]\nfolder = "room"\n[start]\nx = {x}\ny = 3.0\ntheta = 0.0\n'
-    assert words in failures(examine_map(configured(text, room), room))["start"].text
+    assert words in failures(examine_map(configured(text, room), room, MODEL))["start"].text
 
 
 def test_unknown_start_is_a_warning(room: Path) -> None:
-    findings = examine_map(configured('[map]\nfolder = "room"\n', room), room)
+    findings = examine_map(configured('[map]\nfolder = "room"\n', room), room, MODEL)
     assert [f.verdict for f in findings if f.subject == "start"] == [Verdict.WARNING]
     assert is_fit(findings)
 
@@ -385,7 +394,7 @@ def test_unknown_start_is_a_warning(room: Path) -> None:
 def test_unusable_rules_fail(room: Path) -> None:
     (room / "rules.toml").write_text("nonsense = 1\n")
     text = f'[map]\nfolder = "room"\n[patrol]\nrules_file = "{room / "rules.toml"}"\n'
-    assert "rules" in failures(examine_map(configured(text, room), room))
+    assert "rules" in failures(examine_map(configured(text, room), room, MODEL))
 
 
 def test_disk_fails_if_full_or_not_writable(tmp_path: Path) -> None:
@@ -443,6 +452,48 @@ def base_report(**changes: object) -> BaseState:
 )
 def test_battery_verdict_follows_its_voltage(volts: float, verdict: Verdict) -> None:
     assert examine_battery(volts).verdict is verdict
+
+
+def test_laser_without_a_driver_is_warned_of() -> None:
+    assert examine_laser_type(load_model("p2dx")).verdict is Verdict.OK
+    other = examine_laser_type(load_model("p3dx-sh-lms500"))
+    assert other.verdict is Verdict.WARNING
+    assert "p3dx-sh-lms500 comes with a laser of type lms500" in other.text
+    assert "no laser" in examine_laser_type(load_model("amigo")).text
+
+
+def test_unknown_subclass_fails_with_how_to_add_it(robot: RobotOnTheBench) -> None:
+    robot.do(lambda: setattr(robot.rig.base, "identity", RobotIdentity("R", "Pioneer", "p9zz")))
+    base = failures(examine_devices(devices_of(robot), DEVICE_LIMIT))["base"]
+    assert "a 'p9zz', of which no model is known; it will not drive" in base.text
+    assert 'base.model = "./mine.toml"' in base.remedy
+
+
+def test_model_that_contradicts_the_robot_fails(robot: RobotOnTheBench) -> None:
+    config = devices_of(robot)
+    base = msgspec.structs.replace(config.base, model="p3at")
+    contradicted = msgspec.structs.replace(config, base=base)
+    found = failures(examine_devices(contradicted, DEVICE_LIMIT))["base"]
+    assert "'p3at'" in found.text
+    assert "'p2dx'" in found.text
+    assert "delete base.model" in found.remedy
+
+
+def test_border_must_leave_room_for_the_robots_model(room: Path) -> None:
+    config = configured('[map]\nfolder = "room"\n', room)
+    (finding,) = examine_map(config, room, load_model("seekur"))
+    assert "at least 1.03 m needed" in finding.text
+
+
+def test_base_on_its_charger_is_warned_of() -> None:
+    charged = examine_battery(13.2, charging=True)
+    assert charged.verdict is Verdict.WARNING
+    assert "unplug" in charged.remedy
+
+
+def test_bumpers_that_are_not_fitted_are_named() -> None:
+    missing = "no bumpers fitted (every bit reads 1)"
+    assert missing in examine_contacts(base_report(), missing).text
 
 
 def test_stop_button_and_contacts_fail() -> None:

@@ -52,7 +52,7 @@ export function drawVisibility(context, robot, site, scale) {
 export function drawScan(context, robot, site, scale, now) {
   if (!robot.scan || robot.age("scan", now) > FRESH) return;
   const [x, y, theta] = robot.scan.at;
-  const [mx, my, turn] = site.laser;
+  const [mx, my, turn] = robot.status?.laserAt ?? site.laser;
   const [c, s] = [Math.cos(theta), Math.sin(theta)];
   const [lx, ly] = [x + c * mx - s * my, y + s * mx + c * my];
   const dot = Math.max(2 / scale, 0.03);
@@ -136,7 +136,7 @@ export function drawTracks(context, robot, scale, now) {
 }
 
 export function drawBody(context, robot, site, scale, { chosen, silent }) {
-  const { front, rear, halfWidth } = site.robot;
+  const { front, rear, halfWidth } = robot.status?.body ?? site.robot;
   const [x, y, theta] = robot.pose;
   context.save();
   context.translate(x, y);

@@ -335,6 +335,16 @@ def test_battery_is_reported() -> None:
     assert robot.sips[-1].battery_decivolts == 117
 
 
+def test_battest_pretends_a_voltage_and_0_gives_back_the_real_battery() -> None:
+    robot = Robot().open()
+    robot.send(command(N.BATTEST, 105))
+    robot.run(0.3)
+    assert robot.sips[-1].battery_decivolts == 105
+    robot.send(command(N.BATTEST, 0))
+    robot.run(0.3)
+    assert robot.sips[-1].battery_decivolts == 130
+
+
 def test_stall_cuts_the_power_temporarily() -> None:
     robot = Robot().open()
     robot.send(command(N.VEL, 300))

@@ -1,0 +1,118 @@
+"""The agent takes the robot's geometry from the one model that the session has."""
+
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from drivers.p2os.model import load_model
+from drivers.p2os.robot_identity import RobotIdentity
+from drivers.p2os.session import SessionState
+from maps.map_folder import MapFolder, load_map_folder
+from maps.pose import Pose
+from robot_agent.agent import Agent
+from robot_agent.config import AgentConfig, find_map
+from robot_agent.messages.effects import Effect, Publish
+from robot_agent.messages.events import Event
+from robot_agent.messages.foxglove import Log
+from robot_agent.messages.streams import decode
+from robot_agent.motion.gate_reason import GateReason
+from tools.bench.fleet import Fleet
+from tools.simulation.truth.truth import load_truth
+
+START = Pose(5.0, 13.4, 0.3)
+
+
+class Tape:
+    """Records the events and effects of an agent."""
+
+    def __init__(self) -> None:
+        self.steps: list[tuple[Event, list[Effect]]] = []
+
+    def record_event(self, event: Event) -> None:
+        self.steps.append((event, []))
+
+    def record_effect(self, _t: float, effect: Effect) -> None:
+        self.steps[-1][1].append(effect)
+
+    def logged(self, part: str) -> list[str]:
+        effects = (effect for _, effects in self.steps for effect in effects)
+        events = (e for e in effects if isinstance(e, Publish) and e.stream == "event")
+        logs = [decode(event.stream, event.payload) for event in events]
+        return [log.message for log in logs if isinstance(log, Log) and log.name == part]
+
+
+@pytest.fixture(scope="module")
+def folder() -> MapFolder:
+    return load_map_folder(find_map("paper_lab", Path()))
+
+
+def run(
+    folder: MapFolder,
+    seconds: float,
+    truth: str = "plain",
+    subclass: str | None = None,
+    model: str | None = None,
+) -> tuple[Fleet, Tape]:
+    """Run one robot; subclass: what its base says it is; model: as configured."""
+    tape = Tape()
+    config = msgspec.structs.replace(
+        AgentConfig(), base=msgspec.structs.replace(AgentConfig().base, model=model)
+    )
+    fleet = Fleet(
+        folder,
+        1,
+        seed=5,
+        starts=[START],
+        config=config,
+        observer=lambda *_: tape,
+        truth=load_truth(truth),
+    )
+    if subclass is not None:
+        fleet.robots[0].rig.base.identity = RobotIdentity("R", "Pioneer", subclass)
+    while fleet.t < seconds:
+        fleet.step()
+    return fleet, tape
+
+
+def test_robot_without_bumpers_drives_and_says_that_it_has_none(folder: MapFolder) -> None:
+    fleet, tape = run(folder, 12.0, "no_bumpers")
+    assert fleet.robots[0].rig.base.velocity[0] > 0.1
+    assert tape.logged("bumpers") == ["no bumpers fitted (every bit reads 1)"]
+
+
+def test_robot_on_its_charger_stands(folder: MapFolder) -> None:
+    fleet, _ = run(folder, 12.0, "charging")
+    robot = fleet.robots[0]
+    assert robot.rig.body.pose == START
+    assert robot.agent.gate_decision is not None
+    assert robot.agent.gate_decision.reason is GateReason.CHARGING
+
+
+def test_robot_of_an_unknown_subclass_stands_and_says_how_to_add_it(folder: MapFolder) -> None:
+    fleet, tape = run(folder, 12.0, "unknown_subclass")
+    robot = fleet.robots[0]
+    assert robot.rig.body.pose == START
+    assert robot.agent.base.state is SessionState.OPENING
+    assert robot.agent.gate_decision is not None
+    assert robot.agent.gate_decision.reason is GateReason.BODY_UNKNOWN
+    (said,) = tape.logged("model")
+    assert "'p9zz'" in said
+    assert 'base.model = "./mine.toml"' in said
+
+
+def test_robot_that_contradicts_its_configured_model_stands(folder: MapFolder) -> None:
+    fleet, tape = run(folder, 12.0, subclass="p3at", model="p2dx")
+    assert fleet.robots[0].rig.body.pose == START
+    (said,) = tape.logged("model")
+    assert "'p2dx'" in said
+    assert "'p3at'" in said
+
+
+def test_geometry_is_that_of_the_reported_model_live_and_in_replay(folder: MapFolder) -> None:
+    fleet, tape = run(folder, 8.0, subclass="p3at")
+    robot = fleet.robots[0]
+    assert robot.agent.base.model is load_model("p3at")
+    agent = Agent(robot.agent.config, folder)
+    for event, effects in tape.steps:
+        assert agent.handle(event) == effects
