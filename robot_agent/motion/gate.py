@@ -34,6 +34,8 @@ class GateInputs(msgspec.Struct, frozen=True):
     base_time: float | None  # when the last base report was measured
     scan_time: float | None  # when the last laser scan was measured
     health: str | None  # of the localization: "localized", "unsure"; anything else denies
+    body_known: bool  # whether the footprint is known to be this robot's
+    charging: bool  # on a charger, or the charger's state is an unknown one
     motors_enabled: bool
     stop_button: bool  # pressed, or it has switched the motors off
     stalled: bool
@@ -43,8 +45,6 @@ class GateInputs(msgspec.Struct, frozen=True):
     w: float  # rad/s
     obstacles: NDArray[np.float64]  # (n, 2), m, base_link: obstacle points of all sources
     views: tuple[FieldOfView, ...] = ()  # of the sensors with fresh data; none: no driving
-    body_known: bool = True  # whether the footprint is known to be this robot's
-    charging: bool = False  # on a charger, or the charger's state is an unknown one
     overloaded: bool = False  # the agent misses its deadlines
     limited: bool = False  # limited mode: slow, needs no localization; all other checks apply
 

@@ -84,6 +84,8 @@ class IdealRobot:
             base_time=t,
             scan_time=t,
             health="localized",
+            body_known=True,
+            charging=False,
             motors_enabled=True,
             stop_button=False,
             stalled=False,

@@ -12,6 +12,8 @@ from robot_agent.motion.field_of_view import FieldOfView
 
 WELL: dict[str, Any] = {
     "health": "localized",
+    "body_known": True,
+    "charging": False,
     "motors_enabled": True,
     "stop_button": False,
     "stalled": False,
