@@ -25,7 +25,8 @@ from tools.simulation.real_time_rig import Pumped, RealTimeRig
 from tools.simulation.rig import RobotRig
 from tools.simulation.robot_body import Outline, RobotBody
 from tools.simulation.start_poses import free_start_poses
-from tools.simulation.truth.truth import RobotTruth, load_truth
+from tools.simulation.truth.robot_truth import RobotTruth
+from tools.simulation.truth.truth import load_truth
 from tools.simulation.world import World
 
 

@@ -16,9 +16,11 @@ from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.model import load_model
 from drivers.p2os.robot_identity import RobotIdentity
 from maps.pose import Pose, wrap_angle
+from tools.simulation.laser_unit import LaserUnit
 from tools.simulation.robot_body import Outline, RobotBody
 from tools.simulation.silhouette import silhouette_of
-from tools.simulation.truth.truth import RobotTruth, Truth, load_truth
+from tools.simulation.truth.robot_truth import RobotTruth
+from tools.simulation.truth.truth import Truth, load_truth
 from tools.simulation.world import Fan, World, laser_fan
 
 SONAR_PERIOD_S = 0.1
@@ -57,9 +59,11 @@ class RobotRig:
             self.model, name=name, later_firmware=later_firmware or charging, watchdog=watchdog
         )
         self.base.identity = RobotIdentity(name, "Pioneer", self.truth.subclass)
+        self.base.base.braking = self.truth.drive.braking
         if charging:
             self.base.battery.charge_state = ChargeState.BULK
         self.laser = Lms200Emulator(scan_source=self._scan)
+        self._unit = LaserUnit(self.truth.laser, t, world.rng.spawn(1)[0])
         self.stuck = False
         """Whether the body cannot move while the wheels turn."""
         self.blind = False
@@ -120,6 +124,7 @@ class RobotRig:
             return np.full(n, np.inf)
         if prepared is None:
             prepared = self.world.scans([self._fan(t, n, increment)])[0]
+        prepared = self._unit.reported(prepared, self._bearings(n, increment), t)
         return prepared if t < self._repeats_from else self._repeat(prepared)
 
     def _repeat(self, ranges: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -142,8 +147,17 @@ class RobotRig:
         laser = self.truth.laser
         # Mirrored data come in the reverse order of their measurement.
         swept = rate * (offsets[::-1] if laser.mirrored else offsets)
-        leftward = laser.upside_down == laser.mirrored
-        return laser_fan(self.body, pose, n, increment, laser.mount, swept, leftward=leftward)
+        bearings = self._bearings(n, increment)
+        fan = laser_fan(self.body, pose, bearings, laser.mount, swept)
+        floor = self.world.floor
+        pitch = 0.0 if floor is None else floor.pitch(self.body.floor_patch, pose.theta)
+        return fan._replace(ends=self._unit.ends(bearings, pitch))
+
+    def _bearings(self, n: int, increment: float) -> NDArray[np.float64]:
+        """Return (n,) directions of the beams from the laser's axis, rad, left positive."""
+        laser = self.truth.laser
+        bearings = (np.arange(n, dtype=np.float64) - (n - 1) / 2) * increment
+        return bearings if laser.upside_down == laser.mirrored else -bearings
 
     def _pose_at(self, t: float) -> Pose:
         """Return the true pose at ``t``, interpolated within the last step."""
@@ -181,15 +195,26 @@ def make_rigs(
 ) -> list[RobotRig]:
     """Add one robot per start pose to the world: robot1, robot2, ...
 
-    truth: how the robots really are, by default as the shipped ``plain``.
+    truth: how the robots really are, by default as the shipped ``plain``; what it leaves to the
+    seed is drawn for each.
     """
-    robot = (truth or load_truth("plain")).robot
-    body = robot.body
-    outline = Outline(body.front, body.rear, body.half_width, body.track)
-    silhouettes = tuple(silhouette_of(corners) for corners in robot.silhouette.polygons)
+    truth = truth or load_truth("plain")
+    draws = world.rng.spawn(1)[0]
     return [
-        RobotRig(
-            f"robot{number}", world, world.add_body(start, outline, silhouettes), t, truth=robot
-        )
+        make_rig(f"robot{number}", world, start, t, truth.drawn(draws).robot)
         for number, start in enumerate(starts, start=1)
     ]
+
+
+def make_rig(
+    name: str,
+    world: World,
+    start: Pose,
+    t: float,
+    robot: RobotTruth,
+) -> RobotRig:
+    """Add one robot to the world; raises ValueError where there is no room."""
+    outline = Outline(robot.body.front, robot.body.rear, robot.body.half_width, robot.body.track)
+    silhouettes = tuple(silhouette_of(corners) for corners in robot.silhouette.polygons)
+    body = world.add_body(start, outline, silhouettes, robot.drive.turn_scale)
+    return RobotRig(name, world, body, t, truth=robot)

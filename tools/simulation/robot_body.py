@@ -97,6 +97,10 @@ class RobotBody:
     kind: BodyKind = BodyKind.ROBOT
     silhouettes: tuple[Silhouette, ...] | None = None
     """What lasers see of it; by default its outline, which is what sonars hear."""
+    turn_scale: float = 1.0
+    """Turn of the body for a turn of 1 by its wheels."""
+    floor_patch: int = 0
+    """Number of the patch of floor it stands on."""
     reach: float = field(init=False)
     """Distance of the outline's farthest corner from base_link, m."""
 

@@ -33,6 +33,8 @@ class EmulatedBase:
         """Time of the client's last packet."""
         self.front_bumpers = self.rear_bumpers = 0
         self.bump_stall = 0
+        self.braking = 1.0
+        """Share of the ordered deceleration that the motors reach."""
         self.x = self.y = self.theta = 0.0  # odometer: m, m, rad
         self._ticks = [0.0, 0.0]
         self._moved = (0.0, 0.0)  # wheel motion not yet fetched: m, rad
@@ -153,6 +155,7 @@ class EmulatedBase:
             halted=self.watchdog_expired,
             forward=not self._front_blocked,
             backward=not self._rear_blocked,
+            braking=self.braking,
         )
         self._moved = (self._moved[0] + distance, self._moved[1] + rotation)
         return distance

@@ -168,20 +168,30 @@ class MotionController:
         self._turn_rate, self._heading = 0.0, start + value
 
     def run(
-        self, dt: float, heading: float, *, halted: bool, forward: bool, backward: bool
+        self,
+        dt: float,
+        heading: float,
+        *,
+        halted: bool,
+        forward: bool,
+        backward: bool,
+        braking: float = 1.0,
     ) -> tuple[float, float]:
         """Run ``dt`` s; return the wheels' motion as (distance m, rotation rad).
 
         ``heading`` is the odometer's, rad; ``halted`` stops by the ramps but keeps the setpoints;
-        ``forward`` and ``backward``: whether the bumpers permit the direction.
+        ``forward`` and ``backward``: whether the bumpers permit the direction. ``braking``: share
+        of the deceleration that the motors reach.
         """
         speed, turn_rate = (0.0, 0.0) if halted else self._goals(dt, heading)
         if (speed > 0.0 and not forward) or (speed < 0.0 and not backward):
             speed = 0.0
         limits = self.limits
-        self.v, distance = ramp(self.v, speed, limits.acceleration, limits.deceleration, dt)
+        self.v, distance = ramp(
+            self.v, speed, limits.acceleration, limits.deceleration * braking, dt
+        )
         self.w, rotation = ramp(
-            self.w, turn_rate, limits.turn_acceleration, limits.turn_deceleration, dt
+            self.w, turn_rate, limits.turn_acceleration, limits.turn_deceleration * braking, dt
         )
         if self._travel is not None:
             self._travel -= distance
