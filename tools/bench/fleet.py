@@ -138,9 +138,9 @@ class Fleet:
                 robot.lockstep.deliver(self.t)
 
     def _make_camera(self, rig: RobotRig, settings: AgentConfig) -> LockstepCamera:
-        color = settings.perception.color
-        emulated = EmulatedCamera(self.world, rig.body, settings.camera, color, self.seed)
-        return LockstepCamera(emulated.picture_at, settings.camera, color)
+        robot = rig.truth
+        emulated = EmulatedCamera(self.world, rig.body, robot.camera, robot.band, self.seed)
+        return LockstepCamera(emulated.picture_at, settings.camera, settings.perception.color)
 
     def shut_down(self) -> None:
         """Shut every agent down."""

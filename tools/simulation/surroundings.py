@@ -25,6 +25,7 @@ _WALL = 0.40  # m; an open door goes through walls up to so thick
 _OPENING = 1.30  # m; the widest opening that a door shuts
 _GLASS = 2.0  # m of wall
 _NEAR_BORDER = 3.0  # m; farther away nobody would meet a thing
+_WAY = 0.6  # m; a low box stands where robots drive
 _TRIES = 300  # places looked at for each thing
 _ONE_IN = 4  # things of which one may come nearer to the border
 
@@ -83,6 +84,8 @@ class _Placing:
         self._from_border: NDArray[np.float64] = distances.reshape(rows, cols)
         near = self._from_border < _NEAR_BORDER
         self._free = np.argwhere(near & (occupancy.cells == FREE))
+        way = self._from_border < _WAY
+        self._way = np.argwhere(way & (occupancy.cells == FREE))
         self._walls = np.argwhere(near & (occupancy.cells == OCCUPIED))
 
     def surroundings(self) -> Surroundings:
@@ -101,7 +104,7 @@ class _Placing:
     def low_box(self, _clearance: float) -> bool:
         """Put down a box that is lower than the laser's plane."""
         length, width = self._rng.uniform(*_LOW_BOX, 2).tolist()
-        place = self._some_place(self._free)
+        place = self._some_place(self._way)
         return self._put([(place, length, width)], self._truth.low_clearance, seen=False)
 
     def table(self, clearance: float) -> bool:

@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.p2os.model import SonarMount
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose, wrap_angle
 from tools.simulation.laser_optics import LaserOptics
@@ -19,6 +18,7 @@ from tools.simulation.robot_body import Outline, RobotBody, bumper_masks, meetin
 from tools.simulation.silhouette import Shapes, Silhouette, middles_of, shapes_of
 from tools.simulation.sonar_echo import SonarEcho
 from tools.simulation.surroundings import Surroundings
+from tools.simulation.truth.robot_truth import SonarPlace
 from tools.simulation.truth.truth import load_truth
 from tools.simulation.truth.world_noise import WorldNoise
 from tools.simulation.uneven_floor import UnevenFloor
@@ -102,7 +102,7 @@ def laser_fan(
     return Fan(body, np.full(n, laser.x), np.full(n, laser.y), laser.theta + bearings + swept)
 
 
-def _sonar_fan(body: RobotBody, ring: Sequence[SonarMount], cone: NDArray[np.float64]) -> Fan:
+def _sonar_fan(body: RobotBody, ring: Sequence[SonarPlace], cone: NDArray[np.float64]) -> Fan:
     """Return the rays of each transducer, at the directions of its cone, rad from its axis."""
     c, s = math.cos(body.pose.theta), math.sin(body.pose.theta)
     x = [body.pose.x + c * mount.x - s * mount.y for mount in ring]
@@ -271,14 +271,14 @@ class World:
         """Return (n,) distances, m, from (x, y) to the next walls in directions (n,), rad."""
         return self._caster.cast(x, y, directions, self.laser_max_range)
 
-    def sonar(self, body: RobotBody, ring: Sequence[SonarMount]) -> list[float]:
+    def sonar(self, body: RobotBody, ring: Sequence[SonarPlace]) -> list[float]:
         """Return each transducer's range, m: the nearest of three rays over its cone, 5 m at most.
 
         Taken from the body's present pose.
         """
         return self.sonars([body], ring)[0]
 
-    def sonars(self, bodies: Sequence[RobotBody], ring: Sequence[SonarMount]) -> list[list[float]]:
+    def sonars(self, bodies: Sequence[RobotBody], ring: Sequence[SonarPlace]) -> list[list[float]]:
         """Return the ranges of ``sonar`` for each of several bodies."""
         cone = self._echo.cone
         rays = _rays_of([_sonar_fan(body, ring, cone) for body in bodies])

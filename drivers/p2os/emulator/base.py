@@ -9,8 +9,8 @@ import math
 
 from drivers.p2os.commands import Command
 from drivers.p2os.emulator.battery import EmulatedBattery
+from drivers.p2os.emulator.make import BaseMake
 from drivers.p2os.emulator.motion_controller import MotionController
-from drivers.p2os.model import RobotModel
 
 MOTION_CYCLE = 0.010  # s
 FACTORY_WATCHDOG = 2.0  # s without a packet after which motion halts; in the FLASH
@@ -21,7 +21,7 @@ TICKS_PER_METRE = 128_000  # of a wheel's encoder
 class EmulatedBase:
     """Converts setpoints to wheel motion, and wheel motion to the values a controller reports."""
 
-    def __init__(self, model: RobotModel, watchdog: float = FACTORY_WATCHDOG) -> None:
+    def __init__(self, model: BaseMake, watchdog: float = FACTORY_WATCHDOG) -> None:
         self.model = model
         self.watchdog = watchdog
         self.battery = EmulatedBattery()
@@ -126,7 +126,7 @@ class EmulatedBase:
         self.x += distance * math.cos(middle)
         self.y += distance * math.sin(middle)
         self.theta += rotation
-        half_difference = rotation / self.model.conversion.turn
+        half_difference = rotation / self.model.turn
         self._ticks[0] += TICKS_PER_METRE * (distance - half_difference)
         self._ticks[1] += TICKS_PER_METRE * (distance + half_difference)
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import Command
-from drivers.p2os.model import RobotModel
+from drivers.p2os.emulator.make import BaseMake
 
 E_STOPS = frozenset({CommandNumber.E_STOP, CommandNumber.QSTOP})
 VELOCITIES = frozenset(
@@ -34,7 +34,7 @@ class MotionLimits:
     turn_deceleration: float = math.radians(100.0)  # rad/s^2
 
 
-def limits_of(model: RobotModel) -> MotionLimits:
+def limits_of(model: BaseMake) -> MotionLimits:
     """Return the limits a controller starts with."""
     return MotionLimits(speed=model.top_speed, turn_rate=model.top_turn_rate)
 
@@ -74,7 +74,7 @@ def stopping_speed(remaining: float, deceleration: float, limit: float, dt: floa
 class MotionController:
     """Converts motion commands to wheel speeds over time."""
 
-    def __init__(self, model: RobotModel) -> None:
+    def __init__(self, model: BaseMake) -> None:
         self.limits = limits_of(model)
         self.v = 0.0
         self.w = 0.0
@@ -212,10 +212,10 @@ class MotionController:
     def _set_wheels(self, left: int, right: int) -> None:
         self.drop_setpoints()
         self._wheels_independent = True
-        count = self._model.conversion.wheel_speed
+        count = self._model.wheel_speed_count
         self._speed = self._clamp_speed(0.5 * count * (left + right))
         half_difference = 0.5 * count * (right - left)
-        self._turn_rate = self._clamp_turn_rate(half_difference * self._model.conversion.turn)
+        self._turn_rate = self._clamp_turn_rate(half_difference * self._model.turn)
 
     def _clamp_speed(self, speed: float) -> float:
         return max(-self.limits.speed, min(self.limits.speed, speed))

@@ -12,8 +12,8 @@ import pytest
 from drivers.p2os.base_state import BaseState
 from drivers.p2os.commands import Command, decode_command
 from drivers.p2os.emulator.emulator import P2osEmulator
+from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.framing import PacketFramer
-from drivers.p2os.model import load_model
 from drivers.p2os.session import P2osSession, SessionState
 from drivers.p2os.settings import BaseSettings
 from drivers.requests import SetBaud, Write
@@ -109,10 +109,10 @@ def garble(data: bytes) -> bytes:
 
 @pytest.fixture
 def bench() -> Callable[..., Bench]:
-    """Make a bench: ``bench(robot_baud=..., model=..., **settings)``."""
+    """Make a bench: ``bench(robot_baud=..., **settings)``."""
 
-    def make(robot_baud: int = 9600, model: str = "p2dx", **settings: object) -> Bench:
-        emulator = P2osEmulator(load_model(model), baud=robot_baud)
+    def make(robot_baud: int = 9600, **settings: object) -> Bench:
+        emulator = P2osEmulator(PIONEER_2DX, baud=robot_baud)
         return Bench(BaseSettings(**settings), emulator)  # type: ignore[arg-type]
 
     return make

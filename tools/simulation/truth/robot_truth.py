@@ -7,9 +7,12 @@ from typing import Annotated
 
 import msgspec
 
+from tools.simulation.truth.camera_truth import BandTruth, CameraTruth
+
 Length = Annotated[float, msgspec.Meta(gt=0.0)]
 NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]
-Angle = Annotated[float, msgspec.Meta(ge=-math.pi, le=math.pi)]
+_FARTHEST = 1.1 * math.pi  # rad; half a turn and a spread about it
+Angle = Annotated[float, msgspec.Meta(ge=-_FARTHEST, le=_FARTHEST)]
 Corner = tuple[float, float]
 """x and y in base_link, m."""
 Polygons = tuple[tuple[Corner, ...], ...]
@@ -85,6 +88,31 @@ class DriveTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     braking: Annotated[float, msgspec.Meta(gt=0.0, le=1.0)]
 
 
+class SonarPlace(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fields=True):
+    """Pose of one transducer in base_link."""
+
+    x: float  # m
+    y: float  # m
+    heading_deg: float
+
+
+class BaseTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What the base is built as: limits, what its counts mean, where its sonars are.
+
+    sonar: by number; the first eight are the front ring's.
+    """
+
+    top_speed: Length  # m/s
+    top_turn_rate_deg: Length  # deg/s
+    sonar_far: Length  # m, sent by a transducer without an echo
+    sonar: tuple[SonarPlace, ...]
+    distance_count: Length  # m, of one count of x or y
+    speed_count: Length  # m/s, of one count of a wheel's speed
+    range_count: Length  # m, of one count of a sonar
+    wheel_speed_count: Length  # m/s, of one count of VEL2
+    turn: Length  # rad/s per m/s of half the wheels' speed difference, as the base computes it
+
+
 class BumperTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Whether there are bumpers; without, their inputs are open and every bit reads 1."""
 
@@ -104,9 +132,12 @@ class RobotTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     """One robot. subclass: what it says it is when a client connects."""
 
     subclass: str
+    base: BaseTruth
     body: BodyTruth
     silhouette: SilhouetteTruth
     laser: LaserTruth
+    camera: CameraTruth
+    band: BandTruth
     drive: DriveTruth
     bumpers: BumperTruth
     charging: ChargingTruth

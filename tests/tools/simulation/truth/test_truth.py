@@ -66,7 +66,9 @@ def test_truths_that_name_each_other_are_refused(tmp_path: Path) -> None:
 
 
 def test_bench_lists_the_truths(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["bench", "--truth", "help"]) == 0
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["bench", "--truth", "help"])
+    assert not ended.value.code
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[0] for line in lines] == truth_names()
 
@@ -75,7 +77,7 @@ def test_bench_lists_the_truths(capsys: pytest.CaptureFixture[str]) -> None:
 def test_bench_refuses_a_truth_that_is_not_there(
     name: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cli.main(["bench", "--truth", name]) == 2
+    assert cli.main(["bench", "--truth", name]) == 1
     assert name in capsys.readouterr().err
 
 
@@ -84,6 +86,23 @@ def test_the_housing_is_as_large_as_the_scanner() -> None:
     x, y = zip(*corners, strict=True)
     assert max(x) - min(x) == pytest.approx(0.156)
     assert max(y) - min(y) == pytest.approx(0.155)
+
+
+@pytest.mark.parametrize("model", ["p2at", "p2ce", "p2de", "p3at-sh", "p3dx"])
+def test_robots_of_another_model_say_so_and_are_as_large_as_that_model(model: str) -> None:
+    robot, usual = load_truth(model).robot, load_truth("rough").robot
+    assert robot.subclass == model
+    assert robot.base != usual.base
+    assert (robot.body.half_width > usual.body.half_width) == ("at" in model)
+    [corners] = robot.silhouette.polygons
+    assert max(x for x, _ in corners) == robot.body.front
+
+
+def test_every_truth_but_plain_and_ideal_is_rough() -> None:
+    rough = load_truth("rough")
+    for name in truth_names():
+        truth = load_truth(name)
+        assert (truth.optics == rough.optics) == (name not in ("plain", "ideal"))
 
 
 def test_the_octagon_lies_in_its_body() -> None:
