@@ -230,7 +230,13 @@ def make_rig(
     watchdog: float = FACTORY_WATCHDOG,
 ) -> RobotRig:
     """Add one robot to the world; raises ValueError where there is no room."""
-    outline = Outline(robot.body.front, robot.body.rear, robot.body.half_width, robot.body.track)
+    outline = Outline(
+        robot.body.front,
+        robot.body.rear,
+        robot.body.half_width,
+        robot.body.track,
+        robot.body.corners,
+    )
     silhouettes = tuple(silhouette_of(corners) for corners in robot.silhouette.polygons)
     body = world.add_body(start, outline, silhouettes, robot.drive.turn_scale)
     return RobotRig(name, world, body, t, watchdog=watchdog, truth=robot)

@@ -14,7 +14,13 @@ from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose, wrap_angle
 from tools.simulation.laser_optics import LaserOptics
 from tools.simulation.raycast import RayCaster, cast_bodies
-from tools.simulation.robot_body import Outline, RobotBody, bumper_masks, meeting_points, overlap
+from tools.simulation.robot_body import (
+    Outline,
+    RobotBody,
+    bodies_overlap,
+    bumper_masks,
+    meeting_points,
+)
 from tools.simulation.silhouette import Shapes, Silhouette, middles_of, shapes_of
 from tools.simulation.sonar_echo import SonarEcho
 from tools.simulation.surroundings import Surroundings
@@ -407,8 +413,7 @@ class World:
     def _blocked(self, body: RobotBody, pose: Pose) -> bool:
         """Return whether the body at a pose would overlap a wall or another body."""
         return bool(self._wall_points(body, pose, 0.0).size) or any(
-            overlap(body.rectangle(pose), other.rectangle())
-            for other in self._neighbours(body, pose, 0.0)
+            bodies_overlap(body, pose, other) for other in self._neighbours(body, pose, 0.0)
         )
 
     def _contact_points(self, body: RobotBody) -> NDArray[np.float64]:
@@ -420,15 +425,14 @@ class World:
             points.append(walls)
         self._update_contact(Contact(body.index, None), touching=walls.size > 0, near=near)
         close = self._neighbours(body, body.pose, _PART)
-        rectangle = body.rectangle() if close else ()
         for other in close:
-            touching = overlap(rectangle, other.rectangle(margin=TOUCH))
+            touching = bodies_overlap(body, body.pose, other, TOUCH)
             if touching:
                 points.append(meeting_points(body, other, 2 * TOUCH))
             self._update_contact(
                 _contact(body, other),
                 touching=touching,
-                near=overlap(rectangle, other.rectangle(margin=_PART)),
+                near=bodies_overlap(body, body.pose, other, _PART),
             )
         for other in self.bodies if self._touching else ():
             if other not in close:
@@ -450,9 +454,8 @@ class World:
         """
         if self.clearance(pose) > body.reach + 2 * margin:
             return np.empty((0, 2))  # the usual case
-        outline = body.outline
-        grown = Outline(outline.front + margin, outline.rear + margin, outline.half_width + margin)
-        points = grown.perimeter(self.occupancy.resolution / 2)
+        outline = body.outline.grown(margin) if margin else body.outline
+        points = outline.perimeter(self.occupancy.resolution / 2)
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         in_map = points @ np.array(((c, s), (-s, c))) + (pose.x, pose.y)
         cells = np.floor((in_map - self.occupancy.origin[:2]) / self.occupancy.resolution)

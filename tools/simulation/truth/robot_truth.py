@@ -19,12 +19,19 @@ Polygons = tuple[tuple[Corner, ...], ...]
 
 
 class BodyTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Rectangle of the body that can touch, about base_link, m."""
+    """What of the body can touch, about base_link, m: a rectangle, or a polygon within it.
+
+    corners: of a convex polygon, counter-clockwise; empty for the rectangle.
+    """
 
     front: Length
     rear: Length
     half_width: Length
     track: Length  # between the driven wheels
+    corners: tuple[Corner, ...]
+
+    def __post_init__(self) -> None:
+        _require_convex((self.corners,) if self.corners else ())
 
 
 class SilhouetteTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
