@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from robot_agent.config import AgentConfig
+from robot_agent.config import AgentConfig, parse_config
 from tools.logs.recorded_config import changed_config
 
 
@@ -31,4 +31,16 @@ def chosen_config(options: argparse.Namespace) -> AgentConfig:
     """
     if options.config is None:
         return changed_config(b"", "the defaults", options.set)
-    return changed_config(options.config.read_bytes(), str(options.config), options.set)
+    return changed_config(robots_file(options), str(options.config), options.set)
+
+
+def robots_file(options: argparse.Namespace) -> bytes:
+    """Return the content of ``--config``, checked; empty without the option.
+
+    Raises ConfigError, and OSError for a file that cannot be read.
+    """
+    if options.config is None:
+        return b""
+    content: bytes = options.config.read_bytes()
+    parse_config(content, str(options.config))
+    return content

@@ -10,7 +10,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from tools.commands.settings_option import add_set_option
+from tools.commands.settings_option import add_set_option, robots_file
 from tools.commands.truth_option import add_truth_option, chosen_truth
 from tools.progress import progress_line
 from tools.studies.study import read_study, run_study
@@ -37,7 +37,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the study, write runs.csv and study.svg, print the table; return 1 on a contact."""
-    config = options.config.read_text(encoding="utf-8") if options.config else ""
+    config = robots_file(options).decode()
     study = read_study(options.file, options.set, config, chosen_truth(options).name)
     print(
         f"patrol study: {len(study.cases)} cases x {study.settings.seeds} seeds; "

@@ -6,7 +6,7 @@ import argparse
 
 from tools.simulation.truth.truth import Truth, load_truth, truth_names
 
-DEFAULT_TRUTH = "plain"
+DEFAULT_TRUTH = "rough"
 _HELP = "help"
 
 
