@@ -15,12 +15,13 @@ from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.emulator.make import BaseMake
 from maps.pose import Pose, wrap_angle
+from tools.simulation.fan import Fan, laser_fan
 from tools.simulation.laser_unit import LaserUnit
 from tools.simulation.robot_body import Outline, RobotBody
 from tools.simulation.silhouette import silhouette_of
 from tools.simulation.truth.robot_truth import RobotTruth
 from tools.simulation.truth.truth import Truth, load_truth
-from tools.simulation.world import Fan, World, laser_fan
+from tools.simulation.world import World
 
 SONAR_PERIOD_S = 0.1
 _OPEN_INPUTS = 0x7F  # all segments of a bumper byte above the stall bit: FE

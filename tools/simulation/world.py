@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose, wrap_angle
+from tools.simulation.fan import Fan, Rays, ends_of, laser_fan, rays_of, sonar_fan
 from tools.simulation.laser_optics import LaserOptics
 from tools.simulation.raycast import RayCaster, cast_bodies
 from tools.simulation.robot_body import (
@@ -69,64 +70,6 @@ class _Parts(NamedTuple):
 
     silhouettes: list[Sequence[Silhouette]]
     shapes: Shapes
-
-
-class Fan(NamedTuple):
-    """Rays from a body: origins x and y (n,), m, and directions (n,), rad, map frame.
-
-    ends: (n,) ranges, m, at which rays end in any surroundings, None if nowhere.
-    """
-
-    body: RobotBody
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    angles: NDArray[np.float64]
-    ends: NDArray[np.float64] | None = None
-
-
-class _Rays(NamedTuple):
-    """The rays of several fans, one after another: as in ``Fan``; own (n,): index of the body."""
-
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    angles: NDArray[np.float64]
-    own: NDArray[np.intp]
-
-
-def laser_fan(
-    body: RobotBody,
-    pose: Pose,
-    bearings: NDArray[np.float64],
-    mount: tuple[float, float, float],
-    swept: NDArray[np.float64] | float = 0.0,
-) -> Fan:
-    """Return the rays of a laser scan; the arguments are those of ``World.scan``.
-
-    bearings (n,): rad from the laser's axis, left positive.
-    """
-    laser, n = pose.compose(Pose(*mount)), len(bearings)
-    return Fan(body, np.full(n, laser.x), np.full(n, laser.y), laser.theta + bearings + swept)
-
-
-def _sonar_fan(body: RobotBody, ring: Sequence[SonarPlace], cone: NDArray[np.float64]) -> Fan:
-    """Return the rays of each transducer, at the directions of its cone, rad from its axis."""
-    c, s = math.cos(body.pose.theta), math.sin(body.pose.theta)
-    x = [body.pose.x + c * mount.x - s * mount.y for mount in ring]
-    y = [body.pose.y + s * mount.x + c * mount.y for mount in ring]
-    heading = [body.pose.theta + math.radians(mount.heading_deg) for mount in ring]
-    angles = (np.array(heading)[:, None] + cone).ravel()
-    return Fan(body, np.repeat(x, len(cone)), np.repeat(y, len(cone)), angles)
-
-
-def _rays_of(fans: Sequence[Fan]) -> _Rays:
-    x, y, angles = (np.concatenate([fan[row] for fan in fans]) for row in (1, 2, 3))
-    own = np.repeat([fan.body.index for fan in fans], [len(fan.angles) for fan in fans])
-    return _Rays(x, y, angles, own)
-
-
-def _ends(fan: Fan) -> NDArray[np.float64]:
-    """Return where a fan's rays end in any surroundings (n,), m; inf for nowhere."""
-    return np.full(len(fan.angles), np.inf) if fan.ends is None else fan.ends
 
 
 @dataclass(slots=True, eq=False)
@@ -252,11 +195,11 @@ class World:
 
     def scans(self, fans: Sequence[Fan]) -> list[NDArray[np.float64]]:
         """Return the laser's ranges for each fan; many in one call cost little more than one."""
-        rays = _rays_of(fans)
+        rays = rays_of(fans)
         ranges = self._caster.cast(rays.x, rays.y, rays.angles, self.laser_max_range)
         nearer = self._cast_bodies(rays, self.laser_max_range, self._seen)
         if any(fan.ends is not None for fan in fans):
-            nearer = np.minimum(nearer, np.concatenate([_ends(fan) for fan in fans]))
+            nearer = np.minimum(nearer, np.concatenate([ends_of(fan) for fan in fans]))
         n = len(ranges)
         if self.optics is None:
             ranges = np.minimum(ranges, nearer)
@@ -287,7 +230,7 @@ class World:
     def sonars(self, bodies: Sequence[RobotBody], ring: Sequence[SonarPlace]) -> list[list[float]]:
         """Return the ranges of ``sonar`` for each of several bodies."""
         cone = self._echo.cone
-        rays = _rays_of([_sonar_fan(body, ring, cone) for body in bodies])
+        rays = rays_of([sonar_fan(body, ring, cone) for body in bodies])
         cast = self._sound.cast(rays.x, rays.y, rays.angles, _SONAR_RANGE)
         cast = np.minimum(cast, self._cast_bodies(rays, _SONAR_RANGE, self._heard))
         echoes = self._echo.heard(cast.reshape(-1, len(cone)), len(ring), _SONAR_RANGE)
@@ -305,7 +248,7 @@ class World:
         ]
         self._seen, self._heard = _Parts(seen, shapes_of(seen)), _Parts(heard, shapes_of(heard))
 
-    def _cast_bodies(self, rays: _Rays, max_range: float, parts: _Parts) -> NDArray[np.float64]:
+    def _cast_bodies(self, rays: Rays, max_range: float, parts: _Parts) -> NDArray[np.float64]:
         """Return (n,) ranges, m, to parts of other bodies; inf beside them."""
         if len(self.bodies) < 2:
             return np.full(len(rays.angles), np.inf)
@@ -318,7 +261,7 @@ class World:
         optics: LaserOptics,
         walls: NDArray[np.float64],
         nearer: NDArray[np.float64],
-        rays: _Rays,
+        rays: Rays,
         fans: Sequence[Fan],
     ) -> NDArray[np.float64]:
         """Return what lasers measure (n,), m, of the ranges to walls and to what else ends rays."""

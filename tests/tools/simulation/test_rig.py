@@ -12,9 +12,10 @@ from drivers.lms200.telegrams import Command, Mode
 from maps.map_folder import load_map_folder
 from maps.pose import Pose
 from robot_agent.config import find_map
+from tools.simulation.fan import Fan
 from tools.simulation.rig import RobotRig, make_rigs, sense
 from tools.simulation.truth.truth import load_truth
-from tools.simulation.world import Fan, World
+from tools.simulation.world import World
 
 PLACE = Pose(5.0, 13.4, 0.4)
 
