@@ -36,7 +36,6 @@ class Conversion(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     speed: Positive  # m/s per wheel speed count
     range: Positive  # m per sonar count
     turn: Positive  # rad/s per m/s of half the wheels' speed difference: 1 / half track
-    wheel_speed: Positive  # m/s per VEL2 count
 
 
 class Body(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

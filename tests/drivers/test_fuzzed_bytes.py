@@ -28,8 +28,8 @@ from drivers.lms200.settings import LaserSettings
 from drivers.p2os.commands import Command, decode_command
 from drivers.p2os.config_packet import ConfigPacket
 from drivers.p2os.emulator.emulator import P2osEmulator
+from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.framing import CONTROLLER_MAX_COUNT, MAX_COUNT, PacketFramer, encode_packet
-from drivers.p2os.model import load_model
 from drivers.p2os.packets import decode_packet
 from drivers.p2os.robot_identity import decode_sync_reply
 from drivers.p2os.session import P2osSession
@@ -146,7 +146,7 @@ class Codec:
 
 def robot_frames() -> list[bytes]:
     """Return an emulated robot's packets in a session with motion and all streams."""
-    emulator = P2osEmulator(load_model("p2dx"), baud=115200, later_firmware=True)
+    emulator = P2osEmulator(PIONEER_2DX, baud=115200, later_firmware=True)
     for command in (Command(0), Command(1), Command(2), Command(1, 1), Command(18, 1)):
         emulator.feed(command.encode(), 0.0)
     for number, argument in ((4, 1), (40, 2), (19, 2), (28, 1), (11, 300), (21, 20)):
@@ -212,7 +212,7 @@ def base_session() -> Callable[[bytes, float], object]:
 
 
 def emulated_base() -> Callable[[bytes, float], object]:
-    emulator = P2osEmulator(load_model("p2dx"), baud=115200)
+    emulator = P2osEmulator(PIONEER_2DX, baud=115200)
 
     def feed(data: bytes, t: float) -> None:
         emulator.feed(data, t)

@@ -22,7 +22,7 @@ from drivers.lms200.session import Lms200Session
 from drivers.lms200.settings import LaserSettings
 from drivers.p2os.base_state import BaseState
 from drivers.p2os.emulator.emulator import P2osEmulator
-from drivers.p2os.model import load_model
+from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.session import P2osSession, SessionState
 from drivers.p2os.settings import BaseSettings
 from drivers.port import Port, open_port
@@ -148,7 +148,7 @@ def terminal() -> Iterator[tuple[int, str]]:
 def test_base_behind_a_device_server_gets_ready() -> None:
     """The server's rate is effective: at another rate the emulated base's bytes are garbled."""
     session = P2osSession(BaseSettings())
-    robot = P2osEmulator(load_model("p2dx"), baud=19200)
+    robot = P2osEmulator(PIONEER_2DX, baud=19200)
     got_ready: list[float] = []
 
     def ready_and_heard(states: Sequence[tuple[float, BaseState]]) -> bool:

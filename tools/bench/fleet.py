@@ -27,8 +27,8 @@ from tools.simulation.lockstep_camera import LockstepCamera
 from tools.simulation.rig import RobotRig, make_rigs, sense
 from tools.simulation.start_poses import free_start_poses
 from tools.simulation.stranger import make_strangers
+from tools.simulation.true_world import make_world
 from tools.simulation.truth.truth import Truth, load_truth
-from tools.simulation.world import World
 
 STEP_S = 0.02
 SAMPLE_S = 0.1
@@ -86,10 +86,10 @@ class Fleet:
         self.truth = truth or load_truth("plain")
         self.seed = seed
         self.t = 0.0
-        self.world = World(folder.map, rng, self.truth.noise)
+        self.world = make_world(folder, rng, self.truth)
         if starts is None:
             assert folder.border is not None, "random starts lie near a border"
-            starts = free_start_poses(folder.map, folder.border, robots, rng)
+            starts = free_start_poses(self.world.occupancy, folder.border, robots, rng)
         rigs = self._rigs = make_rigs(self.world, starts, self.t, self.truth)
         self.faults = tuple(faults)
         check_robots(self.faults, [rig.name for rig in rigs])
@@ -109,7 +109,9 @@ class Fleet:
             self.robots.append(FleetRobot(rig, lockstep, injector, camera))
         assert folder.border is not None or not strangers, "strangers walk near a border"
         self.strangers = (
-            make_strangers(self.world, folder.border, strangers, seed) if folder.border else []
+            make_strangers(self.world, folder.border, strangers, seed, self.truth.people.leg)
+            if folder.border
+            else []
         )
         self._next_strangers = 0.0
         for robot in self.robots:
@@ -137,9 +139,9 @@ class Fleet:
                 robot.lockstep.deliver(self.t)
 
     def _make_camera(self, rig: RobotRig, settings: AgentConfig) -> LockstepCamera:
-        color = settings.perception.color
-        emulated = EmulatedCamera(self.world, rig.body, settings.camera, color, self.seed)
-        return LockstepCamera(emulated.picture_at, settings.camera, color)
+        robot = rig.truth
+        emulated = EmulatedCamera(self.world, rig.body, robot.camera, robot.band, self.seed)
+        return LockstepCamera(emulated.picture_at, settings.camera, settings.perception.color)
 
     def shut_down(self) -> None:
         """Shut every agent down."""

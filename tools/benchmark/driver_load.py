@@ -16,7 +16,7 @@ from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.lms200.session import Lms200Session
 from drivers.lms200.settings import LaserSettings
 from drivers.p2os.emulator.emulator import P2osEmulator
-from drivers.p2os.model import load_model
+from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.session import P2osSession
 from drivers.p2os.settings import BaseSettings
 from drivers.requests import SetBaud
@@ -136,7 +136,7 @@ def _emulate_devices(pipe: Connection) -> None:
         return np.linspace(1.0, 7.0, n)
 
     laser = Lms200Emulator(baud=LASER_BAUD, scan_source=scene)
-    base = P2osEmulator(load_model("p2dx"), baud=38400)
+    base = P2osEmulator(PIONEER_2DX, baud=38400)
     ports = [PtyPort(laser), PtyPort(base)]
     pipe.send(tuple(port.url for port in ports))
     begin = time.monotonic()

@@ -8,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from maps.map_folder import load_map_folder
+from maps.map_folder import MapFolder, load_map_folder
 from robot_agent.patrol.rules import RULES_FILE, load_rules
 from robot_agent.patrol.settings import PatrolSettings
 from tools.bench.fleet import Fleet, run_bench
 from tools.bench.ideal_fleet import IdealFleet, run_ideal_bench
 from tools.benchmark.figure import SEED, Figure
 from tools.benchmark.skfuzzy_peer import simulation_of
+from tools.simulation.truth.truth import load_truth
 
 
 def supervisor(_folder_path: Path) -> Iterator[Figure]:
@@ -69,6 +70,8 @@ def patrol_bench(folder_path: Path) -> Iterator[Figure]:
     yield Figure("distance from border while patrolling, maximum", distance["max"], "m", 0.10)
     yield Figure("contacts in 300 s of three robots", figures["contacts"], "", 0)
     yield Figure("lockstep bench of three robots", three, "x real time", 20.0, at_least=True)
+    ideal_s, rough_s = (_bench_time(folder, truth) for truth in ("ideal", "rough"))
+    yield Figure("the truth rough: times the time of ideal", rough_s / ideal_s, "x", 1.3)
     fleet = Fleet(folder, 20, SEED)
     started = time.process_time()
     run_bench(fleet, 30.0)
@@ -79,6 +82,14 @@ def patrol_bench(folder_path: Path) -> Iterator[Figure]:
     run_ideal_bench(ideal_fleet, 300.0)
     ideal = 300.0 / (time.process_time() - started)
     yield Figure("ideal bench of 20 robots", ideal, "x real time", 100.0, at_least=True)
+
+
+def _bench_time(folder: MapFolder, truth: str) -> float:
+    """Return the processor time of 60 s of three robots in a truth, s."""
+    fleet = Fleet(folder, 3, SEED, truth=load_truth(truth))
+    started = time.process_time()
+    run_bench(fleet, 60.0)
+    return time.process_time() - started
 
 
 def _per_call(call: Callable[[int], object], count: int) -> float:

@@ -13,6 +13,7 @@ from robot_agent.messages.blob import Blob
 from robot_agent.perception.band_detector import BandDetector
 from robot_agent.perception.color_settings import ColorSettings
 from tools.simulation.composed_picture import ComposedPicture, Composer
+from tools.simulation.truth.camera_truth import BandTruth, CameraTruth
 
 VISIBILITY = 2.5
 """The paper's visibility range, m."""
@@ -54,7 +55,15 @@ def run_color_trial(
     pictures: their number, 4 or more; camera, color: None: the defaults.
     """
     camera, color = camera or CameraSettings(), color or ColorSettings()
-    composer = Composer(camera, color, seed)
+    truth = CameraTruth(
+        width=camera.width,
+        height=camera.height,
+        focal_length=camera.focal_length,
+        mount=camera.mount,
+        mount_height=camera.mount_height,
+    )
+    band = BandTruth(middle=color.band_middle, height=color.band_height)
+    composer = Composer(truth, band, seed)
     detector = BandDetector(camera, color)
     rng = np.random.default_rng(seed + 1)
     found: dict[str, list[bool]] = {"far": [], "near": []}

@@ -17,8 +17,8 @@ from tools.bench.bench_fault import FaultKind, draw_faults
 from tools.bench.fleet_recorder import FleetRecorder
 from tools.bench.sensing import Sensing, bench
 from tools.commands.settings_option import add_set_option, chosen_config
+from tools.commands.truth_option import add_truth_option, chosen_truth
 from tools.progress import progress_line
-from tools.simulation.truth.truth import TruthError, load_truth, truth_names
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -49,12 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--camera", choices=["on", "off"], default="off", help="emulate the robots' cameras; slower"
     )
-    parser.add_argument(
-        "--truth",
-        default="plain",
-        metavar="NAME|FILE",
-        help="what the robots and the world really are: a shipped truth or a TOML file; help lists",
-    )
+    add_truth_option(parser)
     add_set_option(parser)
     parser.add_argument("--record", type=Path, metavar="DIR", help="keep a recording per robot")
     parser.add_argument("--json", type=Path, metavar="OUT", help="write the figures to this file")
@@ -62,15 +57,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run one bench; print its figures as JSON."""
-    if options.truth == "help":
-        for name in truth_names():
-            print(f"{name:20}{load_truth(name).about}")
-        return 0
-    try:
-        truth = load_truth(options.truth)
-    except TruthError as error:
-        print(f"patrol bench: --truth: {error}", file=sys.stderr)
-        return 2
+    truth = chosen_truth(options)
     config = chosen_config(options)
     cv2.setNumThreads(1)  # images are small: more threads cost more than they save
     path = find_map(options.map, Path.cwd())
@@ -83,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
     if options.record and sensing is Sensing.IDEAL:
         print("patrol bench: --record keeps bytes, and --sensing ideal has none", file=sys.stderr)
         return 2
-    if truth.name != "plain" and sensing is Sensing.IDEAL:
+    if options.truth and sensing is Sensing.IDEAL:
         print("patrol bench: --truth needs --sensing bytes", file=sys.stderr)
         return 2
     cameras = options.camera == "on"

@@ -13,6 +13,7 @@ from maps.border import BorderError
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.commands.settings_option import add_set_option, chosen_config
+from tools.commands.truth_option import add_truth_option, chosen_truth
 from tools.demo.demo import Demo, DemoOptions
 from tools.demo.demo_summary import print_summary, read_runs
 from tools.monitor.endpoint import free_endpoint
@@ -37,13 +38,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--strangers", type=int, default=0, metavar="N", help="moving people and carts to emulate"
     )
     parser.add_argument("--camera", choices=["on", "off"], default="on", help="on the robots")
+    add_truth_option(parser)
     add_set_option(parser)
     parser.add_argument("--seed", type=int, default=1, metavar="N")
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the demo until its duration is over or Ctrl-C, stop all processes, print the summary."""
-    config = chosen_config(options)
+    config, truth = chosen_config(options), chosen_truth(options)
     path = find_map(options.map, Path.cwd())
     folder = load_map_folder(path, options.border)
     if folder.border is None:
@@ -60,6 +62,7 @@ def run(options: argparse.Namespace) -> int:
                 strangers=options.strangers,
                 cameras=options.camera == "on",
                 config=config,
+                truth=truth.name,
             )
         )
         http = options.http or (None if options.headless else "127.0.0.1:0")

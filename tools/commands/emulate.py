@@ -10,9 +10,9 @@ from contextlib import closing
 from pathlib import Path
 
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG
-from drivers.p2os.model import model_names
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
+from tools.commands.truth_option import add_truth_option, chosen_truth
 from tools.simulation.emulate import EmulateOptions, Emulation, parse_pose
 
 
@@ -26,7 +26,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "  delay=0.05:0.2                     that share comes 0.2 s late\n"
         "  silence=5:8,cut=12:15,reset=20     from:to, from:to (the port goes away), at"
     )
-    parser.add_argument("--model", default="p2dx", metavar="NAME", help=", ".join(model_names()))
+    add_truth_option(parser)
     for name, device in (("p2os", "base"), ("lms200", "laser")):
         parser.add_argument(
             f"--{name}", default="pty", metavar="PLACE", help=f"{device}: pty or tcp:PORT"
@@ -51,7 +51,7 @@ def run(options: argparse.Namespace) -> int:
     """Emulate until SIGINT or SIGTERM; print the URL of each device, one line each."""
     folder = load_map_folder(find_map(options.map, Path.cwd()))
     wanted = EmulateOptions(
-        model=options.model,
+        truth=chosen_truth(options),
         p2os=options.p2os,
         lms200=options.lms200,
         p2os_faults=options.p2os_faults,

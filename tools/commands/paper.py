@@ -11,6 +11,7 @@ from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.bench.sensing import Sensing
 from tools.commands.settings_option import add_set_option, chosen_config
+from tools.commands.truth_option import add_truth_option, chosen_truth
 from tools.progress import progress_line
 from tools.studies.paper import BORDER, DURATION_S, MAP, PaperTrial, claims, over_seeds, run_seeds
 from tools.studies.paper_figures import write_figures
@@ -34,6 +35,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default=Sensing.BYTES,
         help="bytes: every byte, full noise; ideal: the decision layer alone",
     )
+    add_truth_option(parser)
     add_set_option(parser)
 
 
@@ -45,12 +47,15 @@ def run(options: argparse.Namespace) -> int:
     if options.seeds < 1 or options.jobs < 1:
         print("patrol paper: --seeds and --jobs must be 1 or more", file=sys.stderr)
         return 2
-    config = chosen_config(options)
+    config, truth = chosen_config(options), chosen_truth(options)
     folder = find_map(options.map, Path.cwd())
     load_map_folder(folder, options.border)  # reports a wrong folder before anything is run
     options.output.mkdir(parents=True, exist_ok=True)
     sensing = Sensing(options.sensing)
-    trial = PaperTrial(folder, options.border, sensing, options.duration, config)
+    if options.truth and sensing is Sensing.IDEAL:
+        print("patrol paper: --truth needs --sensing bytes", file=sys.stderr)
+        return 2
+    trial = PaperTrial(folder, options.border, sensing, options.duration, config, truth)
     seeds = range(options.seed, options.seed + options.seeds)
     claimed = []
     with progress_line("paper", len(seeds), "runs") as progress:

@@ -1,15 +1,19 @@
-"""The option ``--set KEY=VALUE`` shared by several commands."""
+"""The options ``--config`` and ``--set`` shared by several commands: what robots believe."""
 
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
-from robot_agent.config import AgentConfig
+from robot_agent.config import AgentConfig, parse_config
 from tools.logs.recorded_config import changed_config
 
 
 def add_set_option(parser: argparse.ArgumentParser) -> None:
-    """Declare the option."""
+    """Declare the options."""
+    parser.add_argument(
+        "--config", type=Path, metavar="ROBOT.toml", help="configuration of every robot"
+    )
     parser.add_argument(
         "--set",
         action="append",
@@ -21,5 +25,22 @@ def add_set_option(parser: argparse.ArgumentParser) -> None:
 
 
 def chosen_config(options: argparse.Namespace) -> AgentConfig:
-    """Return the default configuration with what ``--set`` changes. Raises ConfigError."""
-    return changed_config(b"", "the defaults", options.set)
+    """Return the configuration of ``--config``, or the default one, with what ``--set`` changes.
+
+    Raises ConfigError, and OSError for a file that cannot be read.
+    """
+    if options.config is None:
+        return changed_config(b"", "the defaults", options.set)
+    return changed_config(robots_file(options), str(options.config), options.set)
+
+
+def robots_file(options: argparse.Namespace) -> bytes:
+    """Return the content of ``--config``, checked; empty without the option.
+
+    Raises ConfigError, and OSError for a file that cannot be read.
+    """
+    if options.config is None:
+        return b""
+    content: bytes = options.config.read_bytes()
+    parse_config(content, str(options.config))
+    return content

@@ -10,7 +10,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from tools.commands.settings_option import add_set_option
+from tools.commands.settings_option import add_set_option, robots_file
+from tools.commands.truth_option import add_truth_option, chosen_truth
 from tools.progress import progress_line
 from tools.studies.study import read_study, run_study
 from tools.studies.study_plot import plot_study
@@ -30,12 +31,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="ADDRESS",
         help="run on the Dask cluster of this scheduler, such as tcp://host:8786",
     )
+    add_truth_option(parser)
     add_set_option(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the study, write runs.csv and study.svg, print the table; return 1 on a contact."""
-    study = read_study(options.file, options.set)
+    config = robots_file(options).decode()
+    study = read_study(options.file, options.set, config, chosen_truth(options).name)
     print(
         f"patrol study: {len(study.cases)} cases x {study.settings.seeds} seeds; "
         f"stop it any time, the same command goes on",

@@ -62,6 +62,8 @@ class DemoOptions:
     """Number of moving people and carts."""
     cameras: bool = False
     """Whether the robots have cameras."""
+    truth: str = "plain"
+    """Name or file of what the robots and their world really are."""
     config: AgentConfig = field(default_factory=AgentConfig)
     """Common configuration; name, seed, map, start, ports and operator are set per robot."""
 
@@ -162,7 +164,8 @@ class Demo:
             [
                 *program("tools.demo.world_server", str(options.map_folder)),
                 *("--border", options.border, "--robots", str(options.robots)),
-                *("--seed", str(options.seed), "--truth", str(self.truth_path)),
+                *("--seed", str(options.seed), "--poses", str(self.truth_path)),
+                *("--truth", options.truth),
                 *("--strangers", str(options.strangers)),
                 *(("--cameras",) if options.cameras else ()),
             ],

@@ -25,6 +25,8 @@ from tools.simulation.emulated_camera import CameraServer, EmulatedCamera
 from tools.simulation.rig import RobotRig, make_rigs
 from tools.simulation.start_poses import free_start_poses
 from tools.simulation.stranger import Stranger, make_strangers
+from tools.simulation.true_world import make_world
+from tools.simulation.truth.truth import load_truth
 from tools.simulation.world import World
 
 STEP_S = 0.01
@@ -51,7 +53,9 @@ class WorldServer:
         self._truth = truth
         self._strangers = strangers
         self.cameras = {
-            rig.name: CameraServer(EmulatedCamera(world, rig.body).picture_at)
+            rig.name: CameraServer(
+                EmulatedCamera(world, rig.body, rig.truth.camera, rig.truth.band).picture_at
+            )
             for rig in rigs
             if cameras
         }
@@ -121,18 +125,21 @@ def main() -> None:
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--strangers", type=int, default=0)
     parser.add_argument("--cameras", action="store_true")
-    parser.add_argument("--truth", type=Path, required=True)
+    parser.add_argument("--truth", required=True)
+    parser.add_argument("--poses", type=Path, required=True)
     options = parser.parse_args()
     folder = load_map_folder(options.map, options.border)
     assert folder.border is not None
     rng = np.random.default_rng(options.seed)
-    world = World(folder.map, rng)
-    starts = free_start_poses(folder.map, folder.border, options.robots, rng)
-    rigs = make_rigs(world, starts, time.monotonic())
+    truth = load_truth(options.truth)
+    world = make_world(folder, rng, truth)
+    starts = free_start_poses(world.occupancy, folder.border, options.robots, rng)
+    rigs = make_rigs(world, starts, time.monotonic(), truth)
     with ExitStack() as stack:
-        truth = stack.enter_context(options.truth.open("w"))
-        strangers = make_strangers(world, folder.border, options.strangers, options.seed)
-        server = WorldServer(world, rigs, truth, strangers, cameras=options.cameras)
+        poses = stack.enter_context(options.poses.open("w"))
+        leg = truth.people.leg
+        strangers = make_strangers(world, folder.border, options.strangers, options.seed, leg)
+        server = WorldServer(world, rigs, poses, strangers, cameras=options.cameras)
         for camera in server.cameras.values():
             stack.callback(camera.close)
         for ports in server.ports.values():

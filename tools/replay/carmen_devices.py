@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.p2os.emulator.emulator import P2osEmulator
-from drivers.p2os.model import load_model
+from drivers.p2os.emulator.make import PIONEER_2DX
 from maps.pose import Pose, wrap_angle
 from tools.logs.carmen import CarmenLog, CarmenScan
 from tools.simulation.lockstep import LockstepAgent
@@ -88,7 +88,7 @@ class LogRig:
 
     def __init__(self, name: str = "log") -> None:
         """Power on both devices; neither sends reports by itself."""
-        self.base = P2osEmulator(load_model("p2dx"), baud=BASE_BAUD, name=name, sip_period=None)
+        self.base = P2osEmulator(PIONEER_2DX, baud=BASE_BAUD, name=name, sip_period=None)
         self.laser = Lms200Emulator(scan_source=None)
 
     def play_moment(self, moment: Moment) -> None:

@@ -14,12 +14,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.camera_source import CameraSettings
 from maps.occupancy_map import FREE
 from maps.pose import Pose
-from robot_agent.perception.color_settings import ColorSettings
 from tools.simulation.prism import Color, Prism, paint, rectangle
 from tools.simulation.robot_body import BodyKind, RobotBody
+from tools.simulation.truth.camera_truth import BandTruth, CameraTruth
 from tools.simulation.world import World
 
 MAGENTA: Color = (150, 40, 225)
@@ -44,7 +43,7 @@ _LASER_BLUE: Color = (150, 90, 60)
 _CARDBOARD: Color = (90, 130, 165)
 
 
-def prisms_of(body: RobotBody, color: ColorSettings, band: Color) -> list[Prism]:
+def prisms_of(body: RobotBody, band: BandTruth, color: Color) -> list[Prism]:
     """Return the prisms that make up a body."""
     x, y, theta, half_length, half_width = body.rectangle()
     if body.kind is BodyKind.BOX:
@@ -60,13 +59,12 @@ def prisms_of(body: RobotBody, color: ColorSettings, band: Color) -> list[Prism]
             Prism(plan, 0.85, 1.45, shirt),
             Prism(head, 1.45, 1.72, _SKIN),
         ]
-    middle = color.band_middle
-    low, high = middle - color.band_height / 2, middle + color.band_height / 2
+    low, high = band.middle - band.height / 2, band.middle + band.height / 2
     plan = rectangle(x, y, theta, 0.22, 0.19)
     return [
         Prism(rectangle(x, y, theta, half_length, half_width), 0.04, 0.1, _WHEELS),
         Prism(plan, 0.06, low, _BODY_RED),
-        Prism(plan, low, high, band),
+        Prism(plan, low, high, color),
         Prism(rectangle(x, y, theta, 0.08, 0.08), high, high + 0.1, _LASER_BLUE),
     ]
 
@@ -102,14 +100,12 @@ class CameraView:
     def __init__(
         self,
         world: World,
-        camera: CameraSettings,
-        color: ColorSettings,
+        camera: CameraTruth,
+        band: BandTruth,
         posters: Sequence[Prism] = (),
-        band: Color = MAGENTA,
     ) -> None:
         self._world = world
         self._camera = camera
-        self._color = color
         self._posters = posters
         self._band = band
         columns = np.arange(0, camera.width, _COLUMNS_A_RAY) + 0.5 * (_COLUMNS_A_RAY - 1)
@@ -157,7 +153,7 @@ class CameraView:
             dx, dy = body.pose.x - lens.x, body.pose.y - lens.y
             if body is own or c * dx + s * dy < -0.5 or math.hypot(dx, dy) > SIGHT:
                 continue
-            near.append((math.hypot(dx, dy), prisms_of(body, self._color, self._band)))
+            near.append((math.hypot(dx, dy), prisms_of(body, self._band, MAGENTA)))
         for poster in self._posters:
             dx, dy = (poster.corners.mean(axis=0) - (lens.x, lens.y)).tolist()
             if c * dx + s * dy > 0.0 and math.hypot(dx, dy) < SIGHT:

@@ -13,13 +13,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.camera_source import CameraSettings
 from maps.pose import Pose
-from robot_agent.perception.color_settings import ColorSettings
 from tools.simulation.camera_light import Light, LitCamera
 from tools.simulation.camera_view import MAGENTA, prisms_of
 from tools.simulation.prism import Color, paint
 from tools.simulation.robot_body import RobotBody
+from tools.simulation.truth.camera_truth import BandTruth, CameraTruth
 
 _CLUTTER = (4, 14)  # least and largest number of objects in a background
 _STRONG_SHARE = 0.25  # of them in strong colours
@@ -43,9 +42,9 @@ class ComposedPicture:
 class Composer:
     """Generates pictures from a seed, each different."""
 
-    def __init__(self, camera: CameraSettings, color: ColorSettings, seed: int) -> None:
+    def __init__(self, camera: CameraTruth, band: BandTruth, seed: int) -> None:
         self._camera = camera
-        self._color = color
+        self._band = band
         self._rng = np.random.default_rng(seed)
         self._lit = LitCamera(self._rng)
 
@@ -126,7 +125,7 @@ class Composer:
         body = RobotBody(0, Pose(0.0, 0.0, 0.0))
         body.pose = middle.compose(Pose(-body.outline.middle, 0.0, 0.0))
         far = np.full(self._camera.width, np.inf)
-        for prism in prisms_of(body, self._color, MAGENTA):
+        for prism in prisms_of(body, self._band, MAGENTA):
             paint(scene, far, Pose(0.0, 0.0, 0.0), prism, self._camera)
 
     def _uneven(self, scene: NDArray[np.uint8]) -> NDArray[np.uint8]:

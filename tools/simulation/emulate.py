@@ -6,26 +6,25 @@ import math
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import msgspec
 import numpy as np
 
 from drivers.emulation.fault_plan import parse_faults
 from drivers.emulation.line_faults import LineFaults
 from drivers.emulation.port import EmulatedDevice, PtyPort, TcpPort
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG
-from drivers.p2os.model import RobotModel, load_model
 from maps.map_folder import MapFolder
 from maps.pose import Pose
 from tools.simulation.emulated_camera import CameraServer, EmulatedCamera
 from tools.simulation.real_time_rig import Pumped, RealTimeRig
-from tools.simulation.rig import RobotRig
-from tools.simulation.robot_body import Outline, RobotBody
+from tools.simulation.rig import make_rig
+from tools.simulation.robot_body import RobotBody
 from tools.simulation.start_poses import free_start_poses
-from tools.simulation.truth.truth import RobotTruth, load_truth
+from tools.simulation.true_world import make_world
+from tools.simulation.truth.truth import Truth, load_truth
 from tools.simulation.world import World
 
 
@@ -37,7 +36,8 @@ class EmulateError(ValueError):
 class EmulateOptions:
     """What to emulate, and at which ports."""
 
-    model: str = "p2dx"
+    truth: Truth = field(default_factory=lambda: load_truth("plain"))
+    """What the robot and its world really are."""
     p2os: str = "pty"
     """``pty`` or ``tcp:PORT``; port 0 takes any free one."""
     lms200: str = "pty"
@@ -56,30 +56,20 @@ class EmulateOptions:
 class Emulation:
     """An emulated robot served on its ports until ``close``.
 
-    Raises EmulateError, FaultSpecError or UnknownModelError when it cannot be set up.
+    Raises EmulateError or FaultSpecError when it cannot be set up.
     """
 
     def __init__(self, folder: MapFolder, options: EmulateOptions) -> None:
         rng = np.random.default_rng(options.seed)
-        pose = options.pose or _free_pose(folder, rng)
-        model = load_model(options.model)
-        world = World(folder.map, rng)
-        outline = Outline(
-            model.body.front, model.body.rear, model.body.width / 2, 2.0 / model.conversion.turn
-        )
+        world = make_world(folder, rng, options.truth)
+        pose = options.pose or _free_pose(folder, world, rng)
+        robot = options.truth.drawn(rng.spawn(1)[0]).robot
         try:
-            body = world.add_body(pose, outline)
+            self.rig = make_rig(
+                "Emulated", world, pose, time.monotonic(), robot, watchdog=options.watchdog
+            )
         except ValueError as error:
             raise EmulateError(f"--pose: {error}") from error
-        self.rig = RobotRig(
-            "Emulated",
-            world,
-            body,
-            time.monotonic(),
-            options.model,
-            watchdog=options.watchdog,
-            truth=_truth_of(model),
-        )
         self.urls: dict[str, str] = {}
         with ExitStack() as stack:
             names = Path(stack.enter_context(TemporaryDirectory(prefix="patrol-emulate-")))
@@ -97,7 +87,7 @@ class Emulation:
                 self.urls[name] = port.url
                 ports.append(port)
             if options.camera is not None:
-                camera = open_camera(options.camera, world, body)
+                camera = open_camera(options.camera, world, self.rig.body)
                 stack.callback(camera.close)
                 self.urls["camera"] = camera.url
                 ports.append(camera)
@@ -167,15 +157,7 @@ def parse_pose(text: str) -> Pose:
     return Pose(x, y, math.remainder(math.radians(degrees), math.tau))
 
 
-def _truth_of(model: RobotModel) -> RobotTruth:
-    """Return the plain truth with the subclass and the laser's mount of a model."""
-    plain = load_truth("plain").robot
-    x, y, theta = model.laser_mount
-    laser = msgspec.structs.replace(plain.laser, x=x, y=y, theta=theta)
-    return msgspec.structs.replace(plain, subclass=model.subclass, laser=laser)
-
-
-def _free_pose(folder: MapFolder, rng: np.random.Generator) -> Pose:
+def _free_pose(folder: MapFolder, world: World, rng: np.random.Generator) -> Pose:
     if folder.border is None:
         raise EmulateError(f"map {folder.name} has no border to stand near: give a place by --pose")
-    return free_start_poses(folder.map, folder.border, 1, rng)[0]
+    return free_start_poses(world.occupancy, folder.border, 1, rng)[0]

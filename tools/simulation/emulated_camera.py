@@ -12,12 +12,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.camera_source import CameraSettings
 from maps.pose import Pose
-from robot_agent.perception.color_settings import ColorSettings
 from tools.simulation.camera_light import Light, LitCamera
 from tools.simulation.camera_view import CameraView, posters_on_walls
 from tools.simulation.robot_body import RobotBody
+from tools.simulation.truth.camera_truth import BandTruth, CameraTruth
+from tools.simulation.truth.truth import load_truth
 from tools.simulation.world import World
 
 PICTURE_PERIOD_S = 0.2
@@ -35,15 +35,15 @@ class EmulatedCamera:
         self,
         world: World,
         body: RobotBody,
-        camera: CameraSettings | None = None,
-        color: ColorSettings | None = None,
+        camera: CameraTruth | None = None,
+        band: BandTruth | None = None,
         seed: int = 0,
     ) -> None:
+        """Make the camera of a body; camera and band are by default those of ``plain``."""
         posters = posters_on_walls(world)
         self._body = body
-        self._view = CameraView(
-            world, camera or CameraSettings(), color or ColorSettings(), posters
-        )
+        plain = load_truth("plain").robot
+        self._view = CameraView(world, camera or plain.camera, band or plain.band, posters)
         self._lit = LitCamera(np.random.default_rng((seed, body.index)))
 
     def picture_at(self, t: float, pose: Pose | None = None) -> NDArray[np.uint8]:

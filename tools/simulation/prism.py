@@ -9,8 +9,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.camera_source import CameraSettings
 from maps.pose import Pose
+from tools.simulation.truth.camera_truth import CameraTruth
 
 Color = tuple[int, int, int]
 """Blue, green, red of a surface in white light."""
@@ -43,7 +43,7 @@ def paint(
     depth: NDArray[np.float64],
     lens: Pose,
     prism: Prism,
-    camera: CameraSettings,
+    camera: CameraTruth,
 ) -> None:
     """Paint the sides of a prism that face the lens into a picture (height, width, 3).
 
@@ -68,7 +68,7 @@ def _paint_side(
     side: tuple[float, float, float, float],
     prism: Prism,
     shade: float,
-    camera: CameraSettings,
+    camera: CameraTruth,
 ) -> None:
     ax, ay, bx, by = side
     middle_x, middle_y = (camera.width - 1) / 2, (camera.height - 1) / 2

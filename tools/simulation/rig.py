@@ -9,17 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.lms200.emulator.emulator import Lms200Emulator
-from drivers.lms200.scan import beam_time_offsets
+from drivers.lms200.emulator.mirror import beam_delays
 from drivers.p2os.base_state import ChargeState
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from drivers.p2os.emulator.emulator import P2osEmulator
-from drivers.p2os.model import load_model
-from drivers.p2os.robot_identity import RobotIdentity
+from drivers.p2os.emulator.make import BaseMake
 from maps.pose import Pose, wrap_angle
+from tools.simulation.fan import Fan, laser_fan
+from tools.simulation.laser_unit import LaserUnit
 from tools.simulation.robot_body import Outline, RobotBody
 from tools.simulation.silhouette import silhouette_of
-from tools.simulation.truth.truth import RobotTruth, Truth, load_truth
-from tools.simulation.world import Fan, World, laser_fan
+from tools.simulation.truth.robot_truth import RobotTruth
+from tools.simulation.truth.truth import Truth, load_truth
+from tools.simulation.world import World
 
 SONAR_PERIOD_S = 0.1
 _OPEN_INPUTS = 0x7F  # all segments of a bumper byte above the stall bit: FE
@@ -34,7 +36,6 @@ class RobotRig:
         world: World,
         body: RobotBody,
         t: float,
-        model: str = "p2dx",
         *,
         later_firmware: bool = False,
         watchdog: float = FACTORY_WATCHDOG,
@@ -42,24 +43,26 @@ class RobotRig:
     ) -> None:
         """Make the devices of a body in the world, powered on at ``t``.
 
-        model: whose counts and sonars the base has. truth: how the robot really is, by default as
-        the shipped ``plain``.
+        truth: how the robot really is, by default as the shipped ``plain``.
         later_firmware: the base reports what AROS reports, the stop button included.
         watchdog: value in the base's FLASH, s.
         """
         self.name = name
         self.world = world
         self.body = body
-        self.model = load_model(model)
         self.truth = truth or load_truth("plain").robot
         charging = self.truth.charging.connected
         self.base = P2osEmulator(
-            self.model, name=name, later_firmware=later_firmware or charging, watchdog=watchdog
+            make_of(self.truth),
+            name=name,
+            later_firmware=later_firmware or charging,
+            watchdog=watchdog,
         )
-        self.base.identity = RobotIdentity(name, "Pioneer", self.truth.subclass)
+        self.base.base.braking = self.truth.drive.braking
         if charging:
             self.base.battery.charge_state = ChargeState.BULK
         self.laser = Lms200Emulator(scan_source=self._scan)
+        self._unit = LaserUnit(self.truth.laser, t, world.rng.spawn(1)[0])
         self.stuck = False
         """Whether the body cannot move while the wheels turn."""
         self.blind = False
@@ -120,6 +123,7 @@ class RobotRig:
             return np.full(n, np.inf)
         if prepared is None:
             prepared = self.world.scans([self._fan(t, n, increment)])[0]
+        prepared = self._unit.reported(prepared, self._bearings(n, increment), t)
         return prepared if t < self._repeats_from else self._repeat(prepared)
 
     def _repeat(self, ranges: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -138,12 +142,21 @@ class RobotRig:
         step = self._t - self._previous_t
         turn = math.remainder(self.body.pose.theta - self._previous_pose.theta, math.tau)
         rate = turn / step if step > 0 else 0.0
-        offsets = beam_time_offsets(n, -0.5 * (n - 1) * increment, increment, 1)
+        offsets = beam_delays(n, increment)
         laser = self.truth.laser
         # Mirrored data come in the reverse order of their measurement.
         swept = rate * (offsets[::-1] if laser.mirrored else offsets)
-        leftward = laser.upside_down == laser.mirrored
-        return laser_fan(self.body, pose, n, increment, laser.mount, swept, leftward=leftward)
+        bearings = self._bearings(n, increment)
+        fan = laser_fan(self.body, pose, bearings, laser.mount, swept)
+        floor = self.world.floor
+        pitch = 0.0 if floor is None else floor.pitch(self.body.floor_patch, pose.theta)
+        return fan._replace(ends=self._unit.ends(bearings, pitch))
+
+    def _bearings(self, n: int, increment: float) -> NDArray[np.float64]:
+        """Return (n,) directions of the beams from the laser's axis, rad, left positive."""
+        laser = self.truth.laser
+        bearings = (np.arange(n, dtype=np.float64) - (n - 1) / 2) * increment
+        return bearings if laser.upside_down == laser.mirrored else -bearings
 
     def _pose_at(self, t: float) -> Pose:
         """Return the true pose at ``t``, interpolated within the last step."""
@@ -161,11 +174,11 @@ class RobotRig:
 def sense(rigs: Sequence[RobotRig], t: float) -> None:
     """Measure with the sonars and lasers of robots that have moved to ``t``, all in one pass.
 
-    The robots are in one world and of one model.
+    The robots are in one world and have their sonars at the same places.
     """
     due_rigs = [rig for rig in rigs if rig.pop_sonar_due(t)]
     if due_rigs:
-        world, ring = due_rigs[0].world, due_rigs[0].model.sonar
+        world, ring = due_rigs[0].world, due_rigs[0].truth.base.sonar
         echoes = world.sonars([rig.body for rig in due_rigs], ring)
         for rig, ranges in zip(due_rigs, echoes, strict=True):
             rig.base.set_sonar(ranges)
@@ -176,20 +189,55 @@ def sense(rigs: Sequence[RobotRig], t: float) -> None:
         rig.on_ranges(t, None if fan is None else next(scans))
 
 
+def make_of(truth: RobotTruth) -> BaseMake:
+    """Return the make of a robot's base."""
+    base = truth.base
+    return BaseMake(
+        subclass=truth.subclass,
+        top_speed=base.top_speed,
+        top_turn_rate_deg=base.top_turn_rate_deg,
+        transducers=len(base.sonar),
+        sonar_far=base.sonar_far,
+        distance_count=base.distance_count,
+        speed_count=base.speed_count,
+        range_count=base.range_count,
+        wheel_speed_count=base.wheel_speed_count,
+        turn=base.turn,
+    )
+
+
 def make_rigs(
     world: World, starts: Sequence[Pose], t: float, truth: Truth | None = None
 ) -> list[RobotRig]:
     """Add one robot per start pose to the world: robot1, robot2, ...
 
-    truth: how the robots really are, by default as the shipped ``plain``.
+    truth: how the robots really are, by default as the shipped ``plain``; what it leaves to the
+    seed is drawn for each.
     """
-    robot = (truth or load_truth("plain")).robot
-    body = robot.body
-    outline = Outline(body.front, body.rear, body.half_width, body.track)
-    silhouettes = tuple(silhouette_of(corners) for corners in robot.silhouette.polygons)
+    truth = truth or load_truth("plain")
+    draws = world.rng.spawn(1)[0]
     return [
-        RobotRig(
-            f"robot{number}", world, world.add_body(start, outline, silhouettes), t, truth=robot
-        )
+        make_rig(f"robot{number}", world, start, t, truth.drawn(draws).robot)
         for number, start in enumerate(starts, start=1)
     ]
+
+
+def make_rig(
+    name: str,
+    world: World,
+    start: Pose,
+    t: float,
+    robot: RobotTruth,
+    watchdog: float = FACTORY_WATCHDOG,
+) -> RobotRig:
+    """Add one robot to the world; raises ValueError where there is no room."""
+    outline = Outline(
+        robot.body.front,
+        robot.body.rear,
+        robot.body.half_width,
+        robot.body.track,
+        robot.body.corners,
+    )
+    silhouettes = tuple(silhouette_of(corners) for corners in robot.silhouette.polygons)
+    body = world.add_body(start, outline, silhouettes, robot.drive.turn_scale)
+    return RobotRig(name, world, body, t, watchdog=watchdog, truth=robot)

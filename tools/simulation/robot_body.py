@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maps.pose import Pose
+from tools.simulation.convex import Corner, convex_overlap, grown, outward_normals
 from tools.simulation.silhouette import Silhouette, silhouette_of
 
 BUMPER_SEGMENTS = 5  # per ring
@@ -19,12 +20,17 @@ _BUMPER_ARC = math.radians(135.0)  # rad covered by a ring, centred on front or 
 
 @dataclass(frozen=True, slots=True)
 class Outline:
-    """A rectangle round base_link, m; by default the Pioneer 2-DX of ARIA's p2dx.p."""
+    """What of a body can touch, m, base_link; by default the Pioneer 2-DX of ARIA's p2dx.p.
+
+    corners: of a convex polygon, counter-clockwise, that the rectangle encloses; empty for the
+    rectangle itself.
+    """
 
     front: float = 0.210
     rear: float = 0.301
     half_width: float = 0.2125
     track: float = 0.3571  # between the wheels
+    corners: tuple[Corner, ...] = ()
 
     @property
     def half_length(self) -> float:
@@ -41,8 +47,18 @@ class Outline:
         """Distance of the farthest corner from base_link, m."""
         return math.hypot(max(self.front, self.rear), self.half_width)
 
+    @property
+    def polygon(self) -> tuple[Corner, ...]:
+        """The corners, of the rectangle if there are no others, counter-clockwise."""
+        front, rear, half = self.front, self.rear, self.half_width
+        return self.corners or ((front, -half), (front, half), (-rear, half), (-rear, -half))
+
+    def grown(self, margin: float) -> Outline:
+        """Return the outline with every side a margin, m, farther out."""
+        return _grown(self, margin)
+
     def silhouette(self) -> Silhouette:
-        """Return the rectangle as rays meet it."""
+        """Return the outline as rays meet it."""
         return _silhouette(self)
 
     def perimeter(self, step: float) -> NDArray[np.float64]:
@@ -52,12 +68,24 @@ class Outline:
 
 @lru_cache(maxsize=64)
 def _silhouette(outline: Outline) -> Silhouette:
-    front, rear, half = outline.front, outline.rear, outline.half_width
-    return silhouette_of([(front, -half), (front, half), (-rear, half), (-rear, -half)])
+    return silhouette_of(outline.polygon)
+
+
+@lru_cache(maxsize=64)
+def _grown(outline: Outline, margin: float) -> Outline:
+    return Outline(
+        outline.front + margin,
+        outline.rear + margin,
+        outline.half_width + margin,
+        outline.track,
+        grown(outline.corners, margin) if outline.corners else (),
+    )
 
 
 @lru_cache(maxsize=64)
 def _perimeter(outline: Outline, step: float) -> NDArray[np.float64]:
+    if outline.corners:
+        return _along(outline.corners, step)
     lengthwise = np.linspace(
         -outline.rear, outline.front, math.ceil(2 * outline.half_length / step) + 1
     )
@@ -73,6 +101,17 @@ def _perimeter(outline: Outline, step: float) -> NDArray[np.float64]:
         for x in (-outline.rear, outline.front)
     ]
     points = np.concatenate(sides + ends)
+    points.setflags(write=False)
+    return points
+
+
+def _along(corners: tuple[Corner, ...], step: float) -> NDArray[np.float64]:
+    """Return points (n, 2) along the sides of a polygon, at most ``step`` m apart."""
+    sides = []
+    for start, end in zip(corners, corners[1:] + corners[:1], strict=True):
+        parts = math.ceil(math.dist(start, end) / step) + 1
+        sides.append(np.linspace(start, end, parts)[:-1])
+    points = np.concatenate(sides)
     points.setflags(write=False)
     return points
 
@@ -97,11 +136,21 @@ class RobotBody:
     kind: BodyKind = BodyKind.ROBOT
     silhouettes: tuple[Silhouette, ...] | None = None
     """What lasers see of it; by default its outline, which is what sonars hear."""
+    turn_scale: float = 1.0
+    """Turn of the body for a turn of 1 by its wheels."""
+    floor_patch: int = 0
+    """Number of the patch of floor it stands on."""
     reach: float = field(init=False)
     """Distance of the outline's farthest corner from base_link, m."""
 
     def __post_init__(self) -> None:
         self.reach = self.outline.reach
+
+    def corners_at(self, pose: Pose, margin: float = 0.0) -> NDArray[np.float64]:
+        """Return the outline's corners (n, 2), map frame, grown by a margin, m."""
+        outline = self.outline.grown(margin) if margin else self.outline
+        c, s = math.cos(pose.theta), math.sin(pose.theta)
+        return np.asarray(np.array(outline.polygon) @ np.array(((c, s), (-s, c))) + pose[:2])
 
     def rectangle(self, pose: Pose | None = None, margin: float = 0.0) -> tuple[float, ...]:
         """Return (centre x, centre y, theta, half length, half width), map frame, m and rad.
@@ -149,13 +198,21 @@ def overlap(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
     return True
 
 
+def bodies_overlap(body: RobotBody, pose: Pose, other: RobotBody, margin: float = 0.0) -> bool:
+    """Return whether a body at a pose overlaps another one, grown by a margin, m."""
+    if not overlap(body.rectangle(pose), other.rectangle(margin=margin)):
+        return False
+    if not body.outline.corners and not other.outline.corners:
+        return True
+    return convex_overlap(body.corners_at(pose), other.corners_at(other.pose, margin))
+
+
 def meeting_points(body: RobotBody, other: RobotBody, margin: float) -> NDArray[np.float64]:
     """Return the points (n, 2) of a body's outline, base_link, within a margin, m, of another."""
     points = body.outline.perimeter(margin / 2)
     c, s = math.cos(body.pose.theta), math.sin(body.pose.theta)
     in_map = points @ np.array(((c, s), (-s, c))) + body.pose[:2]
-    x, y, theta, half_length, half_width = other.rectangle(margin=margin)
-    c, s = math.cos(theta), math.sin(theta)
-    along = (in_map[:, 0] - x) * c + (in_map[:, 1] - y) * s
-    across = (in_map[:, 1] - y) * c - (in_map[:, 0] - x) * s
-    return np.asarray(points[(np.abs(along) <= half_length) & (np.abs(across) <= half_width)])
+    corners = other.corners_at(other.pose, margin)
+    normals = outward_normals(corners)
+    beyond = in_map @ normals.T - (corners * normals).sum(axis=1)
+    return np.asarray(points[(beyond <= 1e-9).all(axis=1)])

@@ -12,6 +12,7 @@ import numpy as np
 
 from maps.border import Border
 from maps.pose import Pose
+from tools.simulation.legs import Legs
 from tools.simulation.robot_body import BodyKind, Outline
 from tools.simulation.world import World
 
@@ -38,9 +39,17 @@ class Stranger:
     """One person or cart, moved by ``advance``."""
 
     def __init__(
-        self, world: World, border: Border, kind: BodyKind, rng: np.random.Generator
+        self,
+        world: World,
+        border: Border,
+        kind: BodyKind,
+        rng: np.random.Generator,
+        leg: float = 0.0,
     ) -> None:
-        """Add the body at a free place of the world; raises StrangerError if there is none."""
+        """Add the body at a free place of the world; raises StrangerError if there is none.
+
+        leg: width of a person's legs, m; 0 for a person as wide as its shoulders everywhere.
+        """
         self._world = world
         self._border = border
         self._rng = rng
@@ -49,7 +58,11 @@ class Stranger:
         self._waited = 0.0  # s stopped before a robot
         outline = PERSON if kind is BodyKind.PERSON else BOX
         x, y = self._free_place()
-        self.body = world.add_body(Pose(x, y, float(rng.uniform(-math.pi, math.pi))), outline)
+        self._legs = Legs(leg) if leg and kind is BodyKind.PERSON else None
+        self._walked = 0.0
+        silhouettes = None if self._legs is None else self._legs.at(self._walked)
+        pose = Pose(x, y, float(rng.uniform(-math.pi, math.pi)))
+        self.body = world.add_body(pose, outline, silhouettes)
         self.body.kind = kind
         self._goal = (x, y)
 
@@ -75,6 +88,9 @@ class Stranger:
         ahead = Pose(pose.x + step * math.cos(heading), pose.y + step * math.sin(heading), heading)
         if not self._world.place(self.body, ahead):
             self._choose_goal()
+        elif self._legs is not None:
+            self._walked += step
+            self._world.show(self.body, self._legs.at(self._walked))
 
     def _choose_goal(self) -> None:
         """Draw a pause, a speed and the next goal in line of sight."""
@@ -133,10 +149,15 @@ class Stranger:
         raise StrangerError("there is no free place for a stranger: fewer --strangers")
 
 
-def make_strangers(world: World, border: Border, count: int, seed: int) -> list[Stranger]:
-    """Add strangers to the world, persons and carts in turn; each has its own random generator."""
+def make_strangers(
+    world: World, border: Border, count: int, seed: int, leg: float = 0.0
+) -> list[Stranger]:
+    """Add strangers to the world, persons and carts in turn; each has its own random generator.
+
+    leg: width of the persons' legs, m; 0 for persons as wide as their shoulders everywhere.
+    """
     kinds = (BodyKind.PERSON, BodyKind.BOX)
     return [
-        Stranger(world, border, kinds[number % 2], np.random.default_rng((seed, 77, number)))
+        Stranger(world, border, kinds[number % 2], np.random.default_rng((seed, 77, number)), leg)
         for number in range(count)
     ]

@@ -10,18 +10,28 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.p2os.model import SonarMount
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose, wrap_angle
+from tools.simulation.fan import Fan, Rays, ends_of, laser_fan, rays_of, sonar_fan
+from tools.simulation.laser_optics import LaserOptics
 from tools.simulation.raycast import RayCaster, cast_bodies
-from tools.simulation.robot_body import Outline, RobotBody, bumper_masks, meeting_points, overlap
+from tools.simulation.robot_body import (
+    Outline,
+    RobotBody,
+    bodies_overlap,
+    bumper_masks,
+    meeting_points,
+)
 from tools.simulation.silhouette import Shapes, Silhouette, middles_of, shapes_of
+from tools.simulation.sonar_echo import SonarEcho
+from tools.simulation.surroundings import Surroundings
+from tools.simulation.truth.robot_truth import SonarPlace
 from tools.simulation.truth.truth import load_truth
 from tools.simulation.truth.world_noise import WorldNoise
+from tools.simulation.uneven_floor import UnevenFloor
 
 TOUCH = 0.005  # m; nearer than this is touching
 _PART = 0.02  # m; a contact is over when the two are farther apart than this
-_SONAR_CONE = np.radians((-15.0, 0.0, 15.0))
 _SONAR_RANGE = 5.0  # m; also returned when there is no echo
 
 
@@ -58,54 +68,16 @@ def plain_noise() -> WorldNoise:
 class _Parts(NamedTuple):
     """The silhouettes of all bodies, as they are and in a table."""
 
-    silhouettes: Sequence[Sequence[Silhouette]]
+    silhouettes: list[Sequence[Silhouette]]
     shapes: Shapes
-
-
-class Fan(NamedTuple):
-    """Rays from a body: origins x and y (n,), m, and directions (n,), rad, map frame."""
-
-    body: RobotBody
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    angles: NDArray[np.float64]
-
-
-def laser_fan(
-    body: RobotBody,
-    pose: Pose,
-    n: int,
-    increment: float,
-    mount: tuple[float, float, float],
-    swept: NDArray[np.float64] | float = 0.0,
-    *,
-    leftward: bool = True,
-) -> Fan:
-    """Return the rays of a laser scan; the arguments are those of ``World.scan``.
-
-    leftward: whether the first beam is the right-most.
-    """
-    laser = pose.compose(Pose(*mount))
-    beams = np.arange(n, dtype=np.float64)
-    angles = (beams - (n - 1) / 2) * increment
-    angles = laser.theta + (angles if leftward else -angles) + swept
-    return Fan(body, np.full(n, laser.x), np.full(n, laser.y), angles)
-
-
-def _sonar_fan(body: RobotBody, ring: Sequence[SonarMount]) -> Fan:
-    """Return three rays for each transducer, spread over its cone."""
-    c, s = math.cos(body.pose.theta), math.sin(body.pose.theta)
-    x = [body.pose.x + c * mount.x - s * mount.y for mount in ring]
-    y = [body.pose.y + s * mount.x + c * mount.y for mount in ring]
-    heading = [body.pose.theta + math.radians(mount.heading_deg) for mount in ring]
-    angles = (np.array(heading)[:, None] + _SONAR_CONE).ravel()
-    return Fan(body, np.repeat(x, 3), np.repeat(y, 3), angles)
 
 
 @dataclass(slots=True, eq=False)
 class World:
     """The ground truth of a simulation; deterministic under a seeded generator.
 
+    occupancy: what bodies touch. surroundings: the same with what lasers see and sonars hear, where
+    that differs. optics: None for walls that are all alike. floor: None for a flat one.
     contact_log: all contacts so far, each once from first touch to separation.
     """
 
@@ -113,9 +85,15 @@ class World:
     rng: np.random.Generator
     noise: WorldNoise = field(default_factory=plain_noise)
     laser_max_range: float = 32.0  # m
+    surroundings: Surroundings | None = None
+    optics: LaserOptics | None = None
+    echo: SonarEcho | None = None
+    floor: UnevenFloor | None = None
     bodies: list[RobotBody] = field(default_factory=list)
     contact_log: list[Contact] = field(default_factory=list)
     _caster: RayCaster = field(init=False)
+    _sound: RayCaster = field(init=False)
+    _echo: SonarEcho = field(init=False)
     _wall_distance: NDArray[np.float64] = field(init=False)
     _solid: NDArray[np.bool_] = field(init=False)
     _seen: _Parts = field(init=False)
@@ -123,7 +101,10 @@ class World:
     _touching: set[Contact] = field(init=False, default_factory=set)
 
     def __post_init__(self) -> None:
-        self._caster = RayCaster(self.occupancy)
+        around = self.surroundings or Surroundings(*[self.occupancy] * 3)
+        self._caster = RayCaster(around.seen)
+        self._sound = self._caster if around.heard is around.seen else RayCaster(around.heard)
+        self._echo = self.echo or SonarEcho(load_truth("plain").sonar, self.rng)
         self._wall_distance = _distance_to_walls_and_rim(self.occupancy)
         self._solid = np.pad(self.occupancy.cells == OCCUPIED, 1, constant_values=True)
         self._tell_shapes()
@@ -149,15 +130,18 @@ class World:
         pose: Pose,
         outline: Outline | None = None,
         silhouettes: tuple[Silhouette, ...] | None = None,
+        turn_scale: float = 1.0,
     ) -> RobotBody:
         """Add a robot at a true pose (map_from_base) and draw its odometer's scale errors.
 
-        silhouettes: what lasers see of it, by default its outline.
+        silhouettes: what lasers see of it, by default its outline. turn_scale: turn of the body
+        for a turn of 1 by its wheels.
         Raises ValueError if it would overlap a wall or another body.
         """
         left, right = (1.0 + self.rng.normal(0.0, self.noise.wheel_scale, 2)).tolist()
         body = RobotBody(len(self.bodies), pose, outline or Outline(), (left, right))
         body.silhouettes = silhouettes
+        body.turn_scale = turn_scale
         if self._blocked(body, pose):
             raise ValueError(
                 f"robot {body.index} at ({pose.x:.2f}, {pose.y:.2f}) stands in a wall or in "
@@ -174,7 +158,9 @@ class World:
         into contact. A blocked robot moves up to the obstacle, and its wheels stop there.
         """
         draws = self.rng.standard_normal(5).tolist()
-        slipped = self._slip(distance, rotation, draws[:3])
+        slipped = self._slip(distance, rotation * body.turn_scale, draws[:3])
+        if self.floor is not None and distance:
+            slipped = self._cross_floor(self.floor, body, *slipped)
         wanted = _moved(body.pose, *slipped)
         if self._is_clear(body, wanted):
             body.pose = wanted
@@ -194,6 +180,11 @@ class World:
         body.pose = pose
         return True
 
+    def show(self, body: RobotBody, silhouettes: tuple[Silhouette, ...]) -> None:
+        """Change where the parts of a body are that lasers see; their shapes stay."""
+        body.silhouettes = silhouettes
+        self._seen.silhouettes[body.index] = silhouettes
+
     def scan(
         self,
         body: RobotBody,
@@ -210,13 +201,22 @@ class World:
         mount: the laser's (x, y, theta) in base_link, m and rad. swept (n,): rad turned by the
         body from then until each beam was measured.
         """
-        return self.scans([laser_fan(body, pose, n, increment, mount, swept)])[0]
+        bearings = (np.arange(n, dtype=np.float64) - (n - 1) / 2) * increment
+        return self.scans([laser_fan(body, pose, bearings, mount, swept)])[0]
 
     def scans(self, fans: Sequence[Fan]) -> list[NDArray[np.float64]]:
         """Return the laser's ranges for each fan; many in one call cost little more than one."""
-        ranges = self._cast(fans, self.laser_max_range, self._seen)
+        rays = rays_of(fans)
+        ranges = self._caster.cast(rays.x, rays.y, rays.angles, self.laser_max_range)
+        nearer = self._cast_bodies(rays, self.laser_max_range, self._seen)
+        if any(fan.ends is not None for fan in fans):
+            nearer = np.minimum(nearer, np.concatenate([ends_of(fan) for fan in fans]))
         n = len(ranges)
-        ranges += self.rng.normal(0.0, self.noise.laser_range, n)
+        if self.optics is None:
+            ranges = np.minimum(ranges, nearer)
+            ranges += self.rng.normal(0.0, self.noise.laser_range, n)
+        else:
+            ranges = self._measured(self.optics, ranges, nearer, rays, fans)
         ranges[self.rng.random(n) < self.noise.laser_dropouts] = np.inf
         ranges[ranges > self.laser_max_range] = np.inf
         np.maximum(ranges, 0.0, out=ranges)
@@ -231,41 +231,71 @@ class World:
         """Return (n,) distances, m, from (x, y) to the next walls in directions (n,), rad."""
         return self._caster.cast(x, y, directions, self.laser_max_range)
 
-    def sonar(self, body: RobotBody, ring: Sequence[SonarMount]) -> list[float]:
+    def sonar(self, body: RobotBody, ring: Sequence[SonarPlace]) -> list[float]:
         """Return each transducer's range, m: the nearest of three rays over its cone, 5 m at most.
 
         Taken from the body's present pose.
         """
         return self.sonars([body], ring)[0]
 
-    def sonars(self, bodies: Sequence[RobotBody], ring: Sequence[SonarMount]) -> list[list[float]]:
+    def sonars(self, bodies: Sequence[RobotBody], ring: Sequence[SonarPlace]) -> list[list[float]]:
         """Return the ranges of ``sonar`` for each of several bodies."""
-        rays = self._cast([_sonar_fan(body, ring) for body in bodies], _SONAR_RANGE, self._heard)
-        echoes = rays.reshape(len(bodies), -1, 3).min(axis=2)
+        cone = self._echo.cone
+        rays = rays_of([sonar_fan(body, ring, cone) for body in bodies])
+        cast = self._sound.cast(rays.x, rays.y, rays.angles, _SONAR_RANGE)
+        cast = np.minimum(cast, self._cast_bodies(rays, _SONAR_RANGE, self._heard))
+        echoes = self._echo.heard(cast.reshape(-1, len(cone)), len(ring), _SONAR_RANGE)
         echoes += self.rng.normal(0.0, self.noise.sonar_range, echoes.shape)
-        ranges: list[list[float]] = np.clip(echoes, 0.0, _SONAR_RANGE).tolist()
+        heard = np.clip(echoes, 0.0, _SONAR_RANGE).reshape(len(bodies), -1)
+        ranges: list[list[float]] = heard.tolist()
         return ranges
 
     def _tell_shapes(self) -> None:
         """Tabulate what lasers see and what sonars hear of the bodies."""
-        heard = [(body.outline.silhouette(),) for body in self.bodies]
-        seen = [
+        heard: list[Sequence[Silhouette]] = [(body.outline.silhouette(),) for body in self.bodies]
+        seen: list[Sequence[Silhouette]] = [
             outline if body.silhouettes is None else body.silhouettes
             for body, outline in zip(self.bodies, heard, strict=True)
         ]
         self._seen, self._heard = _Parts(seen, shapes_of(seen)), _Parts(heard, shapes_of(heard))
 
-    def _cast(self, fans: Sequence[Fan], max_range: float, parts: _Parts) -> NDArray[np.float64]:
-        """Return the ranges of all fans, concatenated, to walls and to parts of other bodies."""
-        angles = np.concatenate([fan.angles for fan in fans])
-        x = np.concatenate([fan.x for fan in fans])
-        y = np.concatenate([fan.y for fan in fans])
-        ranges = self._caster.cast(x, y, angles, max_range)
+    def _cast_bodies(self, rays: Rays, max_range: float, parts: _Parts) -> NDArray[np.float64]:
+        """Return (n,) ranges, m, to parts of other bodies; inf beside them."""
         if len(self.bodies) < 2:
-            return ranges
-        own = np.repeat([fan.body.index for fan in fans], [len(fan.angles) for fan in fans])
+            return np.full(len(rays.angles), np.inf)
         middles = middles_of(parts.silhouettes, [body.pose for body in self.bodies])
-        return np.minimum(ranges, cast_bodies(x, y, angles, middles, parts.shapes, max_range, own))
+        x, y, angles, own = rays
+        return cast_bodies(x, y, angles, middles, parts.shapes, max_range, own)
+
+    def _measured(
+        self,
+        optics: LaserOptics,
+        walls: NDArray[np.float64],
+        nearer: NDArray[np.float64],
+        rays: Rays,
+        fans: Sequence[Fan],
+    ) -> NDArray[np.float64]:
+        """Return what lasers measure (n,), m, of the ranges to walls and to what else ends rays."""
+        ranges = np.minimum(walls, nearer)
+        c, s = np.cos(rays.angles), np.sin(rays.angles)
+        reached = np.minimum(ranges, self.laser_max_range)
+        ends = rays.x + c * reached, rays.y + s * reached
+        firsts = np.cumsum([len(fan.angles) for fan in fans]).tolist()
+        noise = self.noise.laser_range
+        return optics.measured(ranges, ends, (c, s), walls < nearer, firsts, noise, self.rng)
+
+    def _cross_floor(
+        self, floor: UnevenFloor, body: RobotBody, distance: float, rotation: float
+    ) -> tuple[float, float]:
+        """Return a body's motion with the slip on a doorsill that it comes to."""
+        number = floor.number_at(body.pose)
+        before, body.floor_patch = body.floor_patch, number
+        if number == before or not floor.is_sill(number):
+            return distance, rotation
+        along, turning = self.rng.standard_normal(2).tolist()
+        truth = floor.truth
+        lost = min(abs(along * truth.sill_slip), 0.9 * abs(distance))
+        return distance - math.copysign(lost, distance), rotation + turning * truth.sill_turn
 
     def _slip(
         self, distance: float, rotation: float, draws: Sequence[float]
@@ -337,8 +367,7 @@ class World:
     def _blocked(self, body: RobotBody, pose: Pose) -> bool:
         """Return whether the body at a pose would overlap a wall or another body."""
         return bool(self._wall_points(body, pose, 0.0).size) or any(
-            overlap(body.rectangle(pose), other.rectangle())
-            for other in self._neighbours(body, pose, 0.0)
+            bodies_overlap(body, pose, other) for other in self._neighbours(body, pose, 0.0)
         )
 
     def _contact_points(self, body: RobotBody) -> NDArray[np.float64]:
@@ -350,15 +379,14 @@ class World:
             points.append(walls)
         self._update_contact(Contact(body.index, None), touching=walls.size > 0, near=near)
         close = self._neighbours(body, body.pose, _PART)
-        rectangle = body.rectangle() if close else ()
         for other in close:
-            touching = overlap(rectangle, other.rectangle(margin=TOUCH))
+            touching = bodies_overlap(body, body.pose, other, TOUCH)
             if touching:
                 points.append(meeting_points(body, other, 2 * TOUCH))
             self._update_contact(
                 _contact(body, other),
                 touching=touching,
-                near=overlap(rectangle, other.rectangle(margin=_PART)),
+                near=bodies_overlap(body, body.pose, other, _PART),
             )
         for other in self.bodies if self._touching else ():
             if other not in close:
@@ -380,9 +408,8 @@ class World:
         """
         if self.clearance(pose) > body.reach + 2 * margin:
             return np.empty((0, 2))  # the usual case
-        outline = body.outline
-        grown = Outline(outline.front + margin, outline.rear + margin, outline.half_width + margin)
-        points = grown.perimeter(self.occupancy.resolution / 2)
+        outline = body.outline.grown(margin) if margin else body.outline
+        points = outline.perimeter(self.occupancy.resolution / 2)
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         in_map = points @ np.array(((c, s), (-s, c))) + (pose.x, pose.y)
         cells = np.floor((in_map - self.occupancy.origin[:2]) / self.occupancy.resolution)

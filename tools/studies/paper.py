@@ -22,6 +22,7 @@ from tools.bench.fleet import Fleet, FleetLog, run_bench
 from tools.bench.ideal_fleet import IdealFleet, IdealLog, run_ideal_bench
 from tools.bench.sensing import Sensing
 from tools.metrics.metrics import Meeting, RobotRun, meetings
+from tools.simulation.truth.truth import Truth, load_truth
 from tools.studies.worker_pool import worker_pool
 
 MAP, BORDER, ROBOTS, DURATION_S = "paper_lab", "border", 3, 1800.0
@@ -75,6 +76,8 @@ class PaperTrial:
     """Simulated time, s."""
     config: AgentConfig = field(default_factory=AgentConfig)
     """Configuration of every robot."""
+    truth: Truth = field(default_factory=lambda: load_truth("plain"))
+    """What the robots and their world really are; ideal sensing has none."""
 
 
 def run_seeds(trial: PaperTrial, seeds: Sequence[int], jobs: int) -> Iterator[PaperRun]:
@@ -100,7 +103,7 @@ def run_paper(trial: PaperTrial, seed: int) -> PaperRun:
         ideal_log = IdealLog(ideal)
         figures = run_ideal_bench(ideal, trial.duration, log=ideal_log)
         return PaperRun(folder, ideal_log.runs(), figures)
-    fleet = Fleet(folder, ROBOTS, seed, trial.config)
+    fleet = Fleet(folder, ROBOTS, seed, trial.config, truth=trial.truth)
     log = FleetLog(fleet)
     figures = run_bench(fleet, trial.duration, log=log)
     return PaperRun(folder, log.runs(), figures)

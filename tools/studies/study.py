@@ -9,13 +9,14 @@ A study file holds the common settings and the varied ones:
     seeds = 20               # runs of each case
     first_seed = 1
     sensing = "bytes"        # or "ideal": the decision layer alone
+    truth = "plain"          # what robots and world really are: a shipped truth or a TOML file
 
     [vary]                   # every combination is a case
     robots = [3, 5]
     "patrol.reversal_probability" = [0.0, 0.25, 0.5]
 
-``[vary]`` may also name ``map``, ``border`` and ``faults`` (each value as for ``bench --fault``,
-several separated by blanks). Any other key is one of a robot's configuration.
+``[vary]`` may also name ``map``, ``border``, ``truth`` and ``faults`` (each value as for
+``bench --fault``, several separated by blanks). Any other key is one of a robot's configuration.
 """
 
 from __future__ import annotations
@@ -41,6 +42,7 @@ from robot_agent.config import AgentConfig, find_map, parse_config
 from tools.bench.bench_fault import BenchFaultError, check_robots, draw_faults
 from tools.bench.sensing import Sensing, bench
 from tools.logs.recorded_config import changed_config
+from tools.simulation.truth.truth import load_truth, truth_names
 from tools.studies.study_cluster import run_on_cluster
 from tools.studies.worker_pool import worker_pool
 
@@ -48,7 +50,8 @@ ROBOTS = "robots"
 MAP = "map"
 BORDER = "border"
 FAULTS = "faults"
-_BENCH_KEYS = (ROBOTS, MAP, BORDER, FAULTS)
+TRUTH = "truth"
+_BENCH_KEYS = (ROBOTS, MAP, BORDER, FAULTS, TRUTH)
 RUNS_FOLDER = "runs"
 
 Setting = int | float | str | bool | tuple[str, ...]
@@ -68,6 +71,8 @@ class StudySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     seeds: Annotated[int, msgspec.Meta(ge=1)] = 20
     first_seed: Annotated[int, msgspec.Meta(ge=0)] = 1
     sensing: Sensing = Sensing.BYTES
+    truth: str | None = None
+    """Name or file; None for the one of the command."""
 
 
 class StudyFile(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -118,6 +123,9 @@ class Run:
     sensing: Sensing = Sensing.BYTES
     changes: tuple[str, ...] = ()
     """Common changes of the configuration, ``section.key=value``."""
+    config: str = ""
+    """Common configuration that these change, TOML."""
+    truth: str = "plain"
 
     @property
     def file_name(self) -> str:
@@ -125,6 +133,7 @@ class Run:
         content = (
             *(self.case.values, self.seed, self.map_folder, self.border, self.duration),
             *(str(self.sensing), *self.changes),
+            *(self.config, self.truth),
         )
         digest = hashlib.sha256(repr(content).encode()).hexdigest()
         return f"{digest[:16]}.json"
@@ -147,11 +156,14 @@ class Result:
     figures: dict[str, Any]
 
 
-def read_study(path: Path, changes: Sequence[str] = ()) -> Study:
+def read_study(
+    path: Path, changes: Sequence[str] = (), config: str = "", truth: str = "plain"
+) -> Study:
     """Read and check a study file; a map folder is relative to it, or a shipped name.
 
-    changes: ``section.key=value``, common to all cases. Raises StudyError for the file; MapError,
-    BorderError and ConfigError for maps, borders and settings it names.
+    changes: ``section.key=value``, common to all cases. config: the configuration that these
+    change, TOML. truth: where the file names none. Raises StudyError for the file; MapError,
+    BorderError, TruthError and ConfigError for maps, borders, truths and settings it names.
     """
     try:
         content = msgspec.convert(tomllib.loads(path.read_text(encoding="utf-8")), StudyFile)
@@ -171,7 +183,7 @@ def read_study(path: Path, changes: Sequence[str] = ()) -> Study:
     )
     common = tuple(changes)
     for case in cases:
-        _check(case, path, common)
+        _check(case, path, common, config)
     borders = {case: _border_of(case, settings, path.parent) for case in cases}
     for folder, border in set(borders.values()):
         if load_map_folder(folder, border).border is None:
@@ -186,6 +198,8 @@ def read_study(path: Path, changes: Sequence[str] = ()) -> Study:
             settings.duration,
             settings.sensing,
             common,
+            config,
+            _truth_of(case, settings, truth, path.parent),
         )
         for seed in seeds  # outermost: an interrupted study has results of every case
         for case in cases
@@ -193,8 +207,8 @@ def read_study(path: Path, changes: Sequence[str] = ()) -> Study:
     return Study(settings, cases, runs)
 
 
-def _check(case: Case, path: Path, changes: tuple[str, ...]) -> None:
-    configuration(case, str(path), changes)
+def _check(case: Case, path: Path, changes: tuple[str, ...], config: str) -> None:
+    configuration(case, str(path), changes, config)
     robots = case.get(ROBOTS, 3)
     if not isinstance(robots, int) or isinstance(robots, bool):
         raise StudyError(
@@ -219,8 +233,20 @@ def _border_of(case: Case, settings: StudySettings, base: Path) -> tuple[Path, s
     return folder, str(case.get(BORDER, settings.border))
 
 
-def configuration(case: Case, source: str, changes: Sequence[str] = ()) -> AgentConfig:
+def _truth_of(case: Case, settings: StudySettings, default: str, base: Path) -> str:
+    """Return the name or absolute file of a case's truth; a file is relative to the study's."""
+    name = str(case.get(TRUTH, settings.truth or default))
+    if name not in truth_names() and (base / name).is_file():
+        name = str((base / name).resolve())
+    return load_truth(name).name
+
+
+def configuration(
+    case: Case, source: str, changes: Sequence[str] = (), config: str = ""
+) -> AgentConfig:
     """Return the configuration of a case's robots, ``changes`` applied before the case's settings.
+
+    config: the configuration that both change, TOML.
 
     Raises ConfigError for an unknown key, naming ``source``.
     """
@@ -231,10 +257,10 @@ def configuration(case: Case, source: str, changes: Sequence[str] = ()) -> Agent
         for section in sections:
             table = table.setdefault(section, {})
         table[name] = value
-    if not changes:
+    if not changes and not config:
         return parse_config(tomli_w.dumps(tree).encode(), source)
     varied = [f"{key}={_shown(value)}" for key, value in case.settings.items()]
-    return changed_config(b"", source, [*changes, *varied])
+    return changed_config(config.encode(), source, [*changes, *varied])
 
 
 def _label(key: str, value: Setting) -> str:
@@ -298,7 +324,7 @@ def bench_run(run: Run) -> Result:
     """Execute one run in this process."""
     cv2.setNumThreads(1)  # one process per core uses them all
     folder = load_map_folder(Path(run.map_folder), run.border)
-    config = configuration(run.case, "study", run.changes)
+    config = configuration(run.case, "study", run.changes, run.config)
     figures = bench(
         run.sensing,
         folder,
@@ -307,6 +333,7 @@ def bench_run(run: Run) -> Result:
         run.duration,
         config=config,
         faults=draw_faults(run.case.faults, _team(run.case), run.seed),
+        truth=load_truth(run.truth),
     )
     return Result(run, figures)
 

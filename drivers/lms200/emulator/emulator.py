@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from drivers.emulation.timed_bytes import TimedBytes
 from drivers.lms200 import telegrams
-from drivers.lms200.emulator.mirror import EmulatedMirror, ScanSource, Sweep, Turn
+from drivers.lms200.emulator.mirror import TURN, EmulatedMirror, ScanSource, Sweep, Turn
 from drivers.lms200.errors import ErrorEntry, Severity, encode_errors
 from drivers.lms200.framing import (
     ACK,
@@ -29,7 +29,6 @@ from drivers.lms200.framing import (
 from drivers.lms200.health import LaserHealth, status_byte
 from drivers.lms200.measurement import (
     MEASURING_MODES,
-    TURN,
     UNIT_CM,
     UNIT_MM,
     Special,

@@ -8,14 +8,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.lms200.measurement import TURN
 from drivers.lms200.telegrams import Variant
 
+TURN = 13.32e-3
+"""s, one turn of this device's mirror (75 a second); the driver has a value of its own."""
 ScanSource = Callable[[float, int, float], NDArray[np.float64]]
 """(t, n, increment) -> ranges (n,) m at time t, rightmost beam first, inf for no return."""
 
@@ -124,6 +126,19 @@ class EmulatedMirror:
         for phase, fan in enumerate(self._fans):
             ranges[phase :: variant.mirror_turns] = fan[phase :: variant.mirror_turns]
         return Sweep(ranges, end, None)
+
+
+@lru_cache(maxsize=8)
+def beam_delays(n: int, increment: float) -> NDArray[np.float64]:
+    """Return (n,) s, read-only, from the middle of a turn's sweep until each beam is measured.
+
+    increment: rad between beams. The mirror turns once in TURN, counter-clockwise, and looks along
+    the laser's axis in the middle.
+    """
+    beams = np.arange(n, dtype=np.float64) - (n - 1) / 2
+    delays: NDArray[np.float64] = beams * (increment / math.tau * TURN)
+    delays.setflags(write=False)
+    return delays
 
 
 def next_multiple(t: float, period: float) -> float:

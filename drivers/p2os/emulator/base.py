@@ -9,8 +9,8 @@ import math
 
 from drivers.p2os.commands import Command
 from drivers.p2os.emulator.battery import EmulatedBattery
+from drivers.p2os.emulator.make import BaseMake
 from drivers.p2os.emulator.motion_controller import MotionController
-from drivers.p2os.model import RobotModel
 
 MOTION_CYCLE = 0.010  # s
 FACTORY_WATCHDOG = 2.0  # s without a packet after which motion halts; in the FLASH
@@ -21,7 +21,7 @@ TICKS_PER_METRE = 128_000  # of a wheel's encoder
 class EmulatedBase:
     """Converts setpoints to wheel motion, and wheel motion to the values a controller reports."""
 
-    def __init__(self, model: RobotModel, watchdog: float = FACTORY_WATCHDOG) -> None:
+    def __init__(self, model: BaseMake, watchdog: float = FACTORY_WATCHDOG) -> None:
         self.model = model
         self.watchdog = watchdog
         self.battery = EmulatedBattery()
@@ -33,6 +33,8 @@ class EmulatedBase:
         """Time of the client's last packet."""
         self.front_bumpers = self.rear_bumpers = 0
         self.bump_stall = 0
+        self.braking = 1.0
+        """Share of the ordered deceleration that the motors reach."""
         self.x = self.y = self.theta = 0.0  # odometer: m, m, rad
         self._ticks = [0.0, 0.0]
         self._moved = (0.0, 0.0)  # wheel motion not yet fetched: m, rad
@@ -124,7 +126,7 @@ class EmulatedBase:
         self.x += distance * math.cos(middle)
         self.y += distance * math.sin(middle)
         self.theta += rotation
-        half_difference = rotation / self.model.conversion.turn
+        half_difference = rotation / self.model.turn
         self._ticks[0] += TICKS_PER_METRE * (distance - half_difference)
         self._ticks[1] += TICKS_PER_METRE * (distance + half_difference)
 
@@ -153,6 +155,7 @@ class EmulatedBase:
             halted=self.watchdog_expired,
             forward=not self._front_blocked,
             backward=not self._rear_blocked,
+            braking=self.braking,
         )
         self._moved = (self._moved[0] + distance, self._moved[1] + rotation)
         return distance

@@ -7,8 +7,8 @@ import math
 from drivers.p2os.commands import HOST_BAUDS
 from drivers.p2os.config_packet import LATER_FIELD_COUNT, ConfigPacket
 from drivers.p2os.emulator.base import STALL_PAUSE, TICKS_PER_METRE
+from drivers.p2os.emulator.make import BaseMake
 from drivers.p2os.emulator.motion_controller import MotionLimits
-from drivers.p2os.model import RobotModel
 from drivers.p2os.robot_identity import RobotIdentity
 
 SIP_CYCLE = 0.1  # s
@@ -17,7 +17,7 @@ SWITCHES_BAUD_AT_ONCE = 2
 
 def emulated_config(
     identity: RobotIdentity,
-    model: RobotModel,
+    model: BaseMake,
     limits: MotionLimits,
     *,
     baud: int,

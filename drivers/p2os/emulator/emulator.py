@@ -17,13 +17,13 @@ from drivers.p2os.commands import HOST_BAUDS, Command, decode_command
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG, EmulatedBase
 from drivers.p2os.emulator.battery import EmulatedBattery
 from drivers.p2os.emulator.config_report import emulated_config
+from drivers.p2os.emulator.make import BaseMake
 from drivers.p2os.emulator.paced_output import PacedOutput
 from drivers.p2os.emulator.reports import EmulatedPins, encoder_report, io_report, sip_report
 from drivers.p2os.emulator.sonar_firing import SonarFiring
 from drivers.p2os.emulator.streams import EmulatedStreams
 from drivers.p2os.extended_packets import NOTIFICATION_TYPES, Notification
 from drivers.p2os.framing import CONTROLLER_MAX_COUNT, PacketFramer, encode_packet
-from drivers.p2os.model import RobotModel
 from drivers.p2os.robot_identity import RobotIdentity
 
 PACKET_GAP = 0.1  # s without a byte that ends an unfinished packet
@@ -53,7 +53,7 @@ class P2osEmulator:
 
     def __init__(
         self,
-        model: RobotModel,
+        model: BaseMake,
         *,
         baud: int = 9600,
         name: str = "Emulated",
@@ -76,8 +76,8 @@ class P2osEmulator:
         self._output = PacedOutput()
         self._pins = EmulatedPins()
         self._streams = EmulatedStreams()
-        self._sonar = SonarFiring(len(model.sonar))
-        self._ranges: Sequence[float] = [model.sonar_far] * len(model.sonar)
+        self._sonar = SonarFiring(model.transducers)
+        self._ranges: Sequence[float] = [model.sonar_far] * model.transducers
         self._handlers = self._handler_table()
         self._awaited_sync = 0
         self._last_byte = -math.inf

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import Command
-from drivers.p2os.model import RobotModel
+from drivers.p2os.emulator.make import BaseMake
 
 E_STOPS = frozenset({CommandNumber.E_STOP, CommandNumber.QSTOP})
 VELOCITIES = frozenset(
@@ -34,7 +34,7 @@ class MotionLimits:
     turn_deceleration: float = math.radians(100.0)  # rad/s^2
 
 
-def limits_of(model: RobotModel) -> MotionLimits:
+def limits_of(model: BaseMake) -> MotionLimits:
     """Return the limits a controller starts with."""
     return MotionLimits(speed=model.top_speed, turn_rate=model.top_turn_rate)
 
@@ -74,7 +74,7 @@ def stopping_speed(remaining: float, deceleration: float, limit: float, dt: floa
 class MotionController:
     """Converts motion commands to wheel speeds over time."""
 
-    def __init__(self, model: RobotModel) -> None:
+    def __init__(self, model: BaseMake) -> None:
         self.limits = limits_of(model)
         self.v = 0.0
         self.w = 0.0
@@ -168,20 +168,30 @@ class MotionController:
         self._turn_rate, self._heading = 0.0, start + value
 
     def run(
-        self, dt: float, heading: float, *, halted: bool, forward: bool, backward: bool
+        self,
+        dt: float,
+        heading: float,
+        *,
+        halted: bool,
+        forward: bool,
+        backward: bool,
+        braking: float = 1.0,
     ) -> tuple[float, float]:
         """Run ``dt`` s; return the wheels' motion as (distance m, rotation rad).
 
         ``heading`` is the odometer's, rad; ``halted`` stops by the ramps but keeps the setpoints;
-        ``forward`` and ``backward``: whether the bumpers permit the direction.
+        ``forward`` and ``backward``: whether the bumpers permit the direction. ``braking``: share
+        of the deceleration that the motors reach.
         """
         speed, turn_rate = (0.0, 0.0) if halted else self._goals(dt, heading)
         if (speed > 0.0 and not forward) or (speed < 0.0 and not backward):
             speed = 0.0
         limits = self.limits
-        self.v, distance = ramp(self.v, speed, limits.acceleration, limits.deceleration, dt)
+        self.v, distance = ramp(
+            self.v, speed, limits.acceleration, limits.deceleration * braking, dt
+        )
         self.w, rotation = ramp(
-            self.w, turn_rate, limits.turn_acceleration, limits.turn_deceleration, dt
+            self.w, turn_rate, limits.turn_acceleration, limits.turn_deceleration * braking, dt
         )
         if self._travel is not None:
             self._travel -= distance
@@ -202,10 +212,10 @@ class MotionController:
     def _set_wheels(self, left: int, right: int) -> None:
         self.drop_setpoints()
         self._wheels_independent = True
-        count = self._model.conversion.wheel_speed
+        count = self._model.wheel_speed_count
         self._speed = self._clamp_speed(0.5 * count * (left + right))
         half_difference = 0.5 * count * (right - left)
-        self._turn_rate = self._clamp_turn_rate(half_difference * self._model.conversion.turn)
+        self._turn_rate = self._clamp_turn_rate(half_difference * self._model.turn)
 
     def _clamp_speed(self, speed: float) -> float:
         return max(-self.limits.speed, min(self.limits.speed, speed))

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 
 from drivers.p2os.emulator.base import EmulatedBase
 from drivers.p2os.extended_packets import EncoderPacket, IoPacket
-from drivers.p2os.odometer import RADIANS_PER_COUNT
 from drivers.p2os.sip import (
     COUNTS_PER_TURN,
     MOTORS_FLAG,
@@ -50,20 +49,20 @@ def sip_report(
 
     Later firmware adds battery, charge state, turn rate, faults and a flag for the stop button.
     """
-    conversion = base.model.conversion
+    make = base.model
     v, w = base.velocity
-    wheel_difference = w / conversion.turn
+    wheel_difference = w / make.turn
     stall = base.stalled
     decivolts = round(10.0 * base.battery.reported_volts)
     flags = MOTORS_FLAG * base.motors_enabled | SONAR_FLAG * (sonar is not None)
     tail = SipTail(pins.analog_port, 0, 0, pins.inputs, pins.outputs)
     sip = Sip(
         packet_type=SIP_MOVING if abs(v) > 1e-3 or abs(w) > 1e-3 else SIP_STOPPED,
-        x_counts=round(base.x / conversion.distance) & POSITION_MASK,
-        y_counts=round(base.y / conversion.distance) & POSITION_MASK,
+        x_counts=round(base.x / make.distance_count) & POSITION_MASK,
+        y_counts=round(base.y / make.distance_count) & POSITION_MASK,
         heading_counts=_heading_counts(base.theta),
-        left_speed_counts=round((v - wheel_difference) / conversion.speed),
-        right_speed_counts=round((v + wheel_difference) / conversion.speed),
+        left_speed_counts=round((v - wheel_difference) / make.speed_count),
+        right_speed_counts=round((v + wheel_difference) / make.speed_count),
         battery_decivolts=min(decivolts, 0xFF),
         left_stall_byte=stall | (base.rear_bumpers & 0x7F) << 1,
         right_stall_byte=stall | (base.front_bumpers & 0x7F) << 1,
@@ -99,11 +98,11 @@ def io_report(base: EmulatedBase, pins: EmulatedPins) -> IoPacket:
 
 
 def _sonar_counts(distance: float, base: EmulatedBase) -> int:
-    return round(min(distance, base.model.sonar_far) / base.model.conversion.range)
+    return round(min(distance, base.model.sonar_far) / base.model.range_count)
 
 
 def _heading_counts(heading: float) -> int:
     """Return a heading in rad as counts from -2048 to 2047."""
-    counts = round(math.remainder(heading, math.tau) / RADIANS_PER_COUNT)
+    counts = round(math.remainder(heading, math.tau) / math.tau * COUNTS_PER_TURN)
     half = COUNTS_PER_TURN // 2
     return (counts + half) % COUNTS_PER_TURN - half

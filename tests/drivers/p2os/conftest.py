@@ -12,8 +12,8 @@ import pytest
 from drivers.p2os.base_state import BaseState
 from drivers.p2os.commands import Command, decode_command
 from drivers.p2os.emulator.emulator import P2osEmulator
+from drivers.p2os.emulator.make import PIONEER_2DX, BaseMake
 from drivers.p2os.framing import PacketFramer
-from drivers.p2os.model import load_model
 from drivers.p2os.session import P2osSession, SessionState
 from drivers.p2os.settings import BaseSettings
 from drivers.requests import SetBaud, Write
@@ -109,13 +109,13 @@ def garble(data: bytes) -> bytes:
 
 @pytest.fixture
 def bench() -> Callable[..., Bench]:
-    """Make a bench: ``bench(robot_baud=..., robot=..., **settings)``."""
+    """Make a bench: ``bench(robot_baud=..., make=..., **settings)``."""
 
-    def make(robot_baud: int = 9600, robot: str = "p2dx", **settings: object) -> Bench:
-        emulator = P2osEmulator(load_model(robot), baud=robot_baud)
+    def bench_of(robot_baud: int = 9600, make: BaseMake = PIONEER_2DX, **settings: object) -> Bench:
+        emulator = P2osEmulator(make, baud=robot_baud)
         return Bench(BaseSettings(**settings), emulator)  # type: ignore[arg-type]
 
-    return make
+    return bench_of
 
 
 class Capture:

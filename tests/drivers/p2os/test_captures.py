@@ -16,8 +16,8 @@ from drivers.p2os.base_state import BaseState
 from drivers.p2os.commands import decode_command
 from drivers.p2os.config_packet import decode_config
 from drivers.p2os.emulator.emulator import P2osEmulator
+from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.framing import PacketFramer, encode_packet
-from drivers.p2os.model import load_model
 from drivers.p2os.robot_identity import decode_sync_reply
 from drivers.p2os.session import P2osSession, SessionState
 from drivers.p2os.settings import BaseSettings
@@ -129,7 +129,7 @@ def test_session_reaches_every_recorded_intermediate_pose(capture: Capture) -> N
 
 
 def test_emulator_answers_the_client_like_the_simulator(capture: Capture) -> None:
-    emulator = P2osEmulator(load_model("p2dx"), name="AMRISim")
+    emulator = P2osEmulator(PIONEER_2DX, name="AMRISim")
     framer, packets = PacketFramer(), list[bytes]()
     now = 0.0
     for t, data in capture.side(HOST):
@@ -168,7 +168,7 @@ def test_emulator_answers_the_client_like_the_simulator(capture: Capture) -> Non
 def test_damaged_traffic_raises_nothing_at_either_end(
     read_capture: Callable[[str], Capture], dice: Random
 ) -> None:
-    session, emulator = P2osSession(BaseSettings()), P2osEmulator(load_model("p2dx"))
+    session, emulator = P2osSession(BaseSettings()), P2osEmulator(PIONEER_2DX)
     session.link_up(0.0)
     for line in read_capture("client-sim-serial").lines:
         t, data = line["t"], bytearray.fromhex(line["hex"])
@@ -193,7 +193,7 @@ def test_damaged_traffic_raises_nothing_at_either_end(
 @settings(derandomize=True, deadline=None)
 @given(st.lists(st.binary(min_size=1, max_size=30), max_size=40), st.booleans())
 def test_any_packets_raise_nothing_at_either_end(packets: list[bytes], opened: bool) -> None:
-    session, emulator = P2osSession(BaseSettings()), P2osEmulator(load_model("p2dx"))
+    session, emulator = P2osSession(BaseSettings()), P2osEmulator(PIONEER_2DX)
     session.link_up(0.0)
     if opened:
         for reply in (b"\x00", b"\x01", b"\x02a\0b\0c\0"):
@@ -214,7 +214,7 @@ def test_any_packets_raise_nothing_at_either_end(packets: list[bytes], opened: b
 def test_emulator_answers_a_rate_searching_client(
     read_capture: Callable[[str], Capture],
 ) -> None:
-    emulator = P2osEmulator(load_model("p2dx"))
+    emulator = P2osEmulator(PIONEER_2DX)
     for t, data in read_capture("client-silent-robot").side(HOST):
         emulator.feed(data, t)
     replies = PacketFramer().feed(b"".join(sent.data for sent in emulator.pop_output(10.0)))

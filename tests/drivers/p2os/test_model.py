@@ -109,7 +109,6 @@ def test_conversion_factors(
     assert conversion.range == pytest.approx(range_mm / 1000)
     assert 2000 / conversion.turn == pytest.approx(track_mm, abs=0.5)
     assert conversion.speed == 0.001
-    assert conversion.wheel_speed == 0.02
 
 
 @pytest.mark.parametrize(
@@ -127,7 +126,7 @@ def test_laser_mounts(name: str, x_mm: float, y_mm: float) -> None:
 
 def test_counts_of_the_first_pioneers_and_of_the_amigobot_are_no_millimetres() -> None:
     first, amigo = load_model("pion1m").conversion, load_model("amigo").conversion
-    assert (first.distance, first.speed, first.wheel_speed) == (5.066e-5, 2.5332e-3, 0.004)
+    assert (first.distance, first.speed) == (5.066e-5, 2.5332e-3)
     assert (amigo.distance, amigo.speed) == (0.5083e-3, 0.6154e-3)
 
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import CLOSE, OPEN, PULSE, STOP, Command, decode_command
 from drivers.p2os.config_packet import ConfigPacket
+from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.framing import PacketFramer, encode_packet
 from drivers.p2os.model import load_model, model_names
 from drivers.p2os.motor_watch import MotorState
@@ -131,13 +133,15 @@ def test_connects_and_sets_up_before_ready(bench: MakeBench) -> None:
 def test_robot_of_each_model_connects_and_all_its_sonars_are_heard(
     bench: MakeBench, name: str
 ) -> None:
-    wire = bench(robot_baud=38400, baud=38400, robot=name)
+    ring = len(load_model(name).sonar)
+    make = replace(PIONEER_2DX, subclass=name, transducers=ring)
+    wire = bench(robot_baud=38400, baud=38400, make=make)
     wire.connect()
     wire.run(2.0)
     assert wire.session.trouble is None
     assert wire.session.model is load_model(name)
     heard = {number for state in wire.states for number, _ in state.sonar}
-    assert heard == set(range(len(load_model(name).sonar)))
+    assert heard == set(range(ring))
     assert wire.session.counters.unknown_sonars == 0
 
 

@@ -11,7 +11,7 @@ import pytest
 from drivers.emulation.fault_plan import FaultPlan
 from drivers.emulation.line_faults import LineFaults
 from drivers.p2os.emulator.emulator import P2osEmulator
-from drivers.p2os.model import load_model
+from drivers.p2os.emulator.make import PIONEER_2DX
 from tools.campaign.order_tap import OrderTap
 from tools.simulation.cable import Cable
 
@@ -30,7 +30,7 @@ RVEL_MINUS_20 = bytes.fromhex("FAFB06151B1400291B")
 
 @pytest.fixture
 def base() -> P2osEmulator:
-    return P2osEmulator(load_model("p2dx"))
+    return P2osEmulator(PIONEER_2DX)
 
 
 def test_line_without_faults_passes_everything(base: P2osEmulator) -> None:

@@ -27,6 +27,17 @@ def test_values_are_read_as_toml_and_words_need_no_quotes() -> None:
     assert config.patrol.supervisor == "automaton"
 
 
+def test_a_robots_file_is_what_set_changes(tmp_path: Path) -> None:
+    path = tmp_path / "robot.toml"
+    path.write_text("[laser]\nmount = [0.1, 0.0, 0.5]\n[gate]\nmax_speed = 0.3\n")
+    config = chosen("--config", str(path), "--set", "gate.max_speed=0.2")
+    assert config.laser.mount == (0.1, 0.0, 0.5)
+    assert config.gate.max_speed == 0.2
+    path.write_text("[laser]\nmuont = 1\n")
+    with pytest.raises(ConfigError, match=r"robot\.toml.*muont"):
+        chosen("--config", str(path))
+
+
 @pytest.mark.parametrize(
     ("change", "complaint"),
     [

@@ -19,7 +19,7 @@ from drivers.lms200.settings import LaserSettings
 from drivers.lms200.telegrams import Mode
 from drivers.p2os.base_state import BaseState
 from drivers.p2os.emulator.emulator import P2osEmulator
-from drivers.p2os.model import load_model
+from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.session import P2osSession
 from drivers.p2os.settings import BaseSettings
 from tools.preflight.device_trial import DeviceTrial, run_trials
@@ -55,7 +55,7 @@ def base_trial(url: str, reports: int) -> DeviceTrial[BaseState]:
 
 
 def test_base_at_another_rate_is_found_and_its_session_closed() -> None:
-    emulator = P2osEmulator(load_model("p2dx"), baud=38400)
+    emulator = P2osEmulator(PIONEER_2DX, baud=38400)
     with served(PtyPort(emulator)) as url:
         trial = base_trial(url, reports=3)
         run_trials([trial], LIMIT)

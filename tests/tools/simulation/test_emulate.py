@@ -24,15 +24,14 @@ import serial
 from drivers.camera import Camera, wait_for_picture
 from drivers.camera_source import CameraSettings
 from drivers.emulation.fault_plan import FaultSpecError
-from drivers.p2os.model import UnknownModelError
 from maps.map_folder import MapFolder, load_map_folder
 from maps.pose import Pose
 from robot_agent.config import find_map
-from robot_agent.perception.color_settings import ColorSettings
 from tools.cli import main
 from tools.deploy.child_program import environment, program
 from tools.simulation.camera_view import CameraView
 from tools.simulation.emulate import EmulateError, EmulateOptions, Emulation, parse_pose
+from tools.simulation.truth.truth import load_truth
 from tools.simulation.world import World
 
 LIMIT = 10.0  # s, generous: nothing waits that long when it works
@@ -386,7 +385,8 @@ def test_camera_stream_shows_the_view(folder: MapFolder) -> None:
 
 def test_view_shows_walls_by_their_distance(folder: MapFolder) -> None:
     world = World(folder.map, np.random.default_rng(1))
-    view = CameraView(world, CameraSettings(), ColorSettings())
+    robot = load_truth("plain").robot
+    view = CameraView(world, robot.camera, robot.band)
     along, across = (
         view.scene(Pose(OPEN_PLACE.x, OPEN_PLACE.y, theta)).astype(int)
         for theta in (OPEN_PLACE.theta, OPEN_PLACE.theta + np.pi / 2)
@@ -488,7 +488,7 @@ def test_command_prints_urls_and_ends_on_a_signal() -> None:
 
 
 def test_other_models_have_their_own_subclass(folder: MapFolder) -> None:
-    options = EmulateOptions(model="p2at", p2os="tcp:0", pose=OPEN_PLACE)
+    options = EmulateOptions(truth=load_truth("p2at"), p2os="tcp:0", pose=OPEN_PLACE)
     with emulated(folder, options) as urls, closing(ManualClient(urls["p2os"])) as client:
         assert client.shake_hands()[2] == b"p2at"
 
@@ -521,11 +521,6 @@ def test_tcp_port_in_use_is_refused(folder: MapFolder) -> None:
         number = taken.getsockname()[1]
         with pytest.raises(EmulateError, match="choose another port"):
             Emulation(folder, EmulateOptions(p2os=f"tcp:{number}"))
-
-
-def test_unknown_model_is_refused(folder: MapFolder) -> None:
-    with pytest.raises(UnknownModelError, match="p2dx"):
-        Emulation(folder, EmulateOptions(model="r2d2"))
 
 
 def test_pose_option_is_parsed() -> None:

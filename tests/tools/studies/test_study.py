@@ -10,11 +10,13 @@ import pytest
 from robot_agent.config import ConfigError
 from robot_agent.patrol.settings import DEFAULT_MODIFIERS
 from tools.commands import study as command
+from tools.simulation.truth.truth import TruthError
 from tools.studies.study import (
     Case,
     Result,
     Run,
     StudyError,
+    bench_run,
     configuration,
     read_study,
     run_study,
@@ -176,6 +178,23 @@ faults = ["", "any1:dead@1..3 robot2:stuck@2"]
     assert not study.cases[1].settings
     with pytest.raises(StudyError, match="there is no such robot"):
         read_study(write(tmp_path, text.replace("robot2", "robot7")))
+
+
+def test_truths_vary_too_and_a_file_is_beside_the_study(tmp_path: Path) -> None:
+    (tmp_path / "mine.toml").write_text('like = "plain"\nabout = "mine"\n')
+    text = '[study]\nduration = 2.0\nseeds = 1\n[vary]\ntruth = ["octagon", "mine.toml"]\n'
+    study = read_study(write(tmp_path, text))
+    assert [run.truth for run in study.runs] == ["octagon", str(tmp_path / "mine.toml")]
+    assert bench_run(study.runs[0]).figures["truth"] == "octagon"
+    with pytest.raises(TruthError, match="nowhere"):
+        read_study(write(tmp_path, text.replace("octagon", "nowhere")))
+
+
+def test_a_robots_file_is_common_to_all_cases(tmp_path: Path) -> None:
+    study = read_study(write(tmp_path, SMALL), config="[gate]\nmax_speed = 0.2\n", truth="ideal")
+    run = study.runs[0]
+    assert configuration(run.case, "study", run.changes, run.config).gate.max_speed == 0.2
+    assert run.truth == "ideal"
 
 
 def test_study_on_a_cluster_has_the_same_results_as_local(tmp_path: Path) -> None:

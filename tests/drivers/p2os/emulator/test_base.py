@@ -7,14 +7,14 @@ import pytest
 from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import Command
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG, STALL_PAUSE, TICKS_PER_METRE, EmulatedBase
-from drivers.p2os.model import load_model
+from drivers.p2os.emulator.make import PIONEER_2DX
 
 N = CommandNumber
 
 
 def base(*commands: Command) -> EmulatedBase:
     """Return a base with its motors on after ``commands`` at t = 0."""
-    made = EmulatedBase(load_model("p2dx"))
+    made = EmulatedBase(PIONEER_2DX)
     made.run_to(0.0)
     made.heard_at = 0.0
     made.open_session()
@@ -25,7 +25,7 @@ def base(*commands: Command) -> EmulatedBase:
 
 
 def test_motors_need_a_session_and_a_released_button() -> None:
-    robot = EmulatedBase(load_model("p2dx"))
+    robot = EmulatedBase(PIONEER_2DX)
     robot.enable_motors(on=True)
     assert not robot.motors_enabled
     robot.open_session()
@@ -70,7 +70,7 @@ def test_watchdog_halts_and_the_next_packet_resumes() -> None:
 
 
 def test_watchdog_has_the_value_of_the_flash() -> None:
-    robot = EmulatedBase(load_model("p2dx"), watchdog=1.2)
+    robot = EmulatedBase(PIONEER_2DX, watchdog=1.2)
     robot.run_to(0.0)
     robot.heard_at = 0.0
     robot.run_to(1.19)
@@ -118,7 +118,7 @@ def test_odometer_follows_arcs_and_ticks_follow_wheels() -> None:
         robot.turn_odometer(math.pi / 180, math.pi / 180)  # a quarter of a circle of radius 1 m
     assert (robot.x, robot.y, robot.theta) == pytest.approx((1.0, 1.0, math.pi / 2), abs=1e-4)
     left, right = robot.ticks
-    half_track = 1 / robot.model.conversion.turn
+    half_track = 1 / robot.model.turn
     assert left == pytest.approx(TICKS_PER_METRE * math.pi / 2 * (1 - half_track), abs=1)
     assert right == pytest.approx(TICKS_PER_METRE * math.pi / 2 * (1 + half_track), abs=1)
 

@@ -4,18 +4,17 @@ import math
 
 from drivers.p2os.config_packet import LATER_FIELD_COUNT, decode_config
 from drivers.p2os.emulator.config_report import emulated_config
+from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.emulator.motion_controller import limits_of
-from drivers.p2os.model import load_model
 from drivers.p2os.robot_identity import RobotIdentity
 
 
 def test_config_contains_identity_limits_and_autobaud() -> None:
-    model = load_model("p2de")
-    limits = limits_of(model)
+    limits = limits_of(PIONEER_2DX)
     limits.speed, limits.deceleration = 0.4, 0.55
     limits.turn_rate, limits.turn_acceleration = math.radians(90.0), math.radians(45.0)
     identity = RobotIdentity("R2", "Pioneer", "p2de")
-    config = emulated_config(identity, model, limits, baud=38400, watchdog=1.2)
+    config = emulated_config(identity, PIONEER_2DX, limits, baud=38400, watchdog=1.2)
     assert (config.robot_class, config.subclass, config.name) == ("Pioneer", "p2de", "R2")
     assert (config.speed_max, config.acceleration, config.deceleration) == (400, 300, 550)
     assert (config.turn_rate_max, config.turn_acceleration, config.turn_deceleration) == (

@@ -9,8 +9,8 @@ from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import Command, command, host_baud
 from drivers.p2os.config_packet import ConfigPacket, decode_config
 from drivers.p2os.emulator.emulator import P2osEmulator
+from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.framing import PacketFramer, encode_packet
-from drivers.p2os.model import load_model
 from drivers.p2os.robot_identity import decode_sync_reply
 from drivers.p2os.sip import Sip, decode_sip
 
@@ -21,7 +21,7 @@ class Robot:
     """An emulated robot in an ideal world, stepped every 10 ms."""
 
     def __init__(self, *, baud: int = 9600, sip_period: float | None = 0.1) -> None:
-        self.emulator = P2osEmulator(load_model("p2dx"), baud=baud, sip_period=sip_period)
+        self.emulator = P2osEmulator(PIONEER_2DX, baud=baud, sip_period=sip_period)
         self.t = 0.0
         self.distance = self.rotation = 0.0
         self.packets: list[tuple[float, bytes]] = []

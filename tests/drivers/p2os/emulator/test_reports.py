@@ -5,13 +5,13 @@ import math
 import pytest
 
 from drivers.p2os.emulator.base import EmulatedBase
+from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.emulator.reports import EmulatedPins, encoder_report, io_report, sip_report
-from drivers.p2os.model import load_model
 from drivers.p2os.sip import SIP_MOVING, SIP_STOPPED, decode_sip
 
 
 def base() -> EmulatedBase:
-    made = EmulatedBase(load_model("p2dx"))
+    made = EmulatedBase(PIONEER_2DX)
     made.run_to(0.0)
     made.open_session()
     return made

@@ -1,0 +1,1 @@
+"""Shipped truths of robots that are of another model."""
