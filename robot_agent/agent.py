@@ -36,6 +36,7 @@ from robot_agent.messages.events import (
 from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.notice import Notice
 from robot_agent.messages.outbox import Outbox, published
+from robot_agent.motion.footprint import Footprint
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
 from robot_agent.motion.gate_hold import (
     begins_hold,
@@ -54,6 +55,7 @@ from robot_agent.motion.unpinning import UnpinningManoeuvre
 from robot_agent.obstacles.surroundings import Surroundings
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.perception import NewIntruder, Perception
+from robot_agent.perception.scan_points import ScanProjector
 from robot_agent.pose.pose_memory import PoseMemory
 from robot_agent.pose.pose_tracker import PoseTracker
 from robot_agent.report.health_summary import HealthSummary
@@ -111,8 +113,13 @@ class Agent:
         self.perception = Perception(config.perception, config.camera, folder)
         self._limits = gate_limits(config.gate, config.laser.scan_period)
         model = load_model(config.base.model)
-        self.surroundings = Surroundings(
+        self._projector = ScanProjector(
             Pose(*(config.laser.mount or model.laser_mount)),
+            config.laser.ignored,
+            Footprint(self._limits),
+        )
+        self.surroundings = Surroundings(
+            self._projector,
             self._limits,
             model,
             folder.map,
@@ -247,6 +254,7 @@ class Agent:
         if odometry is None:
             return  # nobody knows where the robot was when this was measured
         # 1. What stands in the way, wherever the map says we are.
+        scan = self._projector.without_body(scan)
         points = self.surroundings.on_scan(scan, odometry, self.odometry)
         if self.teleop is None:  # else there is no map to find a place in
             # 2. Where the robot was.

@@ -14,6 +14,8 @@ from drivers.p2os.session import P2osSession
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.messages.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Tick
+from robot_agent.motion.footprint import Footprint
+from robot_agent.motion.gate_settings import gate_limits
 from robot_agent.perception.scan_points import ScanProjector
 from robot_agent.pose.odometry_history import OdometryHistory
 from robot_agent.recording.recording_writer import Reference
@@ -43,7 +45,8 @@ class ScanDecoder:
         self._base, self._laser = P2osSession(config.base), Lms200Session(config.laser)
         self._odometry = OdometryHistory()
         mount = config.laser.mount or load_model(config.base.model).laser_mount
-        self._projector = ScanProjector(Pose(*mount))
+        footprint = Footprint(gate_limits(config.gate))
+        self._projector = ScanProjector(Pose(*mount), config.laser.ignored, footprint)
 
     def on_event(self, event: Event) -> list[tuple[float, Pose, NDArray[np.float64]]]:
         """Handle an event; return its scans: time, odom_from_base, points (n, 2), m, base_link."""
@@ -77,7 +80,8 @@ class ScanDecoder:
         # The sessions' requests are discarded: those of the recorded run were executed.
         self._base.pop_requests()
         self._laser.pop_requests()
-        located = [(scan, self._odometry.at(scan.t)) for scan in scans]
+        outside = map(self._projector.without_body, scans)
+        located = [(scan, self._odometry.at(scan.t)) for scan in outside]
         return [(scan, odometry) for scan, odometry in located if odometry is not None]
 
     def _session(self, link: LinkName) -> P2osSession | Lms200Session:
