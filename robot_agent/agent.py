@@ -7,6 +7,7 @@ bytes and carries out the effects. The same event list gives the same effects, b
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session
@@ -59,7 +60,12 @@ from robot_agent.perception.scan_points import ScanProjector
 from robot_agent.pose.pose_memory import PoseMemory
 from robot_agent.pose.pose_tracker import PoseTracker
 from robot_agent.report.health_summary import HealthSummary
-from robot_agent.report.notices import gate_notice, intruder_notice, override_notice
+from robot_agent.report.notices import (
+    gate_notice,
+    intruder_notice,
+    override_notice,
+    travel_notice,
+)
 from robot_agent.report.telemetry_builder import TelemetryBuilder
 
 
@@ -256,6 +262,7 @@ class Agent:
         # 1. What stands in the way, wherever the map says we are.
         scan = self._projector.without_body(scan)
         points = self.surroundings.on_scan(scan, odometry, self.odometry)
+        self._watch_travel(t, scan.t, odometry, points)
         if self.teleop is None:  # else there is no map to find a place in
             # 2. Where the robot was.
             known = self.perception.tracked_points(
@@ -274,6 +281,18 @@ class Agent:
         # 4. Tell.
         if self.publishes:
             self.outbox.publish(self.telemetry.on_scan(t, scan))
+
+    def _watch_travel(
+        self, t: float, scanned: float, odometry: Pose, points: NDArray[np.float64]
+    ) -> None:
+        """Compare the motion that scans show with the one that the wheels count."""
+        report = self.odometry.latest
+        if report is not None and (report.stall_left or report.stall_right):
+            self.pose_tracker.travel.forget_scan()
+        self.pose_tracker.travel.update(scanned, odometry, points)
+        notice = travel_notice(t, self.pose_tracker.travel)
+        if notice is not None:
+            self.outbox.add(notice)
 
     def _report_intruders(self, t: float, new: list[NewIntruder]) -> None:
         """Publish each new intruder with its evidence, then updates of the known ones."""
@@ -384,6 +403,8 @@ class Agent:
             w=state.w,
             views=self.surroundings.views(t),
             overloaded=self.freshness.deadline.overloaded(self._now),
+            # Driven by keys the robot may move on, for the recording to calibrate by.
+            laser_denied=self.pose_tracker.travel.fault is not None and self.teleop is None,
             limited=limited,
         )
 
@@ -407,6 +428,8 @@ class Agent:
             return
         self.telemetry.links[link].opened()
         self._session(link).link_up(t)
+        if link == "laser":
+            self.pose_tracker.travel.restart()
         self.outbox.add(Notice(t, link, "port open", LogLevel.INFO))
 
     def _link_down(self, t: float, link: DeviceName, reason: str) -> None:

@@ -13,6 +13,7 @@ class GateReason(StrEnum):
     STALE_BASE = "stale_base"
     STALE_LASER = "stale_laser"
     OVERLOADED = "overloaded"  # the agent misses its deadlines
+    LASER_MOUNT = "laser_mount"  # scans do not show the motion that the wheels count
     NOT_LOCALIZED = "not_localized"
     BUMPED_AGAIN = "bumped_again"  # latched until a person has inspected the robot
     STALLED_AGAIN = "stalled_again"  # latched likewise
