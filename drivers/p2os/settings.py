@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 import msgspec
 
+WheelScale = Annotated[float, msgspec.Meta(gt=0.8, lt=1.25)]
+
 
 class BaseSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The robot base: its serial port, model and the speed limits given to its controller."""
@@ -27,6 +29,19 @@ class BaseSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
             " noise is the default of localization.motion"
         ),
     ] = "p2dx"
+    wheel_scale: Annotated[
+        tuple[WheelScale, WheelScale] | None,
+        msgspec.Meta(
+            description="Way of left and right wheel over the way counted; unset: not calibrated"
+        ),
+    ] = None
+    track: Annotated[
+        Annotated[float, msgspec.Meta(gt=0.1, lt=2.0)] | None,
+        msgspec.Meta(
+            description="Distance between the driven wheels, for the odometry; unset: the model's",
+            extra={"unit": "m"},
+        ),
+    ] = None
     max_speed: Annotated[
         float,
         msgspec.Meta(

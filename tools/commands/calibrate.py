@@ -1,4 +1,4 @@
-"""``patrol calibrate``: fit the team's colour model and the camera's direction and focal length."""
+"""``patrol calibrate``: laser mount and wheels, the team's colour, the camera's direction."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ import argparse
 import math
 import sys
 from pathlib import Path
+from typing import Any
 
 import cv2
 import msgspec
 import numpy as np
+import tomli_w
 from numpy.typing import NDArray
 
 from drivers.camera import Camera, wait_for_picture
@@ -27,7 +29,12 @@ from tools.calibration.color_calibration import (
     middle_of,
 )
 from tools.calibration.config_section import set_keys
+from tools.calibration.drive import Drive, read_drive
+from tools.calibration.ego_motion import laser_motions
+from tools.calibration.motion_calibration import GeometryFit, fit_geometry
+from tools.calibration.own_parts import own_sectors
 from tools.logs.recording import read_recording
+from tools.progress import progress_line
 
 LIVE_PICTURES = 10
 PICTURE_LIMIT_S = 10.0
@@ -39,7 +46,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "examples:\n"
         "  patrol calibrate color --robot robot1.toml                 target before the lens\n"
         "  patrol calibrate color band*.png --at 160,118 --robot robot1.toml --mask mask.png\n"
-        "  patrol calibrate camera RUN.mcap --robot robot1.toml"
+        "  patrol calibrate camera RUN.mcap --robot robot1.toml\n"
+        "  patrol calibrate laser DRIVE.mcap --robot robot1.toml      from patrol record --teleop\n"
+        "  patrol calibrate odometry DRIVE.mcap --robot robot1.toml"
     )
     kinds = parser.add_subparsers(dest="what", metavar="WHAT", required=True)
     color = kinds.add_parser("color", help="learn the band's colour from pictures or the camera")
@@ -51,11 +60,27 @@ def configure(parser: argparse.ArgumentParser) -> None:
     camera = kinds.add_parser("camera", help="fit direction and focal length to a recording")
     camera.add_argument("recording", type=Path, metavar="REC.mcap")
     camera.add_argument("--robot", type=Path, metavar="ROBOT.toml", help="file to write it into")
+    laser = kinds.add_parser("laser", help="find the laser's mount from a drive")
+    laser.add_argument(
+        "--ignore", action="store_true", help="write the proposed sectors of own parts as well"
+    )
+    odometry = kinds.add_parser("odometry", help="find wheel scales and track from a drive")
+    for kind in (laser, odometry):
+        kind.add_argument("drive", type=Path, metavar="DRIVE.mcap", help="or a CARMEN log")
+        kind.add_argument("--robot", type=Path, metavar="ROBOT.toml", help="file to write it into")
 
 
 def run(options: argparse.Namespace) -> int:
     """Calibrate, print the result as TOML and, with ``--robot``, write it to that file."""
-    return _color(options) if options.what == "color" else _camera(options)
+    match options.what:
+        case "color":
+            return _color(options)
+        case "camera":
+            return _camera(options)
+        case "laser":
+            return _laser(options)
+        case _:
+            return _odometry(options)
 
 
 def _color(options: argparse.Namespace) -> int:
@@ -153,3 +178,63 @@ def _camera(options: argparse.Namespace) -> int:
             {"mount": mount, "focal_length": round(fit.focal_length, 2)},
         )
     return 0
+
+
+def _laser(options: argparse.Namespace) -> int:
+    drive = read_drive(options.drive)
+    fit = _fitted(drive)
+    mount, upside_down = fit.geometry.mount, fit.geometry.upside_down
+    x, y, theta = fit.sigma[:3]
+    values: dict[str, Any] = {
+        "mount": [round(mount.x, 4), round(mount.y, 4), round(mount.theta, 5)],
+        "upside_down": upside_down,
+    }
+    sectors = own_sectors(drive.angles, drive.ranges)
+    if options.ignore:
+        values["ignore"] = [list(sector) for sector in sectors]
+    _print_section("laser", values)
+    print(
+        f"theta {math.degrees(mount.theta):.2f} +- {math.degrees(theta):.2f} deg, place +- "
+        f"{1000.0 * max(x, y):.0f} mm; {_residuals(fit)}",
+        file=sys.stderr,
+    )
+    if sectors and not options.ignore:
+        proposed = [list(sector) for sector in sectors]
+        print(f"sees own parts: ignore = {proposed}; --ignore writes it", file=sys.stderr)
+    if options.robot:
+        set_keys(options.robot, "laser", values)
+    return 0
+
+
+def _odometry(options: argparse.Namespace) -> int:
+    fit = _fitted(read_drive(options.drive))
+    found = fit.geometry
+    left, right, track = fit.sigma[3:]
+    values = {
+        "wheel_scale": [round(found.left, 4), round(found.right, 4)],
+        "track": round(found.track, 4),
+    }
+    _print_section("base", values)
+    print(
+        f"wheels +- {100.0 * max(left, right):.2f} %, track +- {100.0 * track:.2f} %; "
+        f"{_residuals(fit)}",
+        file=sys.stderr,
+    )
+    if options.robot:
+        set_keys(options.robot, "base", values)
+    return 0
+
+
+def _fitted(drive: Drive) -> GeometryFit:
+    with progress_line("scans", len(drive.odometry), "scans") as progress:
+        motions = laser_motions(drive, progress)
+    return fit_geometry(drive.odometry, motions, drive.configured)
+
+
+def _residuals(fit: GeometryFit) -> str:
+    return f"{fit.pairs} pairs of scans, off by {fit.before} before, {fit.after} after"
+
+
+def _print_section(name: str, values: dict[str, Any]) -> None:
+    print(f"[{name}]")
+    print(tomli_w.dumps(values), end="")

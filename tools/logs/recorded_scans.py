@@ -41,11 +41,12 @@ def recorded_scans(recording: Recording, config: AgentConfig) -> Iterator[LogSte
 class ScanDecoder:
     """The agent's two device sessions and its odometry, without the later stages."""
 
-    def __init__(self, config: AgentConfig) -> None:
+    def __init__(self, config: AgentConfig, *, whole: bool = False) -> None:
+        """Prepare for a robot. whole: keep returns from inside its own footprint."""
         self._base, self._laser = P2osSession(config.base), Lms200Session(config.laser)
         self._odometry = OdometryHistory()
         mount = config.laser.mount or load_model(config.base.model).laser_mount
-        footprint = Footprint(gate_limits(config.gate))
+        footprint = None if whole else Footprint(gate_limits(config.gate))
         self._projector = ScanProjector(Pose(*mount), config.laser.ignored, footprint)
 
     def on_event(self, event: Event) -> list[tuple[float, Pose, NDArray[np.float64]]]:
