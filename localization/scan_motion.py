@@ -18,7 +18,7 @@ from localization.likelihood_field import spread_evenly
 from localization.refinement import as_complex
 from maps.pose import Pose, wrap_angle
 
-MAX_POINTS = 72  # of a scan that are paired, spread evenly over it
+MAX_POINTS = 60  # of a scan that are paired, spread evenly over it
 REACH = 8.0  # m; beams that end farther away are too far apart for surfaces
 _SIDE = 4  # neighbours to each side that make a surface
 _MAX_GAP = 0.15  # m to the next of the neighbours, at a range of 1 m and per metre beyond
@@ -31,6 +31,8 @@ _MIN_PAIRS = 15
 _SIGMA = 0.02  # m; of a point from the surface: noise and quantization of both scans
 _INDEPENDENT = 0.5  # of a pair: neighbours share their surface's error
 _ARM = 2.0  # m; typical distance of the points, to compare turning with shifting
+_SCALE = np.array((1.0, 1.0, 1.0 / _ARM))
+_SCALES = np.outer(_SCALE, _SCALE)
 _WEAK = 0.03  # share of the best direction's information; less counts as none
 
 
@@ -93,7 +95,7 @@ def motion_between(first: Surfaces, points: NDArray[np.float64], guess: Pose) ->
         if equations is None:
             return None
         hessian, gradient, _ = equations
-        x, y, turn = (-np.linalg.pinv(_observable(hessian), hermitian=True) @ gradient).tolist()
+        x, y, turn = _change(hessian, gradient).tolist()
         place, theta = place + complex(x, y), theta + turn
         if step >= len(_PAIRED) and max(abs(x), abs(y), abs(turn)) < _CONVERGED:
             break
@@ -142,9 +144,16 @@ def _linearized(
     return weighted @ jacobian.T, weighted @ residuals, pairs
 
 
+def _change(hessian: NDArray[np.float64], gradient: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the Gauss-Newton step (3,), none in the weak directions."""
+    values, vectors = np.linalg.eigh(hessian * _SCALES)
+    strong = values > _WEAK * values[-1]
+    vectors = vectors[:, strong]
+    return np.asarray(-_SCALE * (vectors @ ((vectors.T @ (gradient * _SCALE)) / values[strong])))
+
+
 def _observable(hessian: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return a Hessian without its weak directions, which are noise of the normals."""
-    scale = np.array((1.0, 1.0, 1.0 / _ARM))
-    values, vectors = np.linalg.eigh(hessian * np.outer(scale, scale))
+    values, vectors = np.linalg.eigh(hessian * _SCALES)
     values[values < _WEAK * values[-1]] = 0.0
-    return np.asarray((vectors * values) @ vectors.T / np.outer(scale, scale))
+    return np.asarray((vectors * values) @ vectors.T / _SCALES)

@@ -39,15 +39,17 @@ ENOUGH = 32.0
 _GAIN = 9.0  # at most, of one sample: four are needed at least
 _FAR = 16.0  # squared standard deviations of a motion that a hypothesis does not explain
 FIRST_STEP = 0.1  # m between two scans that are compared, while nothing is known
-STEP = 0.3  # m likewise, once enough samples were as configured
-TURN = 0.17  # rad, likewise of turning
-_DOUBT = 0.25 * ENOUGH
+STEP = 0.6  # m likewise, once enough samples were as configured
+PEEK = 0.3  # m at which it is then tested whether the scan has changed at all
+FIRST_TURN, TURN = 0.17, 0.35  # rad, as FIRST_STEP and STEP
+_DOUBT = 0.1 * ENOUGH  # evidence from which steps are short again
 _CONFIRMED = 8  # samples as configured in a row, before the longer step
 _LEAST = 0.03  # m; a shorter way has no direction
 _LONGEST = 1.0  # m, and rad; a longer motion between two scans is not judged
 _OLDEST_S = 4.0  # of the first scan: people and teammates move
 _MIN_SHARE = 0.4  # of the points on surfaces; less is no alignment
 _WELL = 0.55  # of an alignment that needs no other start
+_STILL = Pose(0.0, 0.0, 0.0)
 # Standard deviations of the wheels' motion, ours, wide enough for slip and skid-steering.
 _ALONG = 0.25  # m/m
 _ACROSS = 0.03  # m/m: 1.7 degrees
@@ -83,6 +85,7 @@ class TravelWatch:
         self.fault = None
         self._first: Surfaces | None = None
         self._first_t = 0.0
+        self._peeked = False  # whether the first scan was tested at PEEK
         self._odometry = Pose(0.0, 0.0, 0.0)
         self._turn_gains = np.zeros(len(_TURNS_DEG))
         self._mirror_gain = self._repeat_gain = 0.0
@@ -102,8 +105,13 @@ class TravelWatch:
         if self._first is None or t - self._first_t > _OLDEST_S or max(travel, turn) > _LONGEST:
             self._begin(t, odometry, points)
             return
-        step = STEP if self._as_configured >= _CONFIRMED else FIRST_STEP
-        if travel < step and turn < TURN:
+        if self._as_configured >= _CONFIRMED and travel >= PEEK and not self._peeked:
+            self._peeked = True
+            if _looks_still(self._first, points, wheels):
+                self._as_configured = 0
+        well = self._as_configured >= _CONFIRMED
+        step, least = (STEP, TURN) if well else (FIRST_STEP, FIRST_TURN)
+        if travel < step and turn < least:
             return
         seen = _motion_seen(self._first, points, wheels)
         self._begin(t, odometry, points)
@@ -112,6 +120,7 @@ class TravelWatch:
 
     def _begin(self, t: float, odometry: Pose, points: NDArray[np.float64]) -> None:
         self._first, self._first_t, self._odometry = surfaces_of(points), t, odometry
+        self._peeked = False
 
     def _judge(self, wheels: Pose, seen: ScanMotion) -> None:
         """Sum up what one sample says for each hypothesis; wheels: motion they counted."""
@@ -124,7 +133,10 @@ class TravelWatch:
         moved = min(configured + as_counted, _FAR)
         self._repeat_gain = max(self._repeat_gain + float(_gain(moved, still)), 0.0)
         most = max(float(self._turn_gains.max()), self._mirror_gain, self._repeat_gain)
-        self._as_configured = self._as_configured + 1 if most < _DOUBT else 0
+        if most >= _DOUBT:
+            self._as_configured = 0
+        elif math.hypot(wheels.x, wheels.y) > _LEAST:  # a turn in place shows no direction
+            self._as_configured += 1
         if self.fault is None and most >= ENOUGH:
             self._find(most)
 
@@ -146,15 +158,21 @@ def _motion_seen(first: Surfaces, points: NDArray[np.float64], wheels: Pose) -> 
     that leads to no good alignment, also at the others.
     """
     best: ScanMotion | None = None
-    guesses = [wheels, Pose(0.0, 0.0, 0.0), Pose(-wheels.x, -wheels.y, -wheels.theta)]
-    guesses.sort(key=lambda guess: -share_on_surfaces(first, points, guess))
-    for guess in guesses:
-        found = motion_between(first, points, guess)
+    guesses = [wheels, _STILL, Pose(-wheels.x, -wheels.y, -wheels.theta)]
+    shares = [share_on_surfaces(first, points, guess) for guess in guesses]
+    for number in sorted(range(len(guesses)), key=lambda number: -shares[number]):
+        found = motion_between(first, points, guesses[number])
         if found is not None and (best is None or found.share > best.share):
             best = found
         if best is not None and best.share >= _WELL:
             break
     return best if best is not None and best.share >= _MIN_SHARE else None
+
+
+def _looks_still(first: Surfaces, points: NDArray[np.float64], wheels: Pose) -> bool:
+    """Return whether two scans fit better without motion than with the wheels'."""
+    moved = share_on_surfaces(first, points, wheels)
+    return share_on_surfaces(first, points, _STILL) > moved
 
 
 def _certainty(seen: ScanMotion) -> tuple[NDArray[np.float64], float]:
