@@ -194,6 +194,11 @@ class Localizer:
         self._filter.resample(self._search_limits if self._searching else self._limits)
         return self.estimate
 
+    def disown(self, estimate: Estimate) -> Estimate:
+        """Return the latest estimate as a lost one: other evidence shows it to be wrong."""
+        self.estimate = replace(estimate, health=Health.LOST)
+        return self.estimate
+
     def _without_occluder(self, odometry: Pose, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return points (n, 2) without those on a large unmapped object close to the robot.
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import msgspec
 import numpy as np
+from numpy.typing import NDArray
 
 from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session
@@ -39,6 +40,7 @@ from robot_agent.messages.events import (
 from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.notice import Notice
 from robot_agent.messages.outbox import Outbox, published
+from robot_agent.motion.footprint import Footprint
 from robot_agent.motion.gate import GateDecision, GateInputs, SafetyGate
 from robot_agent.motion.gate_hold import (
     begins_hold,
@@ -57,11 +59,17 @@ from robot_agent.motion.unpinning import UnpinningManoeuvre
 from robot_agent.obstacles.surroundings import Surroundings
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.perception import NewIntruder, Perception
+from robot_agent.perception.scan_points import ScanProjector
 from robot_agent.perception.silhouette import Corners, rectangle
 from robot_agent.pose.pose_memory import PoseMemory
 from robot_agent.pose.pose_tracker import PoseTracker
 from robot_agent.report.health_summary import HealthSummary
-from robot_agent.report.notices import gate_notice, intruder_notice, override_notice
+from robot_agent.report.notices import (
+    gate_notice,
+    intruder_notice,
+    override_notice,
+    travel_notice,
+)
 from robot_agent.report.telemetry_builder import TelemetryBuilder
 
 
@@ -166,8 +174,11 @@ class Agent:
         self._limits = gate_limits(config.gate, model, config.laser.scan_period)
         self.localizer.use_noise(MotionNoise(**msgspec.structs.asdict(model.odometry_noise)))
         self.laser_mount = Pose(*(config.laser.mount or model.laser_mount))
+        self._projector = ScanProjector(
+            self.laser_mount, config.laser.ignored, Footprint(self._limits)
+        )
         self.surroundings = Surroundings(
-            self.laser_mount,
+            self._projector,
             self._limits,
             model,
             self._folder.map,
@@ -284,7 +295,9 @@ class Agent:
         if odometry is None:
             return  # nobody knows where the robot was when this was measured
         # 1. What stands in the way, wherever the map says we are.
+        scan = self._projector.without_body(scan)
         points = self.surroundings.on_scan(scan, odometry, self.odometry)
+        self._watch_travel(t, scan.t, odometry, points)
         if self.teleop is None:  # else there is no map to find a place in
             # 2. Where the robot was.
             known = self.perception.tracked_points(
@@ -303,6 +316,18 @@ class Agent:
         # 4. Tell.
         if self.publishes:
             self.outbox.publish(self.telemetry.on_scan(t, scan))
+
+    def _watch_travel(
+        self, t: float, scanned: float, odometry: Pose, points: NDArray[np.float64]
+    ) -> None:
+        """Compare the motion that scans show with the one that the wheels count."""
+        report = self.odometry.latest
+        if report is not None and (report.stall_left or report.stall_right):
+            self.pose_tracker.travel.forget_scan()
+        self.pose_tracker.travel.update(scanned, odometry, points)
+        notice = travel_notice(t, self.pose_tracker.travel)
+        if notice is not None:
+            self.outbox.add(notice)
 
     def _report_intruders(self, t: float, new: list[NewIntruder]) -> None:
         """Publish each new intruder with its evidence, then updates of the known ones."""
@@ -415,6 +440,8 @@ class Agent:
             body_known=self.base.model_trouble is None,
             charging=state.charging,
             overloaded=self.freshness.deadline.overloaded(self._now),
+            # Driven by keys the robot may move on, for the recording to calibrate by.
+            laser_denied=self.pose_tracker.travel.fault is not None and self.teleop is None,
             limited=limited,
         )
 
@@ -438,6 +465,8 @@ class Agent:
             return
         self.telemetry.links[link].opened()
         self._session(link).link_up(t)
+        if link == "laser":
+            self.pose_tracker.travel.restart()
         self.outbox.add(Notice(t, link, "port open", LogLevel.INFO))
 
     def _link_down(self, t: float, link: DeviceName, reason: str) -> None:

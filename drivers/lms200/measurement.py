@@ -37,6 +37,7 @@ class Special(IntEnum):
     OVERFLOW = 7  # of the laser's calculation
     DAZZLED = 8
     NO_RETURN = 9
+    IGNORED = 255  # never sent: in a sector of laser.ignore
 
 
 @dataclass(frozen=True, slots=True)

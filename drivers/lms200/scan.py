@@ -25,6 +25,7 @@ class Scan:
     specials: uint8, why a beam has no range, as ``Special``; 0 where it has one.
     flags: uint8, bits 0 to 2 as the measuring mode defines them (fields, dazzle, reflector level).
     reflectors: bool, beams that hit a reflector; None where the mode does not report it.
+    clockwise: whether the beams were measured in the reverse order, by a scanner upside down.
     """
 
     t: float
@@ -36,6 +37,7 @@ class Scan:
     specials: NDArray[np.uint8]
     flags: NDArray[np.uint8]
     reflectors: NDArray[np.bool_] | None
+    clockwise: bool = False
 
     @property
     def angles(self) -> NDArray[np.float64]:
@@ -46,13 +48,16 @@ class Scan:
 
 @lru_cache(maxsize=8)
 def beam_time_offsets(
-    count: int, angle_min: float, angle_increment: float, turns: int
+    count: int, angle_min: float, angle_increment: float, turns: int, clockwise: bool = False
 ) -> NDArray[np.float64]:
     """Return each beam's time relative to the scan's, (count,) s, read-only.
 
     The mirror passes straight ahead in the middle of its turn and sweeps 180 degrees in half a
-    turn, counter-clockwise; beam i belongs to turn i modulo ``turns``.
+    turn, counter-clockwise; beam i belongs to turn i modulo ``turns``. clockwise: as in ``Scan``.
     """
+    if clockwise:
+        own_first = -(angle_min + angle_increment * (count - 1))
+        return beam_time_offsets(count, own_first, angle_increment, turns)[::-1]
     beams = np.arange(count)
     turn = beams % turns - (turns - 1) / 2
     place = (angle_min + angle_increment * beams) / math.tau

@@ -19,6 +19,7 @@ from drivers.lms200.framing import encode_telegram as encode
 from drivers.lms200.health import LaserHealth
 from drivers.lms200.health_watch import HealthWatch
 from drivers.lms200.measurement import MEASURING_MODES, decode_measurement
+from drivers.lms200.mounting import as_mounted
 from drivers.lms200.scan import Scan, scan_of
 from drivers.lms200.settings import LaserSettings
 from drivers.lms200.telegrams import Configuration, DeviceStatus, VariantReply
@@ -199,7 +200,8 @@ class Lms200Session:
         self._exchange.deadline = t + self._settings.silence
         byte_time = _BITS_PER_BYTE / self.baud
         arrival = t - telegram.bytes_after * byte_time
-        return [scan_of(measurement, arrival, telegram.wire_length * byte_time)]
+        scan = scan_of(measurement, arrival, telegram.wire_length * byte_time)
+        return [as_mounted(scan, self._settings)]
 
     # Time
 

@@ -12,6 +12,8 @@ from drivers.lms200.telegrams import VARIANTS, Variant
 
 _FRAME_BYTES = 10  # of a telegram of measured values, besides two per value
 _BITS_PER_BYTE = 10
+_AHEAD_DEG = 90.0  # the scanner's own degrees straight ahead
+_HALF_TURN_DEG = 180.0  # the scanner's own degrees end there
 _FARTHEST_MOUNT = 1.0  # m from the axle, either way
 _UNIT_CODES = {"cm": UNIT_CM, "mm": UNIT_MM}
 
@@ -71,6 +73,18 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             extra={"unit": "m, m, rad"},
         ),
     ] = None
+    upside_down: Annotated[
+        bool,
+        msgspec.Meta(description="The scanner is mounted upside down: its beams run clockwise"),
+    ] = False
+    ignore: Annotated[
+        tuple[tuple[float, float], ...],
+        msgspec.Meta(
+            description="Sectors [from, to] in which the scanner sees its own robot, in its own"
+            " degrees: 0 right, 90 ahead, 180 left of it when it stands upright",
+            extra={"unit": "deg"},
+        ),
+    ] = ()
     silence: Annotated[
         float,
         msgspec.Meta(
@@ -88,6 +102,12 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             )
         if self.mount is not None:
             _check_mount(*self.mount)
+        for first, last in self.ignore:
+            if not 0.0 <= first < last <= _HALF_TURN_DEG:
+                raise ValueError(
+                    f"ignore has [{first:g}, {last:g}]: write [from, to], 0 to 180 degrees, from"
+                    " the scanner's right"
+                )
         if self.measuring_mode not in MEASURING_MODES:
             modes = ", ".join(map(str, MEASURING_MODES))
             raise ValueError(f"measuring_mode is one of {modes}, not {self.measuring_mode}")
@@ -96,6 +116,15 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     def variant(self) -> Variant:
         """Field of view and resolution in the laser's units."""
         return Variant(self.field_of_view_deg, round(self.resolution_deg * 100))
+
+    @property
+    def ignored(self) -> tuple[tuple[float, float], ...]:
+        """The sectors of ``ignore`` in the laser frame: first and last direction, rad."""
+        sectors = [
+            (math.radians(first - _AHEAD_DEG), math.radians(last - _AHEAD_DEG))
+            for first, last in self.ignore
+        ]
+        return tuple((-b, -a) if self.upside_down else (a, b) for a, b in sectors)
 
     @property
     def scan_period(self) -> float:

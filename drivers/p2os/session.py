@@ -29,6 +29,7 @@ from drivers.p2os.robot_identity import RobotIdentity
 from drivers.p2os.set_up import SetUp
 from drivers.p2os.settings import BaseSettings
 from drivers.p2os.sip import Sip, decode_sip
+from drivers.p2os.wheel_correction import WheelCorrection
 from drivers.requests import Request
 
 SILENCE_TIMEOUT = 1.0  # s without a SIP
@@ -86,6 +87,7 @@ class P2osSession:
         self._requests: list[Request] = []
         self.handshake = Handshake(settings.baud, self._requests)
         self._odometer = Odometer()
+        self._wheels = WheelCorrection(settings)
         self._requested = DriveRequest(settings)
         self._outbox = CommandOutbox(self._requests, self._on_sent)
         self._set_up = SetUp(settings, self._outbox)
@@ -282,7 +284,8 @@ class P2osSession:
         self.counters.sips += 1
         self._last_sip = t
         self._odometer.update(*self._counters_of(sip), self.model.conversion.distance)
-        base = base_state(t_measured, sip, self._odometer, self.model, self._bumpers)
+        counted = base_state(t_measured, sip, self._odometer, self.model, self._bumpers)
+        base = self._wheels.corrected(counted, self.model.conversion.turn)
         self.counters.unknown_sonars += base.unknown_sonars
         self._motors.update(base, commands_pending=not self._outbox.empty)
         self._base = base

@@ -8,6 +8,8 @@ import msgspec
 
 from drivers.p2os.model import RobotModel
 
+WheelScale = Annotated[float, msgspec.Meta(gt=0.8, lt=1.25)]
+
 
 class BaseSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """The robot base: its serial port, model and the speed limits given to its controller."""
@@ -31,6 +33,19 @@ class BaseSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     ] = None
     model_file: RobotModel | None = None
     """Content of the file that ``model`` names: filled in where the configuration is loaded."""
+    wheel_scale: Annotated[
+        tuple[WheelScale, WheelScale] | None,
+        msgspec.Meta(
+            description="Way of left and right wheel over the way counted; unset: not calibrated"
+        ),
+    ] = None
+    track: Annotated[
+        Annotated[float, msgspec.Meta(gt=0.1, lt=2.0)] | None,
+        msgspec.Meta(
+            description="Distance between the driven wheels, for the odometry; unset: the model's",
+            extra={"unit": "m"},
+        ),
+    ] = None
     max_speed: Annotated[
         float,
         msgspec.Meta(

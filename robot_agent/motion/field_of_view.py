@@ -9,6 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from maps.pose import Pose
+
 
 class FieldOfView(NamedTuple):
     """Sector about an axis.
@@ -35,6 +37,26 @@ class FieldOfView(NamedTuple):
         off = np.arctan2(dy, dx) - self.theta
         off -= math.tau * np.round(off / math.tau)
         return np.asarray((np.abs(off) <= self.half_angle) & (np.hypot(dx, dy) <= self.reach))
+
+
+def views_without(
+    apex: Pose,
+    first: float,
+    last: float,
+    ignored: Sequence[tuple[float, float]],
+    reach: float = math.inf,
+) -> tuple[FieldOfView, ...]:
+    """Return the sectors from first to last, rad from the apex's theta, less the ignored ones.
+
+    ignored: first and last direction of each, rad likewise. reach: m.
+    """
+    views = []
+    for start, end in (*sorted(ignored), (last, math.inf)):
+        if min(start, last) > first:
+            half = 0.5 * (min(start, last) - first)
+            views.append(FieldOfView(apex.x, apex.y, apex.theta + first + half, half, reach))
+        first = max(first, end)
+    return tuple(views)
 
 
 def are_covered(places: Iterable[tuple[float, float]], views: Sequence[FieldOfView]) -> bool:

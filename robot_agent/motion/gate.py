@@ -46,6 +46,7 @@ class GateInputs(msgspec.Struct, frozen=True):
     obstacles: NDArray[np.float64]  # (n, 2), m, base_link: obstacle points of all sources
     views: tuple[FieldOfView, ...] = ()  # of the sensors with fresh data; none: no driving
     overloaded: bool = False  # the agent misses its deadlines
+    laser_denied: bool = False  # scans do not show the motion that the wheels count
     limited: bool = False  # limited mode: slow, needs no localization; all other checks apply
 
 
@@ -178,6 +179,8 @@ class SafetyGate:
             return GateReason.BODY_UNKNOWN
         if inputs.overloaded:
             return GateReason.OVERLOADED
+        if inputs.laser_denied:
+            return GateReason.LASER_MOUNT
         located = inputs.limited or inputs.health in ("localized", "unsure")
         return None if located else GateReason.NOT_LOCALIZED
 

@@ -37,7 +37,7 @@ class Surroundings:
 
     def __init__(
         self,
-        laser_mount: Pose,
+        projector: ScanProjector,
         gate: GateLimits,
         model: RobotModel,
         occupancy: OccupancyMap,
@@ -45,10 +45,10 @@ class Surroundings:
     ) -> None:
         """Start without measurements.
 
-        laser_mount: base_from_laser. gate: limits with the footprint. model: with the sonars'
+        projector: of the laser's scans. gate: limits with the footprint. model: with the sonars'
         geometry. occupancy: the map. unexplained: classifier of points the map does not explain.
         """
-        self._projector = ScanProjector(laser_mount)
+        self._projector = projector
         self._obstacles = Obstacles()
         self._recent_scans = RecentScanMemory(gate)
         self._sonar_obstacles = SonarObstacles(model)
@@ -99,9 +99,7 @@ class Surroundings:
 
         That of the laser is there from its first scan on; ``seen_at`` tells how old it is.
         """
-        laser = self._projector.view
-        sonars = self._sonar_obstacles.views(t)
-        return sonars if laser is None else (laser, *sonars)
+        return *self._projector.views, *self._sonar_obstacles.views(t)
 
     def echoes(self, t: float, odometry: Pose) -> NDArray[np.float64]:
         """Return the fresh sonar echoes at t, (n, 2), m, base_link; odometry: odom_from_base."""

@@ -3,21 +3,45 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drivers.lms200.measurement import Special
+from drivers.lms200.mounting import without
 from drivers.lms200.scan import Scan, beam_time_offsets
 from maps.pose import Pose
-from robot_agent.motion.field_of_view import FieldOfView
+from robot_agent.motion.field_of_view import FieldOfView, views_without
+from robot_agent.motion.footprint import Footprint
+
+_BODY_INSET = 0.03
+"""m inside the outline of the body up to which a return may be of something that touches it: noise
+and offset of the laser's ranges. Ours."""
 
 
 class ScanProjector:
     """Projects scans to points in base_link; caches the beams' directions."""
 
-    def __init__(self, base_from_laser: Pose) -> None:
+    def __init__(
+        self,
+        base_from_laser: Pose,
+        ignored: Sequence[tuple[float, float]] = (),
+        footprint: Footprint | None = None,
+    ) -> None:
+        """Prepare for one mounting.
+
+        ignored: first and last direction, rad, laser frame, of sectors not looked into. footprint:
+        of the robot, for ``without_body``; None: it has none.
+        """
         self._mount = base_from_laser
-        self._geometry: tuple[int, float, float, int] | None = None
+        self._ignored = ignored
+        self._footprint = footprint
+        reach = 0.0 if footprint is None else footprint.corner_reach
+        self._body_reach = reach + math.hypot(base_from_laser.x, base_from_laser.y)
+        self.views: tuple[FieldOfView, ...] = ()
+        """Fields of view of the latest scan in base_link; none before the first."""
+        self._geometry: tuple[int, float, float, int, bool] | None = None
         self._directions = np.empty((0, 2))
         self._delays = np.empty(0)
 
@@ -27,30 +51,42 @@ class ScanProjector:
         Ordered by bearing; beams without a usable return are left out. v, m/s, and w, rad/s: the
         base's speeds during the sweep, by which the points are deskewed.
         """
-        geometry = (scan.ranges.size, scan.angle_min, scan.angle_increment, scan.turns)
-        if geometry != self._geometry:
-            self._geometry = geometry
-            self._directions = self._beam_directions(*geometry[:3])
-            self._delays = beam_time_offsets(*geometry)
+        self._look_along(scan)
         hit = hits(scan)
         points = self._directions[hit] * scan.ranges[hit, None]
         points += (self._mount.x, self._mount.y)
         return deskewed(points, self._delays[hit], v, w) if v or w else points
 
-    @property
-    def view(self) -> FieldOfView | None:
-        """Field of view of the latest scan in base_link; None before the first."""
-        if self._geometry is None:
-            return None
-        n, angle_min, increment, _ = self._geometry
-        half = 0.5 * (n - 1) * increment
-        mount = self._mount
-        return FieldOfView(mount.x, mount.y, mount.theta + angle_min + half, half, math.inf)
+    def without_body(self, scan: Scan) -> Scan:
+        """Return a scan without the returns from inside the robot's own footprint."""
+        near = scan.ranges < self._body_reach
+        if self._footprint is None or not near.any():
+            return scan
+        self._look_along(scan)
+        points = self._directions[near] * scan.ranges[near, None]
+        points += (self._mount.x, self._mount.y)
+        own = near
+        own[near] = self._footprint.covers(points, -_BODY_INSET)
+        return without(scan, own, Special.IGNORED) if own.any() else scan
+
+    def _look_along(self, scan: Scan) -> None:
+        """Compute directions, delays and fields of view if the scan's geometry is a new one."""
+        n, angle_min, increment = scan.ranges.size, scan.angle_min, scan.angle_increment
+        geometry = (n, angle_min, increment, scan.turns, scan.clockwise)
+        if geometry == self._geometry:
+            return
+        self._geometry = geometry
+        self._directions = self._beam_directions(n, angle_min, increment)
+        self._delays = beam_time_offsets(*geometry)
+        last = angle_min + increment * (n - 1)
+        self.views = views_without(self._mount, angle_min, last, self._ignored)
 
     def in_view(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return (n,) which points (n, 2), m, base_link, are in the latest scan's field of view."""
-        view = self.view
-        return np.zeros(len(points), dtype=np.bool_) if view is None else view.mask(points)
+        seen = np.zeros(len(points), dtype=np.bool_)
+        for view in self.views:
+            seen |= view.mask(points)
+        return seen
 
     def _beam_directions(self, n: int, angle_min: float, increment: float) -> NDArray[np.float64]:
         angles = self._mount.theta + angle_min + increment * np.arange(n)

@@ -16,6 +16,7 @@ from robot_agent.messages.outbox import Outbox
 from robot_agent.pose.odometry_history import OdometryHistory
 from robot_agent.pose.pose_memory import PoseMemory, RememberedPose
 from robot_agent.pose.start_pose import StartPose
+from robot_agent.pose.travel_watch import TravelWatch
 
 _LEVELS = {
     Health.LOCALIZED: LogLevel.INFO,
@@ -46,6 +47,8 @@ class PoseTracker:
         self._outbox = outbox
         self.odometry = OdometryHistory()
         self.localizer = localizer
+        self.travel = TravelWatch()
+        """While it finds a fault, the robot is lost."""
         self.trusted = False
         self._memory = memory
         self._to_recall = remembered
@@ -74,7 +77,10 @@ class PoseTracker:
         t: now. scanned: when the scan was measured. odometry: odom_from_base then. points: (n, 2),
         m, base_link. ignored: (n,) which of them end on objects not in the map; None: none.
         """
-        estimate = self.localizer.update(scanned, odometry, points, ignored)
+        if self.travel.fault is not None and self.localizer.estimate is not None:
+            estimate = self.localizer.disown(self.localizer.estimate)  # and search no further
+        else:
+            estimate = self.localizer.update(scanned, odometry, points, ignored)
         # Trusted once localized, until lost: unsure keeps the state before.
         self.trusted = estimate.health is not Health.LOST and (
             self.trusted or estimate.health is Health.LOCALIZED

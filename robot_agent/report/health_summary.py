@@ -34,6 +34,8 @@ class HealthSummary:
             return f"base {state.base.state}"
         if state.laser.state is not LaserState.STREAMING:
             return f"laser {state.laser.state}"
+        if state.pose_tracker.travel.fault is not None:
+            return f"laser.mount: {state.pose_tracker.travel.fault}"
         if state.teleop is not None:
             return "driven by keys"
         if not state.pose_tracker.trusted:

@@ -12,6 +12,7 @@ from robot_agent.patrol.modifier import OverrideReason
 from robot_agent.patrol.patrol import PatrolDecision
 from robot_agent.patrol.turn_log import TurnCause
 from robot_agent.perception.intruders import Intruder
+from robot_agent.pose.travel_watch import TravelFault, TravelWatch
 
 TURN_WORDS: dict[str, str] = {
     TurnCause.TEAMMATE: "from a teammate ahead",
@@ -21,6 +22,13 @@ TURN_WORDS: dict[str, str] = {
     TurnCause.EVEN_GAPS: "for even gaps",
 }
 """Why a robot turned back, by the cause in its decision."""
+TRAVEL_WORDS: dict[str, str] = {
+    TravelFault.TURNED: "laser.mount: correct it there, or by `patrol calibrate laser`",
+    TravelFault.MIRRORED: "the laser sees the robot turn the other way: correct laser.upside_down,"
+    " or see laser.mount for a mirrored one",
+    TravelFault.REPEATS: "the laser sees no motion while the wheels turn: it repeats its scan, or"
+    " the robot is stuck; no fault of laser.mount",
+}
 _REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
 
 
@@ -62,6 +70,17 @@ def gate_notice(t: float, gate: GateDecision) -> Notice:
         return Notice(t, "gate", "lets the robot move", LogLevel.INFO)
     remedy = f" ({_REMEDY})" if gate.reason in LATCHED else ""
     return Notice(t, "gate", f"holds the robot: {gate.reason}{remedy}", LogLevel.WARNING)
+
+
+def travel_notice(t: float, watch: TravelWatch) -> Notice | None:
+    """Return a notice of what the watch of travel has found, with a remedy; None if nothing."""
+    if watch.fault is None:
+        return None
+    words = TRAVEL_WORDS[watch.fault]
+    if watch.fault is TravelFault.TURNED:
+        side = "left" if watch.turned_deg > 0 else "right"
+        words = f"the laser is turned about {abs(watch.turned_deg)} deg to the {side} of {words}"
+    return Notice(t, "laser.mount", words, LogLevel.ERROR)
 
 
 def intruder_notice(t: float, intruder: Intruder) -> Notice:

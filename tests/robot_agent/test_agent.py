@@ -1,5 +1,6 @@
 """The agent in lockstep with emulated devices: effects of events."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,7 @@ from robot_agent.motion.gate_settings import gate_limits
 from robot_agent.patrol.patrol import PATROLLING
 from tools.bench.bench_fault import parse_fault
 from tools.bench.fleet import Fleet
+from tools.simulation.truth.truth import load_truth
 
 START = Pose(5.0, 13.4, 0.3)
 MOTION = (CommandNumber.VEL, CommandNumber.RVEL, CommandNumber.VEL2)
@@ -313,6 +315,27 @@ def test_lost_robot_turns_slowly_and_relocalizes(folder: MapFolder) -> None:
     assert found is not None
     assert found.pose.x == pytest.approx(robot.rig.body.pose.x, abs=0.3)
     assert found.pose.y == pytest.approx(robot.rig.body.pose.y, abs=0.3)
+
+
+def test_laser_mounted_otherwise_stops_the_robot_and_names_the_setting(folder: MapFolder) -> None:
+    tape = Tape()
+    fleet = Fleet(
+        folder,
+        1,
+        seed=5,
+        starts=[START],
+        observer=lambda *_: tape,
+        truth=load_truth("laser_turned_45"),
+    )
+    run_until(fleet, 15.0)
+    agent = fleet.robots[0].agent
+    assert agent.pose_tracker.health is Health.LOST
+    assert agent.gate_decision is not None
+    assert agent.gate_decision.reason is GateReason.LASER_MOUNT
+    assert agent.health_summary.health() == "laser.mount: turned"
+    assert any("turned about" in log.message for log in _published(tape, "event"))
+    assert fleet.world.contacts == 0
+    assert math.dist(fleet.robots[0].rig.body.pose[:2], START[:2]) < 1.2
 
 
 def test_stale_stream_raises_an_alarm_until_it_is_fresh(folder: MapFolder) -> None:

@@ -7,14 +7,17 @@ import json
 import math
 import sys
 from pathlib import Path
+from typing import Any
 
 import cv2
 import msgspec
 import numpy as np
+import tomli_w
 from numpy.typing import NDArray
 
 from drivers.camera import Camera, wait_for_picture
 from drivers.camera_source import CameraSettings
+from drivers.p2os.model_choice import expected_model
 from robot_agent.config import AgentConfig, load_config
 from robot_agent.perception.band_detector import BandDetector
 from robot_agent.perception.color_settings import ColorModelSettings, ColorSettings
@@ -29,14 +32,18 @@ from tools.calibration.color_calibration import (
     middle_of,
 )
 from tools.calibration.config_section import set_keys
+from tools.calibration.drive import Drive, read_drive
+from tools.calibration.ego_motion import laser_motions
+from tools.calibration.motion_calibration import GeometryFit, fit_geometry
+from tools.calibration.own_parts import own_sectors
 from tools.calibration.teammate_calibration import learn_silhouette, standing_scans
 from tools.calibration.teammate_picture import draw_silhouette
 from tools.logs.recording import read_recording
 from tools.logs.scan_log import read_scan_log
+from tools.progress import progress_line
 
 LIVE_PICTURES = 10
 PICTURE_LIMIT_S = 10.0
-_BODY = rectangle(0.511, 0.425)  # m; a 2-DX, for comparison with what is admitted so far
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -46,7 +53,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "  patrol calibrate color --robot robot1.toml                 target before the lens\n"
         "  patrol calibrate color band*.png --at 160,118 --robot robot1.toml --mask mask.png\n"
         "  patrol calibrate camera RUN.mcap --robot robot1.toml\n"
-        "  patrol calibrate teammate RUN.mcap --robot robot1.toml     it turns in place before this"
+        "  patrol calibrate teammate RUN.mcap --robot robot1.toml     it turns before this one\n"
+        "  patrol calibrate laser DRIVE.mcap --robot robot1.toml      from patrol record --teleop\n"
+        "  patrol calibrate odometry DRIVE.mcap --robot robot1.toml"
     )
     kinds = parser.add_subparsers(dest="what", metavar="WHAT", required=True)
     color = kinds.add_parser("color", help="learn the band's colour from pictures or the camera")
@@ -62,11 +71,25 @@ def configure(parser: argparse.ArgumentParser) -> None:
     teammate.add_argument("recording", type=Path, metavar="RUN", help="recording or CARMEN log")
     teammate.add_argument("--picture", type=Path, metavar="PNG", help="default: beside RUN")
     teammate.add_argument("--robot", type=Path, metavar="ROBOT.toml", help="file to write it into")
+    laser = kinds.add_parser("laser", help="find the laser's mount from a drive")
+    laser.add_argument(
+        "--ignore", action="store_true", help="write the proposed sectors of own parts as well"
+    )
+    odometry = kinds.add_parser("odometry", help="find wheel scales and track from a drive")
+    for kind in (laser, odometry):
+        kind.add_argument("drive", type=Path, metavar="DRIVE.mcap", help="or a CARMEN log")
+        kind.add_argument("--robot", type=Path, metavar="ROBOT.toml", help="file to write it into")
 
 
 def run(options: argparse.Namespace) -> int:
     """Calibrate, print the result as TOML and, with ``--robot``, write it to that file."""
-    kinds = {"color": _color, "camera": _camera, "teammate": _teammate}
+    kinds = {
+        "color": _color,
+        "camera": _camera,
+        "teammate": _teammate,
+        "laser": _laser,
+        "odometry": _odometry,
+    }
     return kinds[options.what](options)
 
 
@@ -173,7 +196,9 @@ def _teammate(options: argparse.Namespace) -> int:
     scans = [
         (each.t, each.odometry, each.points()) for each in read_scan_log(options.recording).scans
     ]
-    learned = learn_silhouette(standing_scans(scans), Silhouettes.admitted(so_far, _BODY).shapes)
+    body = expected_model(config.base).body
+    own = rectangle(body.front + body.rear, body.width)
+    learned = learn_silhouette(standing_scans(scans), Silhouettes.admitted(so_far, own).shapes)
     picture = options.picture or options.recording.with_suffix(".teammate.png")
     draw_silhouette(learned, picture)
     silhouettes = [*so_far, [list(corner) for corner in learned.corners]]
@@ -188,3 +213,63 @@ def _teammate(options: argparse.Namespace) -> int:
     if options.robot:
         set_keys(options.robot, "perception", {"silhouettes": silhouettes})
     return 0
+
+
+def _laser(options: argparse.Namespace) -> int:
+    drive = read_drive(options.drive)
+    fit = _fitted(drive)
+    mount, upside_down = fit.geometry.mount, fit.geometry.upside_down
+    x, y, theta = fit.sigma[:3]
+    values: dict[str, Any] = {
+        "mount": [round(mount.x, 4), round(mount.y, 4), round(mount.theta, 5)],
+        "upside_down": upside_down,
+    }
+    sectors = own_sectors(drive.angles, drive.ranges)
+    if options.ignore:
+        values["ignore"] = [list(sector) for sector in sectors]
+    _print_section("laser", values)
+    print(
+        f"theta {math.degrees(mount.theta):.2f} +- {math.degrees(theta):.2f} deg, place +- "
+        f"{1000.0 * max(x, y):.0f} mm; {_residuals(fit)}",
+        file=sys.stderr,
+    )
+    if sectors and not options.ignore:
+        proposed = [list(sector) for sector in sectors]
+        print(f"sees own parts: ignore = {proposed}; --ignore writes it", file=sys.stderr)
+    if options.robot:
+        set_keys(options.robot, "laser", values)
+    return 0
+
+
+def _odometry(options: argparse.Namespace) -> int:
+    fit = _fitted(read_drive(options.drive))
+    found = fit.geometry
+    left, right, track = fit.sigma[3:]
+    values = {
+        "wheel_scale": [round(found.left, 4), round(found.right, 4)],
+        "track": round(found.track, 4),
+    }
+    _print_section("base", values)
+    print(
+        f"wheels +- {100.0 * max(left, right):.2f} %, track +- {100.0 * track:.2f} %; "
+        f"{_residuals(fit)}",
+        file=sys.stderr,
+    )
+    if options.robot:
+        set_keys(options.robot, "base", values)
+    return 0
+
+
+def _fitted(drive: Drive) -> GeometryFit:
+    with progress_line("scans", len(drive.odometry), "scans") as progress:
+        motions = laser_motions(drive, progress)
+    return fit_geometry(drive.odometry, motions, drive.configured)
+
+
+def _residuals(fit: GeometryFit) -> str:
+    return f"{fit.pairs} pairs of scans, off by {fit.before} before, {fit.after} after"
+
+
+def _print_section(name: str, values: dict[str, Any]) -> None:
+    print(f"[{name}]")
+    print(tomli_w.dumps(values), end="")

@@ -9,10 +9,13 @@ from numpy.typing import NDArray
 
 from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session
+from drivers.p2os.model import RobotModel
 from drivers.p2os.session import P2osSession
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.messages.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Tick
+from robot_agent.motion.footprint import Footprint
+from robot_agent.motion.gate_settings import gate_limits
 from robot_agent.perception.scan_points import ScanProjector
 from robot_agent.pose.odometry_history import OdometryHistory
 from robot_agent.recording.recording_writer import Reference
@@ -49,21 +52,32 @@ def recorded_mount(recording: Recording, config: AgentConfig) -> Pose:
 class ScanDecoder:
     """The agent's two device sessions and its odometry, without the later stages."""
 
-    def __init__(self, config: AgentConfig) -> None:
+    def __init__(self, config: AgentConfig, *, whole: bool = False) -> None:
+        """Prepare for a robot. whole: keep returns from inside its own footprint."""
         self._base, self._laser = P2osSession(config.base), Lms200Session(config.laser)
         self._odometry = OdometryHistory()
-        self._configured_mount = config.laser.mount
-        self._projector = ScanProjector(self.mount)
+        self._config, self._whole = config, whole
+        self._projector = self._projector_of_model()
 
     @property
     def mount(self) -> Pose:
         """base_from_laser: as configured, else that of the base's model."""
-        return Pose(*(self._configured_mount or self._base.model.laser_mount))
+        return Pose(*(self._config.laser.mount or self.model.laser_mount))
+
+    @property
+    def model(self) -> RobotModel:
+        """The base's model."""
+        return self._base.model
 
     @property
     def knows_model(self) -> bool:
         """Whether the base has said what it is."""
         return self._base.identity is not None
+
+    def _projector_of_model(self) -> ScanProjector:
+        limits = gate_limits(self._config.gate, self.model)
+        footprint = None if self._whole else Footprint(limits)
+        return ScanProjector(self.mount, self._config.laser.ignored, footprint)
 
     def on_event(self, event: Event) -> list[tuple[float, Pose, NDArray[np.float64]]]:
         """Handle an event; return its scans: time, odom_from_base, points (n, 2), m, base_link."""
@@ -87,7 +101,7 @@ class ScanDecoder:
                 for state in self._base.feed(data, t):
                     self._odometry.add(state)
                 if self._base.model is not model:
-                    self._projector = ScanProjector(self.mount)
+                    self._projector = self._projector_of_model()
             case BytesReceived(t, "laser", data):
                 scans = self._laser.feed(data, t)
             case Tick(t):
@@ -100,7 +114,8 @@ class ScanDecoder:
         # The sessions' requests are discarded: those of the recorded run were executed.
         self._base.pop_requests()
         self._laser.pop_requests()
-        located = [(scan, self._odometry.at(scan.t)) for scan in scans]
+        outside = map(self._projector.without_body, scans)
+        located = [(scan, self._odometry.at(scan.t)) for scan in outside]
         return [(scan, odometry) for scan, odometry in located if odometry is not None]
 
     def _session(self, link: LinkName) -> P2osSession | Lms200Session:

@@ -30,6 +30,7 @@ from tools.mapping.map_check import check_map
 from tools.preflight.device_trial import run_trials
 from tools.preflight.doctor_base import BaseExamination
 from tools.preflight.doctor_camera import CameraExamination
+from tools.preflight.doctor_geometry import examine_geometry
 from tools.preflight.doctor_laser import LaserExamination
 from tools.preflight.doctor_sight import examine_sight
 from tools.preflight.finding import Finding, Verdict, failed, ok, skipped, warning
@@ -81,6 +82,7 @@ def examine_config(config: AgentConfig, model: RobotModel) -> list[Finding]:
     return [
         ok("configuration", f"{config.robot.name} of team {config.robot.team}"),
         examine_sight(config.laser, model, gate_limits(config.gate, model)),
+        examine_geometry(config.base, config.laser),
     ]
 
 

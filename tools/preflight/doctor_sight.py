@@ -6,7 +6,8 @@ import math
 
 from drivers.lms200.settings import LaserSettings
 from drivers.p2os.model import RobotModel
-from robot_agent.motion.field_of_view import FieldOfView, are_covered
+from maps.pose import Pose
+from robot_agent.motion.field_of_view import are_covered, views_without
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.stopping import stopping_way
 from robot_agent.motion.swept_footprint import SweptFootprint
@@ -19,10 +20,11 @@ _REMEDY = "mount the scanner to look ahead, and check laser.mount (x, y in m, th
 def examine_sight(laser: LaserSettings, model: RobotModel, limits: GateLimits) -> Finding:
     """Check that laser or front sonars cover the way ahead, as the gate requires for driving."""
     mount = laser.mount or model.laser_mount
-    scanner = FieldOfView(*mount, math.radians(laser.field_of_view_deg / 2), math.inf)
+    half = math.radians(laser.field_of_view_deg / 2)
+    scanner = views_without(Pose(*mount), -half, half, laser.ignored)
     stop = stopping_way(limits.max_speed, limits.braking, limits.reaction_delay)
     edge = SweptFootprint(limits).front_edge(stop, 0.0)
-    if are_covered(edge, (scanner,)):
+    if are_covered(edge, scanner):
         return ok("sight", "the laser covers the way ahead")
     where = f"the laser looks {math.degrees(mount[2]):.0f} deg from ahead"
     if are_covered(edge, front_cones(model)):

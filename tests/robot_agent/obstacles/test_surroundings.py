@@ -12,6 +12,7 @@ from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.obstacles.surroundings import Surroundings
+from robot_agent.perception.scan_points import ScanProjector
 from robot_agent.perception.unexplained import UnexplainedPoints
 from robot_agent.pose.odometry_history import OdometryHistory
 
@@ -27,7 +28,8 @@ def surroundings() -> Surroundings:
     config = AgentConfig()
     unexplained = UnexplainedPoints(occupancy, config.perception.detection_range)
     model = load_model("p2dx")
-    return Surroundings(Pose(*model.laser_mount), GateLimits(), model, occupancy, unexplained)
+    projector = ScanProjector(Pose(*model.laser_mount))
+    return Surroundings(projector, GateLimits(), model, occupancy, unexplained)
 
 
 def looked(surroundings: Surroundings, heading: float) -> None:

@@ -9,6 +9,8 @@ import pytest
 from drivers.lms200.measurement import TURN
 from drivers.lms200.scan import Scan, beam_time_offsets
 from maps.pose import Pose
+from robot_agent.motion.footprint import Footprint
+from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.obstacles.latest_scan import REACH, Obstacles
 from robot_agent.perception.scan_points import ScanProjector, move_points
 
@@ -50,6 +52,31 @@ def test_change_of_scan_geometry_updates_directions() -> None:
     projector.points(scan_of([1.0, 1.0, 1.0]))
     finer = projector.points(scan_of([1.0] * 5, math.pi / 4))
     assert finer[1] == pytest.approx((math.sqrt(0.5), -math.sqrt(0.5)))
+
+
+def test_ignored_sector_is_out_of_view() -> None:
+    projector = ScanProjector(Pose(0.0, 0.0, 0.0), ignored=[(0.2, 0.4), (1.2, 2.0)])
+    projector.points(scan_of([1.0, 1.0, 1.0]))
+    places = np.array([(math.cos(a), math.sin(a)) for a in (0.1, 0.3, 0.5, 1.1, 1.3, -1.5)])
+    assert projector.in_view(places).tolist() == [True, False, True, True, False, True]
+
+
+def test_returns_from_inside_the_footprint_are_none() -> None:
+    footprint = Footprint(GateLimits(front=0.5, rear=0.3, half_width=0.2))
+    projector = ScanProjector(Pose(0.1, 0.0, 0.0), footprint=footprint)
+    own = scan_of([0.1, 0.3, 0.1])
+    assert np.isinf(projector.without_body(own).ranges).all()
+    outside = scan_of([0.21, 0.41, math.inf])
+    assert projector.without_body(outside) is outside
+    assert ScanProjector(Pose(0.1, 0.0, 0.0)).without_body(own) is own, "no footprint"
+
+
+def test_something_that_touches_the_body_is_kept() -> None:
+    footprint = Footprint(GateLimits(front=0.5, rear=0.3, half_width=0.2))
+    projector = ScanProjector(Pose(0.1, 0.0, 0.0), footprint=footprint)
+    assert projector.without_body(scan_of([0.18, 0.38, 0.18])).ranges == pytest.approx(
+        [0.18, 0.38, 0.18]
+    )
 
 
 def test_view_is_between_the_outermost_beams() -> None:

@@ -105,6 +105,7 @@ theta = {START.theta}
 url = "{self.base_cable.path}"
 [laser]
 url = "{self.laser_cable.path}"
+mount = [0.017, 0.008, 0.0]
 [camera]
 url = "{self.camera.url}"
 [telemetry]

@@ -34,6 +34,12 @@ def test_way_ahead_must_be_covered_by_laser_or_front_sonars(mount, fov, model, v
     assert verdict is Verdict.OK or "laser.mount" in finding.remedy
 
 
+def test_way_in_an_ignored_sector_is_not_covered_by_the_laser() -> None:
+    settings = LaserSettings(ignore=((80.0, 100.0),))
+    assert examine_sight(settings, MODEL, GateLimits()).verdict is Verdict.WARNING
+    assert examine_sight(settings, DEAF, GateLimits()).verdict is Verdict.FAILED
+
+
 def test_finding_names_the_angle_at_which_the_laser_looks() -> None:
     settings = LaserSettings(mount=(0.0, 0.0, math.pi))
     assert "180 deg" in examine_sight(settings, MODEL, GateLimits()).text
