@@ -157,7 +157,13 @@ def test_robots_connect_to_the_operator_only_under_attack(tmp_path: Path) -> Non
         enter = {address: ("ip", "netns", "exec", name) for address, name in names.items()}
         world = stack.enter_context(
             process(
-                *world_command, *options, "--truth", str(tmp_path / "truth"), out=subprocess.PIPE
+                *world_command,
+                *options,
+                "--truth",
+                "plain",
+                "--poses",
+                str(tmp_path / "poses"),
+                out=subprocess.PIPE,
             )
         )
         assert world.stdout is not None
