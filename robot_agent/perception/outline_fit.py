@@ -189,11 +189,11 @@ class _Points:
     def beyond(self, centre: _Centres) -> NDArray[np.float64]:
         """Return (sides, hypotheses, points) distances, m, outside each side at the centres."""
         nx, ny = self.hypotheses.normals[..., None]
-        return np.asarray(self.along - (nx * centre.x + ny * centre.y)[..., self.owner])
+        return np.asarray(self.along - (nx * centre.x + ny * centre.y).take(self.owner, axis=-1))
 
     def summed(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return (hypotheses, segments) sums of values (hypotheses, points)."""
-        return np.add.reduceat(values, self.starts, axis=1)
+        """Return (..., segments) sums of values (..., points)."""
+        return np.add.reduceat(values, self.starts, axis=-1)
 
     def chi2(self, centre: _Centres) -> NDArray[np.float64]:
         """Return (hypotheses, segments) squared distances from the sides over their variance."""
@@ -207,16 +207,20 @@ def _system(points: _Points, sights: _Edges, start: _Centres, centre: _Centres) 
     A point constrains the centre along the normal of its side.
     """
     nearest = points.beyond(centre).argmax(axis=0)
-    each = np.arange(len(nearest))[:, None]
-    nx, ny = points.hypotheses.normals[:, nearest, each]
-    target = np.take_along_axis(points.along, nearest[None], axis=0)[0]
+    hypotheses, count = nearest.shape
+    # Flat indices: many times as fast here as indices by axis.
+    side = nearest * hypotheses + np.arange(hypotheses)[:, None]
+    nx, ny = (normals.take(side) for normals in points.hypotheses.normals)
+    target = points.along.take(side * count + np.arange(count))
     a, b = 1.0 / _FIRST_SIGMA**2, 1.0 / _POINT_SIGMA**2
+    terms = np.stack((nx * nx, nx * ny, ny * ny, nx * target, ny * target))
+    xx, xy, yy, right_x, right_y = b * points.summed(terms)
     return _System(
-        xx=a + b * points.summed(nx * nx) + sights.xx,
-        xy=b * points.summed(nx * ny) + sights.xy,
-        yy=a + b * points.summed(ny * ny) + sights.yy,
-        right_x=a * start.x + b * points.summed(nx * target) + sights.right_x,
-        right_y=a * start.y + b * points.summed(ny * target) + sights.right_y,
+        xx=a + xx + sights.xx,
+        xy=xy + sights.xy,
+        yy=a + yy + sights.yy,
+        right_x=a * start.x + right_x + sights.right_x,
+        right_y=a * start.y + right_y + sights.right_y,
     )
 
 
@@ -265,8 +269,10 @@ class _Edges:
                 farthest = (nx * hypotheses.corners[0] + ny * hypotheses.corners[1]).max(axis=0)
                 target = (edge.offset - farthest) / edge.sigma
                 sx, sy = nx / edge.sigma, ny / edge.sigma
-                sums[:3, :, index] += np.array((sx * sx, sx * sy, sy * sy))[:, None]
-                sums[3:, :, index] += (sx * target, sy * target, target * target)
+                for row, term in enumerate(
+                    (sx * sx, sx * sy, sy * sy, sx * target, sy * target, target * target)
+                ):
+                    sums[row, :, index] += term
         count = np.array([float(len(own)) for own in edges])
         xx, xy, yy, right_x, right_y, square = sums
         return cls(xx, xy, yy, right_x, right_y, square, count)
