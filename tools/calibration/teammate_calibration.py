@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +24,21 @@ from tools.calibration.color_calibration import CalibrationError
 
 _REACH = 0.75  # m from its middle to the farthest point of a teammate
 _FARTHEST = 2.5  # m of the teammate from the robot
+_HALF_DEPTH = 0.15  # m from the points seen of a thing to its middle, about
+_FIRST_SCANS = 10  # in which it is looked for
+_PRESENT = 0.8  # share of the scans in which it must be seen
 _GAP = 0.12  # m between neighbouring points of one object
 _STOOD = (0.03, math.radians(1.5))  # m, rad; motion by which the robot counts as standing
 _LEAST_SCANS = 40
 _BINS = 72  # of the curve, by direction
+_LEAST_TURN = math.radians(330.0)  # between the first and the last change of the view
 _COVERED = 0.95  # share of the directions that must have been seen
+_MOST_POINTS = 3000  # used of a recording; more add little
 _KNOT_S = 2.0  # s between the knots of the turning angle
-_RATES = np.concatenate((np.arange(-1.5, -0.095, 0.02), np.arange(0.1, 1.505, 0.02)))  # rad/s
+_SLOWEST, _FASTEST = 0.1, 1.5  # rad/s
+_PHASE = 0.3  # rad by which the steadiest turn may be off at its end
+_BLOCK_S = 1.0  # s over which a view is averaged to tell a turn from a rest
+_CHANGES = 0.004  # m of the view from block to block in a turn; 0.001 to 0.002 m at rest
 _ROUNDS = 8
 _OUTLIER = 0.02  # m
 _TOLERANCE = 0.012  # m by which the polygon may leave out a corner
@@ -41,6 +50,10 @@ class StandingScan:
 
     t: float
     points: NDArray[np.float64]
+
+
+Parts = list[tuple[StandingScan, NDArray[np.float64]]]
+"""Scans with their points (n, 2) on one object, m."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,7 +98,7 @@ def _has_left(place: Pose, now: Pose) -> bool:
 def learn_silhouette(
     scans: Sequence[StandingScan], admitted: Sequence[Silhouette] = ()
 ) -> LearnedSilhouette:
-    """Learn the silhouette of the nearest object, which turns in place.
+    """Learn the silhouette of the object that turns in place before the robot.
 
     admitted: those so far. Raises CalibrationError if there are too few scans, nothing near, or if
     it was not seen from all sides.
@@ -95,19 +108,15 @@ def learn_silhouette(
             f"the robot stood for {len(scans)} scans, {_LEAST_SCANS} are needed: let it stand, and "
             "turn the teammate in place before it once round"
         )
-    parts = _object_in(scans)
-    times = np.concatenate([np.full(len(part), scan.t) for scan, part in parts]) - scans[0].t
-    points = np.concatenate([part for _, part in parts])
-    turn = _Turn(times)
-    centre, rate = _first_guess(turn, points)
-    parameters = np.concatenate((centre, rate * turn.knots))
+    guess = min(map(_guess_of, _turning_things(scans)), key=lambda each: each.thickness)
+    turn, points, parameters = guess.turn, guess.points, guess.parameters
     for _ in range(_ROUNDS):
         parameters = _improved(parameters, turn, points)
     own = turn.turned_back(parameters, points)
     curve = _curve(own)
     turned = float(np.ptp(parameters[2:]))
     seen = float(np.isfinite(curve).mean())
-    if seen < _COVERED or turned < math.tau:
+    if seen < _COVERED or turned < _LEAST_TURN:
         raise CalibrationError(
             f"the teammate turned {math.degrees(turned):.0f} degrees, and {100 * seen:.0f} % of it "
             "was seen: turn it in place once round or more, at a steady rate"
@@ -126,29 +135,92 @@ def learn_silhouette(
     )
 
 
-def _object_in(
-    scans: Sequence[StandingScan],
-) -> list[tuple[StandingScan, NDArray[np.float64]]]:
-    """Return the scans with their points on the object, which stays at one place."""
-    firsts = [part for scan in scans[:10] if (part := _nearest(scan.points)) is not None]
-    if not firsts:
+def _turning_things(scans: Sequence[StandingScan]) -> list[Parts]:
+    """Return the scans of each thing that stands alone, while its view changes.
+
+    Raises CalibrationError without any.
+    """
+    near = [_points_near(scans, middle) for middle in _places(scans)]
+    alone = [parts for parts in near if len(parts) > _PRESENT * len(scans)]
+    if not alone:
         raise CalibrationError(
-            f"nothing stands within {_FARTHEST:g} m: let the teammate stand 0.8 to 2 m before the "
-            "robot, with 0.8 m of free floor round it"
+            f"nothing stands alone within {_FARTHEST:g} m: let the teammate stand 0.8 to 2 m "
+            "before the robot, with 0.8 m of free floor round it"
         )
-    middle = np.median(np.concatenate(firsts), axis=0)
-    middle = middle * (1.0 + 0.15 / math.hypot(*middle))  # its near side was seen
-    found = [(scan, scan.points[np.hypot(*(scan.points - middle).T) < _REACH]) for scan in scans]
-    return [(scan, part) for scan, part in found if len(part) >= 3]
+    turning = [parts for each in alone if len(parts := _turning(each)) >= _LEAST_SCANS]
+    if not turning:
+        raise CalibrationError("nothing turns before the robot: turn the teammate in place")
+    return turning
 
 
-def _nearest(points: NDArray[np.float64]) -> NDArray[np.float64] | None:
-    """Return the nearest object's points of a scan; None without any in reach."""
+def _places(scans: Sequence[StandingScan]) -> list[NDArray[np.float64]]:
+    """Return the middles (2,), m, of the things in the first scans that stand alone."""
+    places: list[NDArray[np.float64]] = []
+    for scan in scans[:_FIRST_SCANS]:
+        for part in _alone(scan.points):
+            middle = part.mean(axis=0)
+            middle = middle * (1.0 + _HALF_DEPTH / math.hypot(*middle))  # its near side was seen
+            if all(math.dist(middle, place) > _REACH / 2 for place in places):
+                places.append(middle)
+    return places
+
+
+def _alone(points: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    """Return the points of each thing of a scan as large as a robot or smaller, in reach."""
     steps = np.hypot(*np.diff(points, axis=0).T)
-    parts = [part for part in np.split(points, np.flatnonzero(steps > _GAP) + 1) if len(part) >= 3]
-    near = [(float(np.hypot(*part.T).min()), part) for part in parts]
-    distance, part = min(near, key=lambda each: each[0], default=(math.inf, points))
-    return part if distance < _FARTHEST else None
+    parts = np.split(points, np.flatnonzero(steps > _GAP) + 1)[1:-1]
+    return [
+        part
+        for part in parts
+        if len(part) >= 3
+        and math.dist(part[0], part[-1]) < 1.5 * _REACH
+        and float(np.hypot(*part.T).min()) < _FARTHEST
+    ]
+
+
+def _points_near(scans: Sequence[StandingScan], middle: NDArray[np.float64]) -> Parts:
+    """Return the scans in which one thing, and one that stands alone, is at a place."""
+    near = [
+        (scan, [part for part in _alone(scan.points) if _is_at(part, middle)]) for scan in scans
+    ]
+    return [(scan, parts[0]) for scan, parts in near if len(parts) == 1]
+
+
+def _is_at(part: NDArray[np.float64], middle: NDArray[np.float64]) -> bool:
+    return bool(np.hypot(*(part - middle).T).max() < _REACH)
+
+
+def _turning(parts: Parts) -> Parts:
+    """Return the scans between the first and the last change of the view; empty without one."""
+    views = _views(parts)
+    blocks = sorted(views)
+    steps = np.diff([views[block] for block in blocks], axis=0)
+    changed = np.flatnonzero(np.abs(steps).max(axis=1) > _CHANGES)
+    if not len(changed):
+        return []
+    first, last = blocks[changed[0] + 1], blocks[changed[-1]]
+    return [(scan, part) for scan, part in parts if first <= _block_of(parts, scan) <= last]
+
+
+def _views(parts: Parts) -> dict[int, NDArray[np.float64]]:
+    """Return the median view (3,) in each block of time."""
+    blocks: dict[int, list[NDArray[np.float64]]] = {}
+    for scan, part in parts:
+        blocks.setdefault(_block_of(parts, scan), []).append(_view(part))
+    return {block: np.median(views, axis=0) for block, views in blocks.items()}
+
+
+def _block_of(parts: Parts, scan: StandingScan) -> int:
+    return int((scan.t - parts[0][0].t) / _BLOCK_S)
+
+
+def _view(part: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return an object's nearest distance and its edges across the line of sight, m."""
+    ahead = part.mean(axis=0)
+    ahead = ahead / math.hypot(*ahead)
+    across = part @ np.array((-ahead[1], ahead[0]))
+    near = np.sort(part @ ahead)[: max(len(part) // 3, 1)].mean()
+    return np.array((near, across.min(), across.max()))
 
 
 class _Turn:
@@ -172,11 +244,28 @@ class _Turn:
         return np.column_stack((c * x + s * y, c * y - s * x))
 
 
-def _first_guess(turn: _Turn, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-    """Return the axis, m, and the steady rate, rad/s, that give the thinnest curve."""
+class _Guess(NamedTuple):
+    """A steady turn: axis and angles as ``_Turn`` has them, and how thick the curve then is, m."""
+
+    turn: _Turn
+    points: NDArray[np.float64]
+    parameters: NDArray[np.float64]
+    thickness: float
+
+
+def _guess_of(parts: Parts) -> _Guess:
+    """Return the steady rate of a thing's turn that gives the thinnest curve."""
+    times = np.concatenate([np.full(len(part), scan.t) for scan, part in parts])
+    points = np.concatenate([part for _, part in parts])
+    thinned = slice(None, None, math.ceil(len(points) / _MOST_POINTS))
+    points, turn = points[thinned], _Turn(times[thinned] - times[0])
     axis = _swept_circle(points)
-    rates = {float(rate): _thickness(turn, points, axis, float(rate)) for rate in _RATES}
-    return axis, min(rates, key=lambda rate: rates[rate])
+    steps = math.ceil((_FASTEST - _SLOWEST) * turn.knots[-1] / _PHASE) + 1
+    left = np.linspace(_SLOWEST, _FASTEST, steps)
+    trials = [np.concatenate((axis, rate * turn.knots)) for rate in (*left, *-left)]
+    thickness = [_thickness(turn, points, trial) for trial in trials]
+    best = int(np.argmin(thickness))
+    return _Guess(turn, points, trials[best], thickness[best])
 
 
 def _swept_circle(points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -190,10 +279,8 @@ def _swept_circle(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.asarray((near + reach) * ahead + 0.5 * (low + high) * np.array((-ahead[1], ahead[0])))
 
 
-def _thickness(
-    turn: _Turn, points: NDArray[np.float64], axis: NDArray[np.float64], rate: float
-) -> float:
-    own = turn.turned_back(np.concatenate((axis, rate * turn.knots)), points)
+def _thickness(turn: _Turn, points: NDArray[np.float64], parameters: NDArray[np.float64]) -> float:
+    own = turn.turned_back(parameters, points)
     off = np.abs(np.hypot(*own.T) - _at(_curve(own), own))
     return float(np.minimum(off, 3.0 * _OUTLIER).mean())
 
@@ -267,5 +354,5 @@ def _rms(shape: Silhouette, points: NDArray[np.float64]) -> float:
 
 def _best_rms(shape: Silhouette, points: NDArray[np.float64]) -> float:
     """Return the smallest rms over the headings."""
-    angles = np.arange(72) * (math.tau / 72)
+    angles = np.arange(360) * (math.tau / 360)
     return min(_rms(shape, move_points(points, Pose(0.0, 0.0, angle))) for angle in angles.tolist())

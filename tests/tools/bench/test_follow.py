@@ -1,4 +1,4 @@
-"""One robot behind another at the same speed, in a corridor: what stands still ahead of it moves."""
+"""One robot behind another at the same speed, in a corridor: what seems to stand ahead moves."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ def test_half_a_turn_is_refused_with_what_was_seen() -> None:
 def test_an_empty_room_and_a_short_stand_are_refused() -> None:
     room, rng = Room(), np.random.default_rng(22)
     empty = [(PERIOD * n, Pose(0, 0, 0), room.scan(Pose(6, 4, 0), [], rng)) for n in range(60)]
-    with pytest.raises(CalibrationError, match="nothing stands within"):
+    with pytest.raises(CalibrationError, match="nothing stands alone within"):
         learn_silhouette(standing_scans(empty))
     with pytest.raises(CalibrationError, match="stood for 20 scans"):
         learn_silhouette(standing_scans(empty[:20]))
