@@ -26,6 +26,12 @@ MIN_TURN = math.radians(180.0)  # each way
 MIN_MOTIONS = 25
 _ALIGNED = 14.0  # information of a pair over that of ``align``, whose floor is for maps: 4 mm
 _LEAST = 1e-4  # m and rad
+_LEAST_FACTOR = 0.7  # on wheels and track
+_BOUNDS = (
+    (-np.inf, -np.inf, -np.inf, _LEAST_FACTOR, _LEAST_FACTOR, _LEAST_FACTOR),
+    (np.inf, np.inf, np.inf, 1.0 / _LEAST_FACTOR, 1.0 / _LEAST_FACTOR, 1.0 / _LEAST_FACTOR),
+)
+"""Without, a laser turned by half a turn on wheels that count backwards fits as well."""
 _SCALES = (0.1, 0.1, 0.1, 0.02, 0.02, 0.02)  # of the parameters, for the solver
 _STARTS = tuple(math.radians(45.0 * number) for number in range(8))  # of the mount's theta
 
@@ -150,7 +156,9 @@ class _Problem:
         self, start: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], float, tuple[float, ...]]:
         """Return as ``fit``, from all parameters."""
-        found = least_squares(self._weighted, start, loss="soft_l1", x_scale=_SCALES)
+        found = least_squares(
+            self._weighted, start, bounds=_BOUNDS, loss="soft_l1", x_scale=_SCALES
+        )
         variance = 2.0 * found.cost / found.fun.size * OVERLAP
         covariance = variance * np.linalg.pinv(found.jac.T @ found.jac, hermitian=True)
         sigma = np.sqrt(np.maximum(np.diag(covariance), 0.0))
