@@ -173,10 +173,10 @@ class Agent:
         self._model = model
         self._limits = gate_limits(config.gate, model, config.laser.scan_period)
         self.localizer.use_noise(MotionNoise(**msgspec.structs.asdict(model.odometry_noise)))
-        self.laser_mount = Pose(*(config.laser.mount or model.laser_mount))
-        self._projector = ScanProjector(
-            self.laser_mount, config.laser.ignored, Footprint(self._limits)
-        )
+        laser = config.laser.mounted(upside_down=model.laser.upside_down, ignore=model.laser.ignore)
+        self.laser.remount(laser)
+        self.laser_mount = Pose(*(laser.mount or model.laser_mount))
+        self._projector = ScanProjector(self.laser_mount, laser.ignored, Footprint(self._limits))
         self.surroundings = Surroundings(
             self._projector,
             self._limits,

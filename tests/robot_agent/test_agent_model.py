@@ -116,3 +116,11 @@ def test_geometry_is_that_of_the_reported_model_live_and_in_replay(folder: MapFo
     agent = Agent(robot.agent.config, folder)
     for event, effects in tape.steps:
         assert agent.handle(event) == effects
+
+
+def test_robot_whose_vendor_mounts_the_laser_upside_down_drives_with_nothing_configured(
+    folder: MapFolder,
+) -> None:
+    fleet, tape = run(folder, 12.0, "patrolbot-sh")
+    assert fleet.robots[0].rig.base.velocity[0] > 0.1
+    assert not tape.logged("laser.mount")

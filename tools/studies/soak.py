@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 
-from drivers.p2os.emulator.battery import FULL
 from maps.map_folder import MapFolder
 from robot_agent.config import AgentConfig, RecorderSettings
 from robot_agent.messages.effects import Effect
@@ -165,7 +164,7 @@ class Person:
         elif empty:
             self.batteries += 1
             self._asked_at = None
-            base.battery.volts = FULL
+            base.battery.fill()
         else:
             self.visits += 1
             self._pressed_at = t
