@@ -297,12 +297,10 @@ class Agent:
         # 1. What stands in the way, wherever the map says we are.
         scan = self._projector.without_body(scan)
         points = self.surroundings.on_scan(scan, odometry, self.odometry)
-        self._watch_travel(t, scan.t, odometry, points)
+        known = self.perception.tracked_points(scan.t, self.localizer.estimate, odometry, points)
+        self._watch_travel(t, scan.t, odometry, points if known is None else points[~known])
         if self.teleop is None:  # else there is no map to find a place in
             # 2. Where the robot was.
-            known = self.perception.tracked_points(
-                scan.t, self.localizer.estimate, odometry, points
-            )
             estimate = self.pose_tracker.update(t, scan.t, odometry, points, known)
             if estimate.health is Health.LOCALIZED:
                 self.freshness.on_localized(self._now)

@@ -18,6 +18,7 @@ from robot_agent.messages.foxglove import Log
 from robot_agent.messages.streams import decode
 from robot_agent.motion.gate_reason import GateReason
 from tools.bench.fleet import Fleet
+from tools.simulation.rig import outline_of
 from tools.simulation.truth.truth import load_truth
 
 START = Pose(5.0, 13.4, 0.3)
@@ -124,3 +125,18 @@ def test_robot_whose_vendor_mounts_the_laser_upside_down_drives_with_nothing_con
     fleet, tape = run(folder, 12.0, "patrolbot-sh")
     assert fleet.robots[0].rig.base.velocity[0] > 0.1
     assert not tape.logged("laser.mount")
+
+
+def test_a_large_teammate_that_drives_ahead_in_a_corridor_is_no_repeated_scan(
+    folder: MapFolder,
+) -> None:
+    truth = load_truth("p2at")
+    fleet = Fleet(folder, 1, seed=1, starts=[Pose(3.95, 6.9, 1.57)], truth=truth)
+    robot = fleet.robots[0]
+    ahead = Pose(2.6, 0.0, 0.0)
+    teammate = fleet.world.add_body(robot.rig.body.pose.compose(ahead), outline_of(truth.robot))
+    while fleet.t < 8.0:
+        fleet.step()
+        fleet.world.place(teammate, robot.rig.body.pose.compose(ahead))
+    assert robot.rig.body.pose.y > 8.2
+    assert robot.agent.pose_tracker.travel.fault is None
