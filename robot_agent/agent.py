@@ -69,6 +69,7 @@ from robot_agent.report.notices import (
     intruder_notice,
     override_notice,
     travel_notice,
+    way_notice,
 )
 from robot_agent.report.telemetry_builder import TelemetryBuilder
 
@@ -372,9 +373,12 @@ class Agent:
         gate = self._drive(t, requested, self._gate_inputs(t, state))
         # 4. Tell.
         self._on_gate_decision(t, gate)
-        notice = override_notice(t, decision, self.decision)
-        if notice is not None:
-            self.outbox.add(notice)
+        for notice in (
+            override_notice(t, decision, self.decision),
+            way_notice(t, decision, self.decision),
+        ):
+            if notice is not None:
+                self.outbox.add(notice)
         self.decision = decision
         if self.publishes:
             held_by = self._held_by(requested, gate)

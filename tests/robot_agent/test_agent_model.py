@@ -140,3 +140,18 @@ def test_a_large_teammate_that_drives_ahead_in_a_corridor_is_no_repeated_scan(
         fleet.world.place(teammate, robot.rig.body.pose.compose(ahead))
     assert robot.rig.body.pose.y > 8.2
     assert robot.agent.pose_tracker.travel.fault is None
+
+
+def test_robot_that_is_too_large_for_any_way_to_the_border_says_so_and_stands(
+    folder: MapFolder,
+) -> None:
+    tape = Tape()
+    fleet = Fleet(folder, 1, seed=1, observer=lambda *_: tape, truth=load_truth("seekur"))
+    robot = fleet.robots[0]
+    start = robot.rig.body.pose
+    while fleet.t < 6.0:
+        fleet.step()
+    assert robot.rig.body.pose == start
+    assert robot.agent.health_summary.health() == "patrol: no way to the border"
+    (said,) = tape.logged("border")
+    assert said.startswith("no way to the border between the walls")
