@@ -69,6 +69,7 @@ from robot_agent.report.notices import (
     intruder_notice,
     override_notice,
     travel_notice,
+    way_notice,
 )
 from robot_agent.report.telemetry_builder import TelemetryBuilder
 
@@ -173,10 +174,10 @@ class Agent:
         self._model = model
         self._limits = gate_limits(config.gate, model, config.laser.scan_period)
         self.localizer.use_noise(MotionNoise(**msgspec.structs.asdict(model.odometry_noise)))
-        self.laser_mount = Pose(*(config.laser.mount or model.laser_mount))
-        self._projector = ScanProjector(
-            self.laser_mount, config.laser.ignored, Footprint(self._limits)
-        )
+        laser = config.laser.mounted(upside_down=model.laser.upside_down, ignore=model.laser.ignore)
+        self.laser.remount(laser)
+        self.laser_mount = Pose(*(laser.mount or model.laser_mount))
+        self._projector = ScanProjector(self.laser_mount, laser.ignored, Footprint(self._limits))
         self.surroundings = Surroundings(
             self._projector,
             self._limits,
@@ -375,9 +376,12 @@ class Agent:
         gate = self._drive(t, requested, self._gate_inputs(t, state))
         # 4. Tell.
         self._on_gate_decision(t, gate)
-        notice = override_notice(t, decision, self.decision)
-        if notice is not None:
-            self.outbox.add(notice)
+        for notice in (
+            override_notice(t, decision, self.decision),
+            way_notice(t, decision, self.decision),
+        ):
+            if notice is not None:
+                self.outbox.add(notice)
         self.decision = decision
         if self.publishes:
             held_by = self._held_by(requested, gate)

@@ -125,6 +125,10 @@ class Lms200Session:
         self._requests.clear()
         self.framer.reset()
 
+    def remount(self, settings: LaserSettings) -> None:
+        """Take another mounting; the other settings are those of before."""
+        self._settings = settings
+
     def shut_down(self, t: float) -> None:
         """Stop the stream and end; ``link_up`` starts again."""
         if self.state is SessionState.DOWN:

@@ -74,9 +74,12 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         ),
     ] = None
     upside_down: Annotated[
-        bool,
-        msgspec.Meta(description="The scanner is mounted upside down: its beams run clockwise"),
-    ] = False
+        bool | None,
+        msgspec.Meta(
+            description="The scanner is mounted upside down: its beams run clockwise; unset: as"
+            " the model's"
+        ),
+    ] = None
     ignore: Annotated[
         tuple[tuple[float, float], ...],
         msgspec.Meta(
@@ -111,6 +114,17 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
         if self.measuring_mode not in MEASURING_MODES:
             modes = ", ".join(map(str, MEASURING_MODES))
             raise ValueError(f"measuring_mode is one of {modes}, not {self.measuring_mode}")
+
+    def mounted(
+        self, *, upside_down: bool, ignore: tuple[tuple[float, float], ...] = ()
+    ) -> LaserSettings:
+        """Return the settings on a robot model.
+
+        upside_down: whether the model's scanner is, which counts where the settings do not say.
+        ignore: sectors in which it sees its own robot; those of the settings are added.
+        """
+        over = upside_down if self.upside_down is None else self.upside_down
+        return msgspec.structs.replace(self, upside_down=over, ignore=ignore + self.ignore)
 
     @property
     def variant(self) -> Variant:

@@ -12,6 +12,7 @@ from drivers.p2os.sip import SIP_MOVING, Sip
 
 NO_TEMPERATURE = -127
 """This and -128 mean that the temperature is not measured."""
+_MOST_OF_12 = 16.0  # V, of a 12 V lead-acid battery on any charger; ours
 
 
 class ChargeState(IntEnum):
@@ -47,7 +48,7 @@ class BaseState:
     w: float  # rad/s, from the wheels
     v_left: float  # m/s
     v_right: float  # m/s
-    battery: float  # V
+    battery: float  # V, of all its blocks
     stall_left: bool
     stall_right: bool
     front_bumpers: int
@@ -83,7 +84,6 @@ def base_state(
     v_left = sip.left_speed_counts * conversion.speed
     v_right = sip.right_speed_counts * conversion.speed
     tail = sip.tail
-    decivolts = tail.battery_decivolts
     fitted = [reading for reading in sip.sonar if reading[0] < len(model.sonar)]
     front, rear = bumpers.pressed(sip)
     return BaseState(
@@ -95,7 +95,7 @@ def base_state(
         0.5 * (v_right - v_left) * conversion.turn,
         v_left,
         v_right,
-        0.1 * (sip.battery_decivolts if decivolts is None else decivolts),
+        _battery_volts(sip, model),
         bool(sip.left_stall_byte & 1),
         bool(sip.right_stall_byte & 1),
         front,
@@ -112,6 +112,19 @@ def base_state(
         _temperature(tail.temperature_celsius),
         len(sip.sonar) - len(fitted),
     )
+
+
+def _battery_volts(sip: Sip, model: RobotModel) -> float:
+    """Return the battery's voltage.
+
+    Every SIP has it on the scale of a 12 V battery, later firmware adds the real one (ARIA,
+    ArRobot::getRealBatteryVoltage). What no 12 V battery has is real whatever the firmware.
+    """
+    real = sip.tail.battery_decivolts
+    if real is not None:
+        return 0.1 * real
+    volts = 0.1 * sip.battery_decivolts
+    return volts * model.battery_share if volts < _MOST_OF_12 else volts
 
 
 def _charge_state(code: int | None) -> ChargeState | None:

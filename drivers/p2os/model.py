@@ -52,10 +52,14 @@ class Body(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True
 
 
 class LaserMount(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Type of the vendor's laser and its pose in base_link."""
+    """Type of the vendor's laser and its pose in base_link.
+
+    ignore: sectors in which it sees the robot itself, as in ``laser.ignore``.
+    """
 
     type: Literal["lms2xx", "lms1xx", "lms500", "tim5xx", "s3series", "none"] = "lms2xx"
     upside_down: bool = False
+    ignore: tuple[tuple[float, float], ...] = ()  # deg, from the scanner's right
     x: float  # m
     y: float  # m
     heading_deg: float

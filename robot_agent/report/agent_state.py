@@ -9,6 +9,7 @@ from drivers.p2os.session import P2osSession
 from maps.pose import Pose
 from robot_agent.motion.gate import GateDecision
 from robot_agent.motion.teleop import Teleop
+from robot_agent.patrol.patrol import PatrolDecision
 from robot_agent.perception.perception import Perception
 from robot_agent.pose.pose_tracker import PoseTracker
 
@@ -39,6 +40,10 @@ class AgentState(Protocol):
     @property
     def teleop(self) -> Teleop | None:
         """Teleoperation by keys; None on a robot that patrols."""
+
+    @property
+    def decision(self) -> PatrolDecision | None:
+        """The patrol's latest decision; None before the first."""
 
     @property
     def gate_decision(self) -> GateDecision | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from drivers.lms200.session import SessionState as LaserState
 from drivers.p2os.session import SessionState
 from localization.health import Health
@@ -42,6 +44,8 @@ class HealthSummary:
             return "not localized"
         if state.pose_tracker.health is not Health.LOCALIZED:
             return f"localization {state.pose_tracker.health}"
+        if state.decision is not None and math.isinf(state.decision.way_to_border):
+            return "patrol: no way to the border"
         if state.gate_decision is not None and state.gate_decision.reason in STOPPING:
             return f"gate: {state.gate_decision.reason}"
         return "ok"

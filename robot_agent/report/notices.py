@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.notice import Notice
 from robot_agent.motion.gate import GateDecision
@@ -52,6 +54,20 @@ def override_notice(
             return Notice(t, "standoff", _standoff_words(decision, place), LogLevel.INFO)
         case _:
             return None
+
+
+def way_notice(t: float, decision: PatrolDecision, before: PatrolDecision | None) -> Notice | None:
+    """Return a notice if the way to the border ends, or is there again, with a decision."""
+    without = math.isinf(decision.way_to_border)
+    if without == (before is not None and math.isinf(before.way_to_border)):
+        return None
+    if not without:
+        return Notice(t, "border", "there is a way to the border again", LogLevel.INFO)
+    words = (
+        "no way to the border between the walls for a robot of this size: drive it to a wider"
+        " place, or give it a border that it can reach"
+    )
+    return Notice(t, "border", words, LogLevel.WARNING)
 
 
 def _standoff_words(decision: PatrolDecision, place: str) -> str:

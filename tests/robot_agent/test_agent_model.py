@@ -18,6 +18,7 @@ from robot_agent.messages.foxglove import Log
 from robot_agent.messages.streams import decode
 from robot_agent.motion.gate_reason import GateReason
 from tools.bench.fleet import Fleet
+from tools.simulation.rig import outline_of
 from tools.simulation.truth.truth import load_truth
 
 START = Pose(5.0, 13.4, 0.3)
@@ -116,3 +117,41 @@ def test_geometry_is_that_of_the_reported_model_live_and_in_replay(folder: MapFo
     agent = Agent(robot.agent.config, folder)
     for event, effects in tape.steps:
         assert agent.handle(event) == effects
+
+
+def test_robot_whose_vendor_mounts_the_laser_upside_down_drives_with_nothing_configured(
+    folder: MapFolder,
+) -> None:
+    fleet, tape = run(folder, 12.0, "patrolbot-sh")
+    assert fleet.robots[0].rig.base.velocity[0] > 0.1
+    assert not tape.logged("laser.mount")
+
+
+def test_a_large_teammate_that_drives_ahead_in_a_corridor_is_no_repeated_scan(
+    folder: MapFolder,
+) -> None:
+    truth = load_truth("p2at")
+    fleet = Fleet(folder, 1, seed=1, starts=[Pose(3.95, 6.9, 1.57)], truth=truth)
+    robot = fleet.robots[0]
+    ahead = Pose(2.6, 0.0, 0.0)
+    teammate = fleet.world.add_body(robot.rig.body.pose.compose(ahead), outline_of(truth.robot))
+    while fleet.t < 8.0:
+        fleet.step()
+        fleet.world.place(teammate, robot.rig.body.pose.compose(ahead))
+    assert robot.rig.body.pose.y > 8.2
+    assert robot.agent.pose_tracker.travel.fault is None
+
+
+def test_robot_that_is_too_large_for_any_way_to_the_border_says_so_and_stands(
+    folder: MapFolder,
+) -> None:
+    tape = Tape()
+    fleet = Fleet(folder, 1, seed=1, observer=lambda *_: tape, truth=load_truth("seekur"))
+    robot = fleet.robots[0]
+    start = robot.rig.body.pose
+    while fleet.t < 6.0:
+        fleet.step()
+    assert robot.rig.body.pose == start
+    assert robot.agent.health_summary.health() == "patrol: no way to the border"
+    (said,) = tape.logged("border")
+    assert said.startswith("no way to the border between the walls")

@@ -212,7 +212,9 @@ class FaultInjector:
         assert folder.border is not None, "robots patrol a border"
         others = [body.pose for body in self._rig.world.bodies if body is not self._rig.body]
         while True:
-            for pose in free_start_poses(folder.map, folder.border, _PLACES, self._rng):
+            for pose in free_start_poses(
+                folder.map, folder.border, _PLACES, self._rng, self._rig.body.reach
+            ):
                 alone = all(math.dist(pose[:2], other[:2]) > _ALONE_M for other in others)
                 if alone and math.dist(pose[:2], here[:2]) > AWAY_M:
                     return pose

@@ -24,7 +24,7 @@ from tools.metrics.wreck import Wreck
 from tools.simulation.emulated_camera import EmulatedCamera
 from tools.simulation.lockstep import LockstepAgent, Observer
 from tools.simulation.lockstep_camera import LockstepCamera
-from tools.simulation.rig import RobotRig, make_rigs, sense
+from tools.simulation.rig import RobotRig, make_rigs, outline_of, sense
 from tools.simulation.start_poses import free_start_poses
 from tools.simulation.stranger import make_strangers
 from tools.simulation.true_world import make_world
@@ -89,7 +89,8 @@ class Fleet:
         self.world = make_world(folder, rng, self.truth)
         if starts is None:
             assert folder.border is not None, "random starts lie near a border"
-            starts = free_start_poses(self.world.occupancy, folder.border, robots, rng)
+            reach = outline_of(self.truth.robot).reach
+            starts = free_start_poses(self.world.occupancy, folder.border, robots, rng, reach)
         rigs = self._rigs = make_rigs(self.world, starts, self.t, self.truth)
         self.faults = tuple(faults)
         check_robots(self.faults, [rig.name for rig in rigs])

@@ -52,7 +52,7 @@ class Drive:
             left=left,
             right=right,
             track=base.track or 2.0 / model.conversion.turn,
-            upside_down=laser.upside_down,
+            upside_down=bool(laser.mounted(upside_down=model.laser.upside_down).upside_down),
         )
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
+from tools.commands.truth_option import add_truth_option, chosen_truth
 from tools.progress import progress_line
 from tools.studies.soak import HOUR_S, Soak, SoakHour, SoakLog, summary
 
@@ -31,6 +32,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="mean time between two faults of a robot",
     )
+    add_truth_option(parser)
     parser.add_argument("--record", type=Path, metavar="DIR", help="keep the last recordings there")
     parser.add_argument(
         "--json",
@@ -57,6 +59,7 @@ def run(options: argparse.Namespace) -> int:
             duration,
             options.every,
             options.record or Path(kept),
+            chosen_truth(options),
         )
         for row in soak.hours(progress):
             rows.append(row)

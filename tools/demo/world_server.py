@@ -22,7 +22,7 @@ import numpy as np
 from drivers.emulation.port import PtyPort
 from maps.map_folder import load_map_folder
 from tools.simulation.emulated_camera import CameraServer, EmulatedCamera
-from tools.simulation.rig import RobotRig, make_rigs
+from tools.simulation.rig import RobotRig, make_rigs, outline_of
 from tools.simulation.start_poses import free_start_poses
 from tools.simulation.stranger import Stranger, make_strangers
 from tools.simulation.true_world import make_world
@@ -133,7 +133,8 @@ def main() -> None:
     rng = np.random.default_rng(options.seed)
     truth = load_truth(options.truth)
     world = make_world(folder, rng, truth)
-    starts = free_start_poses(world.occupancy, folder.border, options.robots, rng)
+    reach = outline_of(truth.robot).reach
+    starts = free_start_poses(world.occupancy, folder.border, options.robots, rng, reach)
     rigs = make_rigs(world, starts, time.monotonic(), truth)
     with ExitStack() as stack:
         poses = stack.enter_context(options.poses.open("w"))

@@ -77,7 +77,12 @@ class ScanDecoder:
     def _projector_of_model(self) -> ScanProjector:
         limits = gate_limits(self._config.gate, self.model)
         footprint = None if self._whole else Footprint(limits)
-        return ScanProjector(self.mount, self._config.laser.ignored, footprint)
+        there = self.model.laser
+        laser = self._config.laser.mounted(
+            upside_down=there.upside_down, ignore=() if self._whole else there.ignore
+        )
+        self._laser.remount(laser)
+        return ScanProjector(self.mount, laser.ignored, footprint)
 
     def on_event(self, event: Event) -> list[tuple[float, Pose, NDArray[np.float64]]]:
         """Handle an event; return its scans: time, odom_from_base, points (n, 2), m, base_link."""

@@ -14,8 +14,8 @@ from tools.preflight.doctor_port import describe_line, examine_line, examine_ope
 from tools.preflight.finding import Finding, failed, ok, skipped, warning
 from tools.preflight.watchdog_trial import ADVISED_WATCHDOG_S
 
-BATTERY_LOW = 11.75  # V
-BATTERY_EMPTY = 11.0  # V; near it the controller shuts down
+BATTERY_LOW = 11.75  # V, of one of 12 V
+BATTERY_EMPTY = 11.0  # V, likewise; near it the controller shuts down
 DRIVEN_LASER = "lms2xx"
 LISTENING_S = 1.0  # with the session open
 WATCHDOG_LIMIT_MS = 2000  # a robot cut off must stop within this
@@ -69,7 +69,11 @@ class BaseExamination:
             self._line(),
             self._limits(),
             self._watchdog(),
-            examine_battery(states[-1].battery, charging=states[-1].charging),
+            examine_battery(
+                states[-1].battery,
+                charging=states[-1].charging,
+                share=self._session.model.battery_share,
+            ),
             examine_motors(states[-1]),
             examine_contacts(states[-1], self._session.missing_bumpers),
         ]
@@ -162,19 +166,19 @@ def examine_laser_type(model: RobotModel) -> Finding:
     return ok("laser type", f"{text}, upside down" if laser.upside_down else text)
 
 
-def examine_battery(volts: float, *, charging: bool = False) -> Finding:
-    """Check a battery's voltage, V, and that no charger is at work."""
+def examine_battery(volts: float, *, charging: bool = False, share: float = 1.0) -> Finding:
+    """Check a battery's voltage, V, and that no charger is at work.
+
+    share: of the robot's nominal voltage in 12 V.
+    """
+    empty, low = BATTERY_EMPTY * share, BATTERY_LOW * share
     text = f"{volts:.1f} V"
     if charging:
         return warning("battery", f"{text}, on its charger", "unplug it: it does not drive so")
-    if volts < BATTERY_EMPTY:
-        return failed(
-            "battery", f"{text}, empty below {BATTERY_EMPTY:g} V", "charge or swap it now"
-        )
-    if volts < BATTERY_LOW:
-        return warning(
-            "battery", f"{text}, low below {BATTERY_LOW:g} V", "charge it before a patrol"
-        )
+    if volts < empty:
+        return failed("battery", f"{text}, empty below {empty:g} V", "charge or swap it now")
+    if volts < low:
+        return warning("battery", f"{text}, low below {low:g} V", "charge it before a patrol")
     return ok("battery", text)
 
 

@@ -21,7 +21,8 @@ def examine_sight(laser: LaserSettings, model: RobotModel, limits: GateLimits) -
     """Check that laser or front sonars cover the way ahead, as the gate requires for driving."""
     mount = laser.mount or model.laser_mount
     half = math.radians(laser.field_of_view_deg / 2)
-    scanner = views_without(Pose(*mount), -half, half, laser.ignored)
+    mounted = laser.mounted(upside_down=model.laser.upside_down, ignore=model.laser.ignore)
+    scanner = views_without(Pose(*mount), -half, half, mounted.ignored)
     stop = stopping_way(limits.max_speed, limits.braking, limits.reaction_delay)
     edge = SweptFootprint(limits).front_edge(stop, 0.0)
     if are_covered(edge, scanner):

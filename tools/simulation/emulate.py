@@ -20,7 +20,7 @@ from maps.map_folder import MapFolder
 from maps.pose import Pose
 from tools.simulation.emulated_camera import CameraServer, EmulatedCamera
 from tools.simulation.real_time_rig import Pumped, RealTimeRig
-from tools.simulation.rig import make_rig
+from tools.simulation.rig import make_rig, outline_of
 from tools.simulation.robot_body import RobotBody
 from tools.simulation.start_poses import free_start_poses
 from tools.simulation.true_world import make_world
@@ -62,7 +62,8 @@ class Emulation:
     def __init__(self, folder: MapFolder, options: EmulateOptions) -> None:
         rng = np.random.default_rng(options.seed)
         world = make_world(folder, rng, options.truth)
-        pose = options.pose or _free_pose(folder, world, rng)
+        reach = outline_of(options.truth.robot).reach
+        pose = options.pose or _free_pose(folder, world, rng, reach)
         robot = options.truth.drawn(rng.spawn(1)[0]).robot
         try:
             self.rig = make_rig(
@@ -157,7 +158,7 @@ def parse_pose(text: str) -> Pose:
     return Pose(x, y, math.remainder(math.radians(degrees), math.tau))
 
 
-def _free_pose(folder: MapFolder, world: World, rng: np.random.Generator) -> Pose:
+def _free_pose(folder: MapFolder, world: World, rng: np.random.Generator, reach: float) -> Pose:
     if folder.border is None:
         raise EmulateError(f"map {folder.name} has no border to stand near: give a place by --pose")
-    return free_start_poses(world.occupancy, folder.border, 1, rng)[0]
+    return free_start_poses(world.occupancy, folder.border, 1, rng, reach)[0]

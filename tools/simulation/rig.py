@@ -181,6 +181,8 @@ def sense(rigs: Sequence[RobotRig], t: float) -> None:
         world, ring = due_rigs[0].world, due_rigs[0].truth.base.sonar
         echoes = world.sonars([rig.body for rig in due_rigs], ring)
         for rig, ranges in zip(due_rigs, echoes, strict=True):
+            for number in rig.truth.base.no_sonar:
+                ranges[number] = math.inf
             rig.base.set_sonar(ranges)
     fans = [rig.next_fan(t) for rig in rigs]
     due = [fan for fan in fans if fan is not None]
@@ -198,12 +200,21 @@ def make_of(truth: RobotTruth) -> BaseMake:
         top_turn_rate_deg=base.top_turn_rate_deg,
         transducers=len(base.sonar),
         sonar_far=base.sonar_far,
+        bumper_segments=truth.bumpers.segments,
+        battery=base.battery,
+        heading_counts=base.heading_counts,
         distance_count=base.distance_count,
         speed_count=base.speed_count,
         range_count=base.range_count,
         wheel_speed_count=base.wheel_speed_count,
         turn=base.turn,
     )
+
+
+def outline_of(truth: RobotTruth) -> Outline:
+    """Return what of a robot can touch."""
+    body = truth.body
+    return Outline(body.front, body.rear, body.half_width, body.track, body.corners)
 
 
 def make_rigs(
@@ -231,13 +242,7 @@ def make_rig(
     watchdog: float = FACTORY_WATCHDOG,
 ) -> RobotRig:
     """Add one robot to the world; raises ValueError where there is no room."""
-    outline = Outline(
-        robot.body.front,
-        robot.body.rear,
-        robot.body.half_width,
-        robot.body.track,
-        robot.body.corners,
-    )
     silhouettes = tuple(silhouette_of(corners) for corners in robot.silhouette.polygons)
-    body = world.add_body(start, outline, silhouettes, robot.drive.turn_scale)
+    body = world.add_body(start, outline_of(robot), silhouettes, robot.drive.turn_scale)
+    body.bumper_segments = robot.bumpers.segments
     return RobotRig(name, world, body, t, watchdog=watchdog, truth=robot)

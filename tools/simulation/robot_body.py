@@ -14,7 +14,6 @@ from maps.pose import Pose
 from tools.simulation.convex import Corner, convex_overlap, grown, outward_normals
 from tools.simulation.silhouette import Silhouette, silhouette_of
 
-BUMPER_SEGMENTS = 5  # per ring
 _BUMPER_ARC = math.radians(135.0)  # rad covered by a ring, centred on front or rear
 
 
@@ -138,6 +137,8 @@ class RobotBody:
     """What lasers see of it; by default its outline, which is what sonars hear."""
     turn_scale: float = 1.0
     """Turn of the body for a turn of 1 by its wheels."""
+    bumper_segments: tuple[int, int] = (5, 5)
+    """Of the front and the rear ring."""
     floor_patch: int = 0
     """Number of the patch of floor it stands on."""
     reach: float = field(init=False)
@@ -163,20 +164,22 @@ class RobotBody:
         return centre.x, centre.y, pose.theta, half_length + margin, half_width + margin
 
 
-def bumper_masks(points: NDArray[np.float64], outline: Outline) -> tuple[int, int]:
+def bumper_masks(
+    points: NDArray[np.float64], outline: Outline, segments: tuple[int, int]
+) -> tuple[int, int]:
     """Return (front, rear) bit masks of the bumper segments pressed at points (n, 2), base_link.
 
-    Segment i of a ring covers 27 degrees about 67.5 - (i + 0.5) * 27 degrees from the ring's
-    middle, counter-clockwise (ARIA, ArBumpers): bit 0 is the left-most in front, the right-most
-    behind. Between the rings, at the wheels, there is no bumper.
+    The segments of a ring, e.g. five, share 135 degrees about its middle (ARIA, ArBumpers): bit 0
+    is the left-most in front, the right-most behind. Between the rings, at the wheels, there is no
+    bumper.
     """
     masks = [0, 0]
     bearings = np.arctan2(points[:, 1], points[:, 0] - outline.middle)
     for bearing in bearings.tolist():
         ring = 0 if abs(bearing) <= math.pi / 2 else 1
         offset = bearing if ring == 0 else math.remainder(bearing - math.pi, math.tau)
-        segment = math.floor((_BUMPER_ARC / 2 - offset) / (_BUMPER_ARC / BUMPER_SEGMENTS))
-        if 0 <= segment < BUMPER_SEGMENTS:
+        segment = math.floor((_BUMPER_ARC / 2 - offset) / _BUMPER_ARC * segments[ring])
+        if 0 <= segment < segments[ring]:
             masks[ring] |= 1 << segment
     return masks[0], masks[1]
 

@@ -12,6 +12,7 @@ from maps.occupancy_map import FREE, OccupancyMap
 from maps.pose import Pose
 
 _CLEAR = 0.5  # m from every wall
+_ROOM = 0.05  # m, of larger robots
 _WAY_CLEAR = 0.4  # m from every wall on the straight path to the border
 _FROM_BORDER = (1.0, 3.0)  # m
 _APART = (3.0, 2.5, 2.0, 1.6, 1.3)  # m between any two, tried in this order
@@ -24,13 +25,18 @@ class StartPoseError(ValueError):
 
 
 def free_start_poses(
-    occupancy: OccupancyMap, border: Border, count: int, rng: np.random.Generator
+    occupancy: OccupancyMap,
+    border: Border,
+    count: int,
+    rng: np.random.Generator,
+    reach: float = 0.0,
 ) -> list[Pose]:
     """Return ``count`` poses (map_from_base) with random headings.
 
-    Each is at least 0.5 m clear of walls, 1 to 3 m from the border, with a straight way to the
+    reach: m from base_link to a robot's farthest corner. Each is at least 0.5 m clear of walls,
+    farther if the robot reaches farther, 1 to 3 m from the border, with a straight way to the
     border's closest point that stays 0.4 m clear, and more than 3 m from the others, or as far as
-    there is room for so many, but more than 1.3 m.
+    there is room for so many, but more than 1.3 m, or than two robots reach.
 
     Raises StartPoseError if the map has no room for them.
     """
@@ -38,9 +44,10 @@ def free_start_poses(
     clearance = np.where(
         occupancy.cells == FREE, occupancy.distance_field() - occupancy.resolution / 2, 0.0
     )
-    points = _points_near_border(occupancy, clearance, border, rng)
+    clear = max(_CLEAR, reach + _ROOM)
+    points = _points_near_border(occupancy, clearance, clear, border, rng)
     fitting = 0
-    for apart in _APART:
+    for apart in [apart for apart in _APART if apart > 2 * reach]:
         for _ in range(_ORDERS):
             order = points[rng.permutation(len(points))]
             chosen = _far_apart(order, apart, count, occupancy, clearance, border)
@@ -48,8 +55,8 @@ def free_start_poses(
                 return [_with_random_heading(place, rng) for place in chosen]
             fitting = max(fitting, len(chosen))
     raise StartPoseError(
-        f"no room for {count} robots, found places for {fitting} "
-        f"({_FROM_BORDER[0]:g} to {_FROM_BORDER[1]:g} m from the border, {_APART[-1]:g} m apart): "
+        f"no room for {count} robots, found places for {fitting} ({clear:.2f} m clear, "
+        f"{_FROM_BORDER[0]:g} to {_FROM_BORDER[1]:g} m from the border, {_APART[-1]:g} m apart): "
         "use fewer robots or a larger map"
     )
 
@@ -81,11 +88,12 @@ def _with_random_heading(place: NDArray[np.float64], rng: np.random.Generator) -
 def _points_near_border(
     occupancy: OccupancyMap,
     clearance: NDArray[np.float64],
+    clear: float,
     border: Border,
     rng: np.random.Generator,
 ) -> NDArray[np.float64]:
     """Return centres (n, 2), map frame, of clear cells at the right distance from the border."""
-    cells = np.argwhere(clearance >= _CLEAR)[:, ::-1]
+    cells = np.argwhere(clearance >= clear)[:, ::-1]
     points = (cells + 0.5) * occupancy.resolution + (occupancy.origin.x, occupancy.origin.y)
     _, distances = border.project_many(points)
     near = points[(distances >= _FROM_BORDER[0]) & (distances <= _FROM_BORDER[1])]

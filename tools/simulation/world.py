@@ -169,7 +169,7 @@ class World:
         share = self._free_share(body, *slipped)
         body.pose = _moved(body.pose, slipped[0] * share, slipped[1] * share)
         touched = self._contact_points(body)
-        front, rear = bumper_masks(touched, body.outline) if len(touched) else (0, 0)
+        front, rear = bumper_masks(touched, body.outline, body.bumper_segments)
         counted = self._odometer(body, distance * share, rotation * share, draws[3:])
         return Motion(*counted, share < 1.0, front, rear, touching=len(touched) > 0)
 
@@ -240,6 +240,8 @@ class World:
 
     def sonars(self, bodies: Sequence[RobotBody], ring: Sequence[SonarPlace]) -> list[list[float]]:
         """Return the ranges of ``sonar`` for each of several bodies."""
+        if not ring:
+            return [[] for _ in bodies]
         cone = self._echo.cone
         rays = rays_of([sonar_fan(body, ring, cone) for body in bodies])
         cast = self._sound.cast(rays.x, rays.y, rays.angles, _SONAR_RANGE)

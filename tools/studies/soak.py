@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 
-from drivers.p2os.emulator.battery import FULL
 from maps.map_folder import MapFolder
 from robot_agent.config import AgentConfig, RecorderSettings
 from robot_agent.messages.effects import Effect
@@ -31,6 +30,7 @@ from robot_agent.recording.run_header import RunHeader, header_of_run
 from tools.bench.bench_fault import BenchFault, FaultKind
 from tools.bench.fleet import Fleet, FleetRobot
 from tools.metrics.idleness import border_visits, idleness_figures
+from tools.simulation.truth.truth import Truth
 from tools.simulation.world import Contact
 
 HOUR_S = 3600.0
@@ -165,7 +165,7 @@ class Person:
         elif empty:
             self.batteries += 1
             self._asked_at = None
-            base.battery.volts = FULL
+            base.battery.fill()
         else:
             self.visits += 1
             self._pressed_at = t
@@ -176,11 +176,19 @@ class Soak:
     """Runs a team for hours; ``hours`` yields a row after each simulated hour."""
 
     def __init__(
-        self, folder: MapFolder, robots: int, seed: int, duration: float, every: float, target: Path
+        self,
+        folder: MapFolder,
+        robots: int,
+        seed: int,
+        duration: float,
+        every: float,
+        target: Path,
+        truth: Truth | None = None,
     ) -> None:
         """Draw the faults and make the team; records to the folder ``target``.
 
-        duration: simulated time, s; every: mean time between two faults of a robot, s.
+        duration: simulated time, s; every: mean time between two faults of a robot, s. truth: what
+        robots and world really are, by default the shipped ``plain``.
         """
         self.duration = duration
         self.recordings: list[HourlyRecording] = []
@@ -193,7 +201,7 @@ class Soak:
             self.recordings.append(HourlyRecording(target, name, header))
             return self.recordings[-1]
 
-        self.fleet = Fleet(folder, robots, seed, observer=observe, faults=self.faults)
+        self.fleet = Fleet(folder, robots, seed, observer=observe, faults=self.faults, truth=truth)
         self._people = [Person(robot) for robot in self.fleet.robots]
         self._dead_until = [-math.inf] * robots
         self._contacts_blind = 0

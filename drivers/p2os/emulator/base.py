@@ -24,7 +24,7 @@ class EmulatedBase:
     def __init__(self, model: BaseMake, watchdog: float = FACTORY_WATCHDOG) -> None:
         self.model = model
         self.watchdog = watchdog
-        self.battery = EmulatedBattery()
+        self.battery = EmulatedBattery(model.battery)
         self.controller = MotionController(model)
         self.motors_enabled = False
         self.stop_button_pressed = False

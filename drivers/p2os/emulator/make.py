@@ -19,6 +19,9 @@ class BaseMake:
     top_turn_rate_deg: float  # deg/s
     transducers: int  # of the sonar rings
     sonar_far: float  # m, sent by a transducer without an echo
+    bumper_segments: tuple[int, int]  # of the front and the rear ring, as CONFIG states
+    battery: float  # V, nominal
+    heading_counts: int  # per turn
     distance_count: float  # m, of x or y
     speed_count: float  # m/s, of a wheel
     range_count: float  # m, of a sonar
@@ -37,6 +40,9 @@ PIONEER_2DX = BaseMake(
     top_turn_rate_deg=500.0,
     transducers=16,
     sonar_far=5.0,
+    bumper_segments=(5, 5),
+    battery=12.0,
+    heading_counts=4096,
     distance_count=0.00084,
     speed_count=0.001,
     range_count=0.000268,
@@ -44,4 +50,4 @@ PIONEER_2DX = BaseMake(
     turn=5.6,
 )
 """Source: ARIA's p2dx.p (DistConvFactor, VelConvFactor, RangeConvFactor, DiffConvFactor,
-Vel2Divisor, TransVelMax, RotVelMax)."""
+Vel2Divisor, AngleConvFactor, NumFrontBumpers, TransVelMax, RotVelMax)."""

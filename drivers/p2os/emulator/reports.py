@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 from drivers.p2os.emulator.base import EmulatedBase
 from drivers.p2os.extended_packets import EncoderPacket, IoPacket
 from drivers.p2os.sip import (
-    COUNTS_PER_TURN,
     MOTORS_FLAG,
     POSITION_MASK,
     SIP_MOVING,
@@ -47,26 +46,28 @@ def sip_report(
 ) -> Sip:
     """Return a SIP; ``sonar`` holds new (number, range m) readings, None when it is off.
 
-    Later firmware adds battery, charge state, turn rate, faults and a flag for the stop button.
+    The battery is on the scale of a 12 V one (ARIA, ArRobot). Later firmware adds its real voltage,
+    charge state, turn rate, faults and a flag for the stop button.
     """
     make = base.model
     v, w = base.velocity
     wheel_difference = w / make.turn
     stall = base.stalled
-    decivolts = round(10.0 * base.battery.reported_volts)
     flags = MOTORS_FLAG * base.motors_enabled | SONAR_FLAG * (sonar is not None)
     tail = SipTail(pins.analog_port, 0, 0, pins.inputs, pins.outputs)
     sip = Sip(
         packet_type=SIP_MOVING if abs(v) > 1e-3 or abs(w) > 1e-3 else SIP_STOPPED,
         x_counts=round(base.x / make.distance_count) & POSITION_MASK,
         y_counts=round(base.y / make.distance_count) & POSITION_MASK,
-        heading_counts=_heading_counts(base.theta),
+        heading_counts=_heading_counts(base.theta, make.heading_counts),
         left_speed_counts=round((v - wheel_difference) / make.speed_count),
         right_speed_counts=round((v + wheel_difference) / make.speed_count),
-        battery_decivolts=min(decivolts, 0xFF),
+        battery_decivolts=min(round(10.0 * base.battery.reported_volts_of_12), 0xFF),
         left_stall_byte=stall | (base.rear_bumpers & 0x7F) << 1,
         right_stall_byte=stall | (base.front_bumpers & 0x7F) << 1,
-        control_counts=_heading_counts(base.controller.heading_setpoint(base.heading)),
+        control_counts=_heading_counts(
+            base.controller.heading_setpoint(base.heading), make.heading_counts
+        ),
         flags=flags,
         compass_2deg=0,
         sonar=tuple((number, _sonar_counts(distance, base)) for number, distance in sonar or ()),
@@ -75,7 +76,7 @@ def sip_report(
     if not later_firmware:
         return sip
     tail = tail._replace(
-        battery_decivolts=decivolts,
+        battery_decivolts=round(10.0 * base.battery.reported_volts),
         charge_state=base.battery.charge_state,
         turn_rate_decidegrees_s=round(math.degrees(10.0 * w)),
         fault_flags=0,
@@ -101,8 +102,8 @@ def _sonar_counts(distance: float, base: EmulatedBase) -> int:
     return round(min(distance, base.model.sonar_far) / base.model.range_count)
 
 
-def _heading_counts(heading: float) -> int:
-    """Return a heading in rad as counts from -2048 to 2047."""
-    counts = round(math.remainder(heading, math.tau) / math.tau * COUNTS_PER_TURN)
-    half = COUNTS_PER_TURN // 2
-    return (counts + half) % COUNTS_PER_TURN - half
+def _heading_counts(heading: float, per_turn: int) -> int:
+    """Return a heading in rad as counts of at most half a turn, e.g. from -2048 to 2047."""
+    counts = round(math.remainder(heading, math.tau) / math.tau * per_turn)
+    half = per_turn // 2
+    return (counts + half) % per_turn - half

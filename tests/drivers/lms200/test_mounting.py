@@ -63,3 +63,17 @@ def test_ignored_sectors_are_in_the_degrees_of_the_scanner_also_upside_down() ->
 def test_a_sector_the_scanner_does_not_have_is_refused(sector: tuple[float, float]) -> None:
     with pytest.raises(ValueError, match="ignore has"):
         LaserSettings(ignore=(sector,))
+
+
+@pytest.mark.parametrize("over", [False, True])
+def test_upside_down_is_the_models_unless_it_is_set(over: bool) -> None:
+    assert LaserSettings().mounted(upside_down=over).upside_down is over
+    assert LaserSettings(upside_down=not over).mounted(upside_down=over).upside_down is not over
+
+
+def test_sectors_of_the_model_are_ignored_beside_those_that_are_set() -> None:
+    settings = LaserSettings(ignore=((10.0, 20.0),)).mounted(
+        upside_down=True, ignore=((160.0, 170.0),)
+    )
+    assert settings.ignore == ((160.0, 170.0), (10.0, 20.0))
+    assert len(settings.ignored) == 2

@@ -12,11 +12,13 @@ HEAD = "33 00 00 00 00 00 00 C8 00 38 FF 7F 09 22 00 00 {flags} 00 00"
 P2OS_TAIL = "05 00 00 FF 00"
 
 
-def state(flags: str = "03 00", sonar: str = "00", tail: str = P2OS_TAIL) -> BaseState:
+def state(
+    flags: str = "03 00", sonar: str = "00", tail: str = P2OS_TAIL, model: str = "p2dx"
+) -> BaseState:
     head = HEAD.format(flags=flags).rsplit(" ", 1)[0]
     sip = decode_sip(bytes.fromhex(f"{head} {sonar} {tail}"))
     assert sip is not None
-    return base_state(7.0, sip, Odometer(), load_model("p2dx"), FittedBumpers((5, 5)))
+    return base_state(7.0, sip, Odometer(), load_model(model), FittedBumpers((5, 5)))
 
 
 def test_p2os_report_is_converted_to_si() -> None:
@@ -72,3 +74,15 @@ def test_readings_of_transducers_the_model_lacks_are_counted() -> None:
     seen = state(sonar="03 00 93 0E 10 93 0E 0F E1 48")
     assert seen.sonar == ((0, pytest.approx(0.9999, abs=1e-4)), (15, pytest.approx(5.0, abs=1e-3)))
     assert seen.unknown_sonars == 1
+
+
+def test_battery_of_24_volts_is_on_the_scale_of_12_unless_the_firmware_sends_the_real_one() -> None:
+    assert state(model="powerbot").battery == pytest.approx(25.4)
+    assert state(model="powerbot", tail=f"{P2OS_TAIL} 05 01").battery == pytest.approx(26.1)
+
+
+def test_voltage_that_no_12_volt_battery_has_is_taken_as_it_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(f"{__name__}.HEAD", HEAD.replace(" 7F ", " F0 "))
+    assert state(model="powerbot").battery == pytest.approx(24.0)

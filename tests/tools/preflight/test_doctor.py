@@ -453,6 +453,7 @@ def base_report(**changes: object) -> BaseState:
 )
 def test_battery_verdict_follows_its_voltage(volts: float, verdict: Verdict) -> None:
     assert examine_battery(volts).verdict is verdict
+    assert examine_battery(2.0 * volts, share=2.0).verdict is verdict
 
 
 def test_laser_without_a_driver_is_warned_of() -> None:

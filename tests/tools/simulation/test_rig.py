@@ -102,3 +102,21 @@ def test_a_laser_that_repeats_sends_the_same_scan_wherever_the_robot_goes() -> N
 
 def test_an_unknown_subclass_is_what_the_base_says_it_is() -> None:
     assert make_rig("unknown_subclass").base.identity.subclass == "p9zz"
+
+
+def test_a_transducer_that_is_not_there_hears_nothing() -> None:
+    rig = make_rig("powerbot")
+    rig.base.base.open_session()
+    for step in range(1, 80):
+        sense([rig], 0.01 * step)
+    truth = rig.truth.base
+    far = {number for number, echo in enumerate(rig.base._ranges) if echo > truth.sonar_far}
+    assert far == set(truth.no_sonar) == {7, 15, 23, 31}
+
+
+def test_a_robot_without_sonars_reports_none() -> None:
+    rig = make_rig("seekur")
+    for step in range(1, 80):
+        sense([rig], 0.01 * step)
+    assert rig.truth.base.sonar == ()
+    assert b"\xfa\xfb" in sip_of("seekur")

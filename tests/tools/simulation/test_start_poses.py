@@ -66,3 +66,13 @@ def test_many_robots_stand_closer_where_room_is_short(
 def test_too_many_robots_are_refused(divided_hall: OccupancyMap, border: Border) -> None:
     with pytest.raises(StartPoseError, match="no room for 60 robots"):
         free_start_poses(divided_hall, border, 60, np.random.default_rng(1))
+
+
+def test_robots_that_reach_farther_stand_farther_from_walls_and_each_other(
+    divided_hall: OccupancyMap, border: Border
+) -> None:
+    poses = free_start_poses(divided_hall, border, 3, np.random.default_rng(1), reach=0.9)
+    for pose in poses:
+        assert min(pose.x, 20.0 - pose.x, pose.y, abs(pose.y - 5.0)) > 0.9
+    for a, b in combinations(poses, 2):
+        assert math.dist(a[:2], b[:2]) > 1.8

@@ -15,6 +15,7 @@ _FARTHEST = 1.1 * math.pi  # rad; half a turn and a spread about it
 Angle = Annotated[float, msgspec.Meta(ge=-_FARTHEST, le=_FARTHEST)]
 Corner = tuple[float, float]
 """x and y in base_link, m."""
+Segments = Annotated[int, msgspec.Meta(ge=0, le=7)]
 Polygons = tuple[tuple[Corner, ...], ...]
 
 
@@ -106,13 +107,16 @@ class SonarPlace(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fi
 class BaseTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What the base is built as: limits, what its counts mean, where its sonars are.
 
-    sonar: by number; the first eight are the front ring's.
+    sonar: by number. no_sonar: the numbers that have no transducer, which never echo.
     """
 
     top_speed: Length  # m/s
     top_turn_rate_deg: Length  # deg/s
     sonar_far: Length  # m, sent by a transducer without an echo
     sonar: tuple[SonarPlace, ...]
+    no_sonar: tuple[int, ...]
+    battery: Length  # V, nominal
+    heading_counts: Annotated[int, msgspec.Meta(gt=0)]  # per turn
     distance_count: Length  # m, of one count of x or y
     speed_count: Length  # m/s, of one count of a wheel's speed
     range_count: Length  # m, of one count of a sonar
@@ -121,9 +125,14 @@ class BaseTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
 
 class BumperTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Whether there are bumpers; without, their inputs are open and every bit reads 1."""
+    """The bumpers.
+
+    fitted: whether there are any; without, their inputs are open and every bit reads 1. segments:
+    of the front and the rear ring, as CONFIG states them.
+    """
 
     fitted: bool
+    segments: tuple[Segments, Segments]
 
 
 class ChargingTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -25,3 +25,13 @@ def test_voltage_can_be_set_and_never_falls_below_zero() -> None:
     battery.volts = 0.001
     battery.drain(1e6, 0.0)
     assert battery.volts == 0.0
+
+
+def test_battery_of_24_volts_is_reported_also_as_one_of_12() -> None:
+    battery = EmulatedBattery(24.0)
+    battery.drain(3600.0, 0.0)
+    assert 24.0 < battery.volts < 2.0 * FULL
+    assert battery.reported_volts == battery.volts
+    assert battery.reported_volts_of_12 == pytest.approx(battery.volts / 2.0)
+    battery.fill()
+    assert battery.volts == 2.0 * FULL

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from drivers.p2os.config_packet import LATER_FIELD_COUNT, decode_config
 from drivers.p2os.emulator.config_report import emulated_config
@@ -27,3 +28,10 @@ def test_config_contains_identity_limits_and_autobaud() -> None:
     assert (config.front_bumper_segments, config.rear_bumper_segments) == (5, 5)
     assert config.field_count == LATER_FIELD_COUNT
     assert decode_config(config.encode()) == config
+
+
+def test_config_contains_the_bumper_segments_of_the_make() -> None:
+    make = replace(PIONEER_2DX, bumper_segments=(7, 0))
+    identity = RobotIdentity("R2", "Pioneer", "powerbot")
+    config = emulated_config(identity, make, limits_of(make), baud=38400, watchdog=1.2)
+    assert (config.front_bumper_segments, config.rear_bumper_segments) == (7, 0)

@@ -1,17 +1,18 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
 from drivers.p2os.emulator.base import EmulatedBase
-from drivers.p2os.emulator.make import PIONEER_2DX
+from drivers.p2os.emulator.make import PIONEER_2DX, BaseMake
 from drivers.p2os.emulator.reports import EmulatedPins, encoder_report, io_report, sip_report
 from drivers.p2os.sip import SIP_MOVING, SIP_STOPPED, decode_sip
 
 
-def base() -> EmulatedBase:
-    made = EmulatedBase(PIONEER_2DX)
+def base(make: BaseMake = PIONEER_2DX) -> EmulatedBase:
+    made = EmulatedBase(make)
     made.run_to(0.0)
     made.open_session()
     return made
@@ -87,3 +88,19 @@ def test_encoder_report_has_the_ticks() -> None:
     robot.turn_odometer(1.0, 0.0)
     packet = encoder_report(robot)
     assert (packet.left_ticks, packet.right_ticks) == robot.ticks == (128_000, 128_000)
+
+
+def test_heading_of_a_pioneer_1_has_1024_counts_a_turn() -> None:
+    robot = base(replace(PIONEER_2DX, heading_counts=1024))
+    for theta, counts in ((math.pi / 2, 256), (-math.pi / 2, -256), (math.pi, -512)):
+        robot.set_odometry(0.0, 0.0, theta)
+        sip = sip_report(robot, EmulatedPins(), None, later_firmware=False)
+        assert sip.heading_counts == counts
+
+
+def test_battery_of_24_volts_is_on_the_scale_of_12_and_real_in_later_firmware() -> None:
+    robot = base(replace(PIONEER_2DX, battery=24.0))
+    early = sip_report(robot, EmulatedPins(), None, later_firmware=False)
+    later = sip_report(robot, EmulatedPins(), None, later_firmware=True)
+    assert early.battery_decivolts == later.battery_decivolts == 130
+    assert later.tail.battery_decivolts == 260

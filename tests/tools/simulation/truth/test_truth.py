@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from drivers.p2os.model import load_model, model_names
 from tools import cli
 from tools.simulation.truth.truth import TruthError, load_truth, truth_names
 
@@ -86,6 +87,18 @@ def test_the_housing_is_as_large_as_the_scanner() -> None:
     x, y = zip(*corners, strict=True)
     assert max(x) - min(x) == pytest.approx(0.156)
     assert max(y) - min(y) == pytest.approx(0.155)
+
+
+@pytest.mark.parametrize("model", model_names())
+def test_robots_of_every_model_that_the_driver_knows_are_no_larger_than_it_says(model: str) -> None:
+    robot, believed = load_truth(model).robot, load_model(model)
+    assert robot.subclass == believed.subclass
+    assert robot.body.front <= believed.body.front
+    assert robot.body.rear <= believed.body.rear
+    assert robot.body.half_width <= 0.5 * believed.body.width
+    corners = robot.body.corners or ((0.0, 0.0),)
+    assert all(-robot.body.rear <= x <= robot.body.front for x, _ in corners)
+    assert all(abs(y) <= robot.body.half_width for _, y in corners)
 
 
 @pytest.mark.parametrize("model", ["p2at", "p2ce", "p2de", "p3at-sh", "p3dx"])
