@@ -47,7 +47,7 @@ from robot_agent.motion.gate_hold import (
     held_by_obstacle,
     pinned_by_obstacle,
 )
-from robot_agent.motion.gate_reason import GateReason
+from robot_agent.motion.gate_reason import STANDING, GateReason
 from robot_agent.motion.gate_settings import gate_limits
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.motion.holding_obstacle import HoldingObstacle, holding_obstacle
@@ -56,6 +56,7 @@ from robot_agent.motion.recovery_turn import RecoveryTurn
 from robot_agent.motion.sensor_freshness import SensorFreshness
 from robot_agent.motion.teleop import Teleop
 from robot_agent.motion.unpinning import UnpinningManoeuvre
+from robot_agent.obstacles.own_parts_watch import OwnPartsWatch
 from robot_agent.obstacles.surroundings import Surroundings
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.perception import NewIntruder, Perception
@@ -68,6 +69,7 @@ from robot_agent.report.notices import (
     gate_notice,
     intruder_notice,
     override_notice,
+    own_parts_notice,
     travel_notice,
     way_notice,
 )
@@ -124,6 +126,7 @@ class Agent:
         self.perception = Perception(
             config.perception, config.camera, folder, _corners(self.base.model)
         )
+        self.own_parts = OwnPartsWatch()
         # Decision and control.
         self.patrol = Patrol(config.patrol, folder.border, rng) if folder.border else None
         self._folder = folder
@@ -178,6 +181,7 @@ class Agent:
         self.laser.remount(laser)
         self.laser_mount = Pose(*(laser.mount or model.laser_mount))
         self._projector = ScanProjector(self.laser_mount, laser.ignored, Footprint(self._limits))
+        self._forget_own_parts()
         self.surroundings = Surroundings(
             self._projector,
             self._limits,
@@ -190,6 +194,12 @@ class Agent:
         if self.patrol is not None:
             size = BodySize(model.body.corner_reach, 0.5 * model.body.width)
             self.patrol.use_approach_field(self._folder.approach_field_of(size))
+
+    def _forget_own_parts(self) -> None:
+        self.own_parts.restart()
+        self.own_parts_stand_out = False
+        """Whether the laser sees parts of the robot that stand out of its footprint."""
+        self._projector.hide(())
 
     @property
     def scan_seen_at(self) -> float | None:
@@ -296,6 +306,7 @@ class Agent:
         if odometry is None:
             return  # nobody knows where the robot was when this was measured
         # 1. What stands in the way, wherever the map says we are.
+        self._watch_own_parts(t, odometry, scan)
         scan = self._projector.without_body(scan)
         points = self.surroundings.on_scan(scan, odometry, self.odometry)
         known = self.perception.tracked_points(scan.t, self.localizer.estimate, odometry, points)
@@ -316,6 +327,19 @@ class Agent:
         if self.publishes:
             self.outbox.publish(self.telemetry.on_scan(t, scan))
 
+    def _watch_own_parts(self, t: float, odometry: Pose, scan: Scan) -> None:
+        """Look for parts of the robot in the laser's view; they hide what is behind them."""
+        if self.pose_tracker.travel.fault is not None:
+            return  # a scan that repeats turns with the robot as well
+        if self.own_parts.update(scan.t, odometry, scan):
+            self._projector.hide(self.own_parts.sectors)
+            self.own_parts_stand_out = self._projector.stand_out(self.own_parts.places)
+        notice = own_parts_notice(
+            t, self.config.laser, self.own_parts.sectors, stand_out=self.own_parts_stand_out
+        )
+        if notice is not None:
+            self.outbox.add(notice)
+
     def _watch_travel(
         self, t: float, scanned: float, odometry: Pose, points: NDArray[np.float64]
     ) -> None:
@@ -327,7 +351,12 @@ class Agent:
         if report is not None and (report.stall_left or report.stall_right):
             self.pose_tracker.travel.forget_scan()
         self.pose_tracker.travel.update(scanned, odometry, points)
-        notice = travel_notice(t, self.pose_tracker.travel)
+        notice = travel_notice(
+            t,
+            self.pose_tracker.travel,
+            held=self.gate_decision is not None and self.gate_decision.reason in STANDING,
+            warned="laser.mount" in self.warnings,
+        )
         if notice is not None:
             self.outbox.add(notice)
 
@@ -446,7 +475,9 @@ class Agent:
             charging=state.charging,
             overloaded=self.freshness.deadline.overloaded(self._now),
             # Driven by keys the robot may move on, for the recording to calibrate by.
-            laser_denied=self.pose_tracker.travel.fault is not None and self.teleop is None,
+            laser_denied=self.teleop is None
+            and (self.pose_tracker.travel.fault is not None or self.own_parts_stand_out),
+            unproven=not self.pose_tracker.travel.confirmed,
             limited=limited,
         )
 
@@ -472,6 +503,7 @@ class Agent:
         self._session(link).link_up(t)
         if link == "laser":
             self.pose_tracker.travel.restart()
+            self._forget_own_parts()
         self.outbox.add(Notice(t, link, "port open", LogLevel.INFO))
 
     def _link_down(self, t: float, link: DeviceName, reason: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Annotated, Literal
 
 import msgspec
@@ -139,6 +140,17 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
             for first, last in self.ignore
         ]
         return tuple((-b, -a) if self.upside_down else (a, b) for a, b in sectors)
+
+    def degrees_of(self, sectors: Iterable[tuple[float, float]]) -> list[list[float]]:
+        """Return sectors of the laser frame, rad, as ``ignore`` has them, in whole degrees."""
+        turned = [(-b, -a) if self.upside_down else (a, b) for a, b in sectors]
+        return sorted(
+            [
+                max(math.floor(math.degrees(first) + _AHEAD_DEG), 0),
+                min(math.ceil(math.degrees(last) + _AHEAD_DEG), round(_HALF_TURN_DEG)),
+            ]
+            for first, last in turned
+        )
 
     @property
     def scan_period(self) -> float:

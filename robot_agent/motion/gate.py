@@ -46,7 +46,8 @@ class GateInputs(msgspec.Struct, frozen=True):
     obstacles: NDArray[np.float64]  # (n, 2), m, base_link: obstacle points of all sources
     views: tuple[FieldOfView, ...] = ()  # of the sensors with fresh data; none: no driving
     overloaded: bool = False  # the agent misses its deadlines
-    laser_denied: bool = False  # scans do not show the motion that the wheels count
+    laser_denied: bool = False  # it is not mounted as configured, or sees parts of the robot
+    unproven: bool = False  # scans have not shown yet the motion that the wheels count
     limited: bool = False  # limited mode: slow, needs no localization; all other checks apply
 
 
@@ -222,7 +223,7 @@ class SafetyGate:
             settings.max_turn_rate,
             GateReason.SPEED_LIMIT,
         )
-        if inputs.health == "unsure" or inputs.limited:
+        if inputs.health == "unsure" or inputs.unproven or inputs.limited:
             limit, reason = min(settings.unsure_speed, limit), GateReason.UNSURE
         if inputs.limited:
             turn_limit, reason = min(settings.limited_turn_rate, turn_limit), GateReason.LIMITED

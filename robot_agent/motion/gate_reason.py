@@ -14,7 +14,7 @@ class GateReason(StrEnum):
     STALE_LASER = "stale_laser"
     BODY_UNKNOWN = "body_unknown"  # no model known to be this robot's: its size is a guess
     OVERLOADED = "overloaded"  # the agent misses its deadlines
-    LASER_MOUNT = "laser_mount"  # scans do not show the motion that the wheels count
+    LASER_MOUNT = "laser_mount"  # the laser sees other motion than the wheels, or the robot
     NOT_LOCALIZED = "not_localized"
     BUMPED_AGAIN = "bumped_again"  # latched until a person has inspected the robot
     STALLED_AGAIN = "stalled_again"  # latched likewise

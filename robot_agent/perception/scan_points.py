@@ -36,6 +36,7 @@ class ScanProjector:
         """
         self._mount = base_from_laser
         self._ignored = ignored
+        self._hidden: tuple[tuple[float, float], ...] = ()
         self._footprint = footprint
         reach = 0.0 if footprint is None else footprint.corner_reach
         self._body_reach = reach + math.hypot(base_from_laser.x, base_from_laser.y)
@@ -69,6 +70,16 @@ class ScanProjector:
         own[near] = self._footprint.covers(points, -_BODY_INSET)
         return without(scan, own, Special.IGNORED) if own.any() else scan
 
+    def stand_out(self, places: NDArray[np.float64]) -> bool:
+        """Return whether any of (n, 2) places, m, laser frame, is outside the robot's footprint."""
+        points = move_points(places, self._mount)
+        return self._footprint is None or not self._footprint.covers(points, -_BODY_INSET).all()
+
+    def hide(self, sectors: Sequence[tuple[float, float]]) -> None:
+        """Take sectors, rad, laser frame, out of the field of view: something covers them."""
+        self._hidden = tuple(sectors)
+        self._geometry = None
+
     def _look_along(self, scan: Scan) -> None:
         """Compute directions, delays and fields of view if the scan's geometry is a new one."""
         n, angle_min, increment = scan.ranges.size, scan.angle_min, scan.angle_increment
@@ -79,7 +90,7 @@ class ScanProjector:
         self._directions = self._beam_directions(n, angle_min, increment)
         self._delays = beam_time_offsets(*geometry)
         last = angle_min + increment * (n - 1)
-        self.views = views_without(self._mount, angle_min, last, self._ignored)
+        self.views = views_without(self._mount, angle_min, last, (*self._ignored, *self._hidden))
 
     def in_view(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return (n,) which points (n, 2), m, base_link, are in the latest scan's field of view."""

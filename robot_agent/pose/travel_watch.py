@@ -43,6 +43,8 @@ STEP = 0.6  # m likewise, once enough samples were as configured
 PEEK = 0.3  # m at which it is then tested whether the scan has changed at all
 FIRST_TURN, TURN = 0.17, 0.35  # rad, as FIRST_STEP and STEP
 _DOUBT = 0.1 * ENOUGH  # evidence from which steps are short again
+_FIRST_AGREED = 4  # samples as configured in a row, before the robot may go fast
+_UNSEEN_WAY = 3.0  # m after which it may as well, where scans show nothing, as in a wide hall
 _CONFIRMED = 8  # samples as configured in a row, before the longer step
 _LEAST = 0.03  # m; a shorter way has no direction
 _LONGEST = 1.0  # m, and rad; a longer motion between two scans is not judged
@@ -78,11 +80,16 @@ class TravelWatch:
         self.fault: TravelFault | None = None
         self.turned_deg = 0
         """By how much the laser is turned to the left of the configured theta, about; of TURNED."""
+        self.confirmed = False
+        """Whether scans and wheels have agreed since the laser's line was opened."""
+        self.began: float | None = None
+        """When the first scan came since then, s."""
         self.restart()
 
     def restart(self) -> None:
         """Forget everything: the laser's line was opened."""
-        self.fault = None
+        self.fault, self.confirmed, self.began = None, False, None
+        self._unjudged = 0.0  # m driven without evidence
         self._first: Surfaces | None = None
         self._first_t = 0.0
         self._peeked = False  # whether the first scan was tested at PEEK
@@ -100,9 +107,13 @@ class TravelWatch:
 
         Points on bodies known to move are left out by the caller.
         """
+        if self.began is None:
+            self.began, self._odometry = t, odometry
         wheels = self._odometry.between(odometry)
         travel, turn = math.hypot(wheels.x, wheels.y), abs(wheels.theta)
         if self._first is None or t - self._first_t > _OLDEST_S or max(travel, turn) > _LONGEST:
+            if self._first is None:
+                self._pass_unjudged(travel)
             self._begin(t, odometry, points)
             return
         if self._as_configured >= _CONFIRMED and travel >= PEEK and not self._peeked:
@@ -117,10 +128,16 @@ class TravelWatch:
         self._begin(t, odometry, points)
         if seen is not None:
             self._judge(wheels, seen)
+        else:
+            self._pass_unjudged(travel)
 
     def _begin(self, t: float, odometry: Pose, points: NDArray[np.float64]) -> None:
         self._first, self._first_t, self._odometry = surfaces_of(points), t, odometry
         self._peeked = False
+
+    def _pass_unjudged(self, travel: float) -> None:
+        self._unjudged += travel
+        self.confirmed = self.confirmed or self._unjudged >= _UNSEEN_WAY
 
     def _judge(self, wheels: Pose, seen: ScanMotion) -> None:
         """Sum up what one sample says for each hypothesis; wheels: motion they counted."""
@@ -139,6 +156,7 @@ class TravelWatch:
             self._as_configured += 1
         if self.fault is None and most >= ENOUGH:
             self._find(most)
+        self.confirmed = self.confirmed or self._as_configured >= _FIRST_AGREED
 
     def _find(self, most: float) -> None:
         if self._repeat_gain == most:

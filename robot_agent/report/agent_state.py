@@ -34,6 +34,10 @@ class AgentState(Protocol):
         """Odometry and localization."""
 
     @property
+    def own_parts_stand_out(self) -> bool:
+        """Whether the laser sees parts of the robot outside the footprint."""
+
+    @property
     def perception(self) -> Perception:
         """Tracks, camera and intruders."""
 

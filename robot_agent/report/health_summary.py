@@ -38,6 +38,8 @@ class HealthSummary:
             return f"laser {state.laser.state}"
         if state.pose_tracker.travel.fault is not None:
             return f"laser.mount: {state.pose_tracker.travel.fault}"
+        if state.own_parts_stand_out:
+            return "laser.ignore: the laser sees the robot itself"
         if state.teleop is not None:
             return "driven by keys"
         if not state.pose_tracker.trusted:

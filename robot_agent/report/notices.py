@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
+from drivers.lms200.settings import LaserSettings
 from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.notice import Notice
 from robot_agent.motion.gate import GateDecision
@@ -31,6 +33,12 @@ TRAVEL_WORDS: dict[str, str] = {
     TravelFault.REPEATS: "the laser sees no motion while the wheels turn: it repeats its scan, or"
     " the robot is stuck; no fault of laser.mount",
 }
+UNCONFIRMED_S = 20.0
+"""s from the first scan, after which a robot that has not come away from its start says so."""
+UNCONFIRMED_WORDS = (
+    "not confirmed, as something has held the robot since its start: if nothing is there, correct"
+    " laser.mount, or laser.ignore for its own parts"
+)
 _REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
 
 
@@ -88,15 +96,42 @@ def gate_notice(t: float, gate: GateDecision) -> Notice:
     return Notice(t, "gate", f"holds the robot: {gate.reason}{remedy}", LogLevel.WARNING)
 
 
-def travel_notice(t: float, watch: TravelWatch) -> Notice | None:
-    """Return a notice of what the watch of travel has found, with a remedy; None if nothing."""
+def travel_notice(t: float, watch: TravelWatch, *, held: bool, warned: bool) -> Notice | None:
+    """Return a notice of what the watch of travel has found, with a remedy; None if nothing.
+
+    held: whether an obstacle holds the robot. warned: whether the last notice was a warning.
+    """
+    if watch.confirmed and warned and watch.fault is None:
+        return Notice(t, "laser.mount", "scans show the motion of the wheels", LogLevel.INFO)
     if watch.fault is None:
-        return None
+        late = watch.began is not None and t - watch.began > UNCONFIRMED_S
+        if watch.confirmed or not (held and late):
+            return None
+        return Notice(t, "laser.mount", UNCONFIRMED_WORDS, LogLevel.WARNING)
     words = TRAVEL_WORDS[watch.fault]
     if watch.fault is TravelFault.TURNED:
         side = "left" if watch.turned_deg > 0 else "right"
         words = f"the laser is turned about {abs(watch.turned_deg)} deg to the {side} of {words}"
     return Notice(t, "laser.mount", words, LogLevel.ERROR)
+
+
+def own_parts_notice(
+    t: float, laser: LaserSettings, sectors: Sequence[tuple[float, float]], *, stand_out: bool
+) -> Notice | None:
+    """Return a notice of the robot's own parts in the laser's view; None if there are none.
+
+    sectors: first and last direction of each, rad, laser frame. stand_out: of the footprint.
+    """
+    if not sectors:
+        return None
+    found = laser.degrees_of(sectors)
+    places = ", ".join(f"{first} to {last}" for first, last in found)
+    every = sorted([*found, *map(list, laser.ignore)])
+    words = f"the laser sees parts of the robot at {places} deg: set laser.ignore = {every}"
+    if not stand_out:
+        return Notice(t, "laser.ignore", words, LogLevel.INFO)
+    words += ", and in a model file (base.model) the body with these parts, that stand out of it"
+    return Notice(t, "laser.ignore", words, LogLevel.ERROR)
 
 
 def intruder_notice(t: float, intruder: Intruder) -> Notice:

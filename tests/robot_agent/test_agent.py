@@ -338,6 +338,27 @@ def test_laser_mounted_otherwise_stops_the_robot_and_names_the_setting(folder: M
     assert math.dist(fleet.robots[0].rig.body.pose[:2], START[:2]) < 1.2
 
 
+def test_own_parts_in_view_stop_the_robot_and_are_named(folder: MapFolder) -> None:
+    fleet = Fleet(folder, 3, seed=1, truth=load_truth("own_parts"))
+    agent = fleet.robots[0].agent
+    run_until(fleet, 30.0)
+    assert agent.gate_decision is not None
+    assert agent.gate_decision.reason is GateReason.LASER_MOUNT
+    assert "ignore" in agent.health_summary.health()
+    words = agent.warnings["laser.ignore"]
+    assert words.startswith("the laser sees parts of the robot at 2")
+    assert "set laser.ignore = [[" in words
+
+
+def test_robot_held_from_the_start_says_that_its_laser_is_not_confirmed(folder: MapFolder) -> None:
+    fleet = Fleet(folder, 3, seed=3, truth=load_truth("laser_turned_180"))
+    agent = fleet.robots[0].agent
+    run_until(fleet, 24.0)
+    assert not agent.pose_tracker.travel.confirmed
+    assert "correct laser.mount" in agent.warnings["laser.mount"]
+    assert fleet.world.contacts == 0
+
+
 def test_stale_stream_raises_an_alarm_until_it_is_fresh(folder: MapFolder) -> None:
     tape = Tape()
     fleet = make_fleet(folder, tape)

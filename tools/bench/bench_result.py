@@ -29,7 +29,7 @@ class BenchedFleet(Protocol):
 def robot_figures(
     name: str, world: World, index: int, stand: StandLog | None = None
 ) -> dict[str, Any]:
-    """Return a robot's first stand with a reason, if any, and its contacts by what it touched.
+    """Return a robot's first stand with a reason, warnings, and contacts by what it touched.
 
     index: of its body in the world.
     """
@@ -37,6 +37,7 @@ def robot_figures(
         "robot": name,
         "stood_s": stand.stood_s if stand else None,
         "said": stand.said if stand else None,
+        "warned_s": dict(stand.warned_s) if stand else {},
         "collisions_with": dict(Counter(world.contact_kinds(index))),
     }
 

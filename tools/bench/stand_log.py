@@ -26,11 +26,15 @@ class StandLog:
         """Start of the first stand, s; None if there was none."""
         self.said: str | None = None
         """What the agent reported at its end: its health, then its warnings."""
+        self.warned_s: dict[str, float] = {}
+        """When each part of the agent first warned, s."""
         self._since: float | None = None
         self._place: Pose | None = None
 
     def sample(self, t: float, pose: Pose, agent: Agent) -> None:
         """Take the true pose and the agent's reports at t, s."""
+        for part in agent.warnings:
+            self.warned_s.setdefault(part, t)
         if self.stood_s is not None:
             return
         health = agent.health_summary.health()

@@ -21,7 +21,7 @@ GATE_WORDS: dict[str, str] = {
     GateReason.STALE_LASER: "no fresh laser scan",
     GateReason.BODY_UNKNOWN: "no model is known to be this robot's",
     GateReason.OVERLOADED: "the computer is overloaded",
-    GateReason.LASER_MOUNT: "the laser sees other motion than the wheels count: laser.mount",
+    GateReason.LASER_MOUNT: "the laser is not as configured: laser.mount, laser.ignore",
     GateReason.NOT_LOCALIZED: "not localized",
     GateReason.BUMPED_AGAIN: "bumped again and again, a person must look",
     GateReason.STALLED_AGAIN: "stalled again and again, a person must look",

@@ -52,6 +52,13 @@ def test_beams_of_ignored_sectors_have_no_range() -> None:
     assert (left.specials[np.isinf(left.ranges)] == Special.IGNORED).all()
 
 
+def test_sectors_of_the_laser_frame_are_named_in_the_degrees_of_the_scanner() -> None:
+    sectors = ((math.radians(-89.5), math.radians(-80.0)), (math.radians(10.2), math.radians(20.7)))
+    upright, turned_over = LaserSettings(), LaserSettings(upside_down=True)
+    assert upright.degrees_of(sectors) == [[0, 10], [100, 111]]
+    assert turned_over.degrees_of(sectors) == [[69, 80], [170, 180]]
+
+
 def test_ignored_sectors_are_in_the_degrees_of_the_scanner_also_upside_down() -> None:
     settings = LaserSettings(upside_down=True, ignore=((0.0, 2.0),))
     turned = as_mounted(scan(np.ones(181)), settings)

@@ -223,6 +223,9 @@ CASES = [
     Case((0.0, 1.5), (0.0, 1.5)),
     Case((0.3, 0.4), (0.15, 0.2), "unsure", {"health": "unsure"}),
     Case((0.15, 0.4), (0.15, 0.4), "none", {"health": "unsure"}),
+    # nor before scans have shown the motion that the wheels count
+    Case((0.3, 0.4), (0.15, 0.2), "unsure", {"unproven": True}),
+    Case((0.0, 1.2), (0.0, 1.2), "none", {"unproven": True}),
     Case((0.0, 1.2), (0.0, 1.2), "none", {"health": "unsure"}),
     Case(
         (0.3, 0.0),

@@ -113,6 +113,23 @@ def test_a_turned_laser_is_found_with_its_angle(degrees: float) -> None:
     assert abs(math.remainder(watch.turned_deg - degrees, 360.0)) <= 10.0
 
 
+def test_scans_confirm_the_mount_within_half_a_metre_or_what_they_cannot_show_is_let_be() -> None:
+    watch = TravelWatch()
+    drive(watch, metres=0.3)
+    assert not watch.confirmed
+    drive(watch, metres=0.6)
+    assert watch.confirmed
+    watch.restart()
+    assert not watch.confirmed
+    drive(watch, mount=LASER._replace(theta=0.2), metres=0.6)
+    assert not watch.confirmed
+    unseen = TravelWatch()
+    drive(unseen, walls=ROOM * 100.0, metres=2.5)
+    assert not unseen.confirmed
+    drive(unseen, walls=ROOM * 100.0, metres=3.5)
+    assert unseen.confirmed
+
+
 def test_a_mirrored_laser_is_found_by_a_turn_in_place() -> None:
     watch = TravelWatch()
     found = spin(watch, mirrored=True)
