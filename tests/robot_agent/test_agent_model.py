@@ -116,3 +116,12 @@ def test_geometry_is_that_of_the_reported_model_live_and_in_replay(folder: MapFo
     agent = Agent(robot.agent.config, folder)
     for event, effects in tape.steps:
         assert agent.handle(event) == effects
+
+
+def test_agent_expects_its_teammates_housings_where_its_own_scanner_stands(
+    folder: MapFolder,
+) -> None:
+    fleet, _ = run(folder, 0.1)
+    agent = fleet.robots[0].agent
+    # 2-DX: the scanner 0.017 m ahead of the axle, the middle of the body 0.0455 m behind it.
+    assert agent.perception.tracker.housing_ahead == pytest.approx(0.0625)
