@@ -189,7 +189,8 @@ class Agent:
             self._folder.map,
             self.perception.tracker.unexplained,
         )
-        self.perception.use_body(_corners(model))
+        middle = 0.5 * (model.body.front - model.body.rear)
+        self.perception.use_body(_corners(model), self.laser_mount.x - middle)
         self.gate = SafetyGate(self._limits)
         if self.patrol is not None:
             size = BodySize(model.body.corner_reach, 0.5 * model.body.width)

@@ -145,6 +145,7 @@ def encode_measurement(
     mode: MeasuringMode,
     units: int,
     *,
+    reflectors: NDArray[np.bool_] | None = None,
     quarter: int | None = None,
     inf_means: Special = Special.NO_RETURN,
     indices: bytes = b"",
@@ -152,14 +153,17 @@ def encode_measurement(
 ) -> bytes:
     """Return the B0 payload for ranges (n,), m; ranges above the mode's limit are "beyond maximum".
 
-    inf and nan become ``inf_means``. ``quarter``: a partial scan's offset in quarters of a degree,
-    None for a whole scan. ``indices``: scan and telegram index, where enabled.
+    reflectors: (n,) beams that ended on one, at the highest level of a mode that reports them. inf
+    and nan become ``inf_means``. ``quarter``: a partial scan's offset in quarters of a degree, None
+    for a whole scan. ``indices``: scan and telegram index, where enabled.
     """
     missing = mode.limit - Special.BEYOND_MAXIMUM + inf_means
     values = np.full(ranges.shape, missing, dtype="<u2")
     finite = np.isfinite(ranges)
     counts = np.rint(ranges[finite] / _METRES[units])
     values[finite] = np.clip(counts, 0, mode.limit).astype("<u2")
+    if reflectors is not None:
+        values[reflectors & (values < mode.limit)] |= mode.reflector_bits << _FLAG_SHIFT
     partial = 0 if quarter is None else _PARTIAL | quarter << _QUARTER_SHIFT
     head = struct.pack("<BH", MEASURED_VALUES, ranges.size | partial | units << 14)
     return head + values.tobytes() + indices + bytes((status,))

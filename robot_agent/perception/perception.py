@@ -57,8 +57,12 @@ class Perception:
         self.intruders = Intruders(settings, folder.border) if folder.border else None
         self._pictured: Intruder | None = None
 
-    def use_body(self, body: Corners) -> None:
-        """Admit the settings' silhouettes for another body of the robot, corners in m."""
+    def use_body(self, body: Corners, housing_ahead: float) -> None:
+        """Admit the settings' silhouettes for another body of the robot, corners in m.
+
+        housing_ahead: m from the body's middle to its scanner's housing, as teammates have it.
+        """
+        self.tracker.housing_ahead = housing_ahead
         self.tracker.silhouettes = Silhouettes.admitted(self._settings.silhouettes, body)
 
     def tracked_points(

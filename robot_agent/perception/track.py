@@ -16,7 +16,7 @@ TRACK_MEMORY = 3.0  # s for which a confirmed track is kept without a detection
 class Track:
     """Position, velocity and class of a tracked object.
 
-    x, y: centre of the outline, m, map frame. vx, vy: velocity, m/s, map frame. covariance:
+    x, y: centre of the body's outline, m, map frame. vx, vy: velocity, m/s, map frame. covariance:
     (2, 2) of the position, m^2. first_seen, last_seen: times of the laser's first and latest
     detection. robot_sized: as large as a Pioneer in most detections that show it whole. moving: it
     has moved farther than errors explain. by_color: whether there is evidence by pictures. small:

@@ -68,13 +68,21 @@ class TrackFilter:
     """Filter of the state (x, y, vx, vy), map frame, m and m/s, with hits, misses and class."""
 
     def __init__(
-        self, track_id: int, t: float, detection: Detection, *, reflecting_bands: bool = False
+        self,
+        track_id: int,
+        t: float,
+        detection: Detection,
+        *,
+        reflecting_bands: bool = False,
+        housing_ahead: float = 0.0,
     ) -> None:
         """Start a track at t from a detection.
 
-        reflecting_bands: whether a reflector is evidence of a teammate.
+        reflecting_bands: whether a reflector is evidence of a teammate. housing_ahead: m from the
+        middle of a teammate's body to that of its scanner's housing.
         """
         self._reflecting_bands = reflecting_bands
+        self._housing_ahead = housing_ahead
         self.id = track_id
         self.first_seen = t
         self.last_seen = t
@@ -222,16 +230,20 @@ class TrackFilter:
             self._past.clear()
 
     def track_at(self, t: float) -> Track:
-        """Return the track predicted to t, without changing the filter."""
+        """Return the track predicted to t, without changing the filter.
+
+        Its position is of the body's middle, also where the laser sees the housing alone.
+        """
         reach, kept = self._decay(max(t - self._t, 0.0))
         x, y, vx, vy = self._kalman.x.tolist()
+        ahead_x, ahead_y, variance = self._seen_ahead() if self._is_small else (0.0, 0.0, 0.0)
         return Track(
             id=self.id,
-            x=x + reach * vx,
-            y=y + reach * vy,
+            x=x + reach * vx - ahead_x,
+            y=y + reach * vy - ahead_y,
             vx=kept * vx,
             vy=kept * vy,
-            covariance=self._kalman.P[:2, :2].copy(),
+            covariance=self._kalman.P[:2, :2] + variance * np.eye(2),
             first_seen=self.first_seen,
             last_seen=self.last_seen,
             kind=self.identity.kind,
@@ -239,8 +251,25 @@ class TrackFilter:
             robot_sized=self.robot_sized,
             moving=self._has_moved,
             by_color=self.identity.by_color,
-            small=self._small_fits >= _MIN_FITS,
+            small=self._is_small,
         )
+
+    @property
+    def _is_small(self) -> bool:
+        """Whether the outline is that of a scanner's housing."""
+        return self._small_fits >= _MIN_FITS
+
+    def _seen_ahead(self) -> tuple[float, float, float]:
+        """Return how far a housing is ahead of its robot's middle: x, y, m, and variance, m^2.
+
+        The velocity gives the robot's heading, the better the larger it is against its sigma; of
+        one that stands or turns in place the heading is unknown, and the mean offset 0.
+        """
+        vx, vy = self._kalman.x[2:].tolist()
+        speed_squared = vx * vx + vy * vy
+        known = speed_squared / (speed_squared + float(np.trace(self._kalman.P[2:, 2:])))
+        scale = self._housing_ahead * math.sqrt(known / speed_squared) if known else 0.0
+        return scale * vx, scale * vy, 0.5 * (1.0 - known) * self._housing_ahead**2
 
     def _decay(self, dt: float) -> tuple[float, float]:
         """Return (integral of the velocity's decay over dt, s, and the share left after dt)."""

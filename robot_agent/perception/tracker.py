@@ -65,6 +65,8 @@ class TeammateTracker:
         """
         self.silhouettes = silhouettes
         """What teammates may look like."""
+        self.housing_ahead = 0.0
+        """m from the middle of a teammate's body to that of its scanner's housing."""
         self._border = border
         self._reflecting_bands = settings.reflecting_bands
         self._gate_distance, self._max_covered = gate_distance, max_covered
@@ -114,7 +116,13 @@ class TeammateTracker:
             if not detection.whole:
                 continue
             self._filters.append(
-                TrackFilter(self._next_id, t, detection, reflecting_bands=self._reflecting_bands)
+                TrackFilter(
+                    self._next_id,
+                    t,
+                    detection,
+                    reflecting_bands=self._reflecting_bands,
+                    housing_ahead=self.housing_ahead,
+                )
             )
             self._next_id += 1
 

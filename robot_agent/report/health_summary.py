@@ -29,6 +29,10 @@ class HealthSummary:
 
     def health(self) -> str:
         """Return "ok", or the first reason that prevents the robot from patrolling."""
+        return self._device_trouble() or self._patrol_trouble() or "ok"
+
+    def _device_trouble(self) -> str | None:
+        """Return the first thing wrong with the devices, or with what they are taken to be."""
         state = self._state
         if state.base.model_trouble is not None:
             return "base: no model known to be this robot's"
@@ -40,6 +44,11 @@ class HealthSummary:
             return f"laser.mount: {state.pose_tracker.travel.fault}"
         if state.own_parts_stand_out:
             return "laser.ignore: the laser sees the robot itself"
+        return None
+
+    def _patrol_trouble(self) -> str | None:
+        """Return the first thing that keeps a robot with sound devices from patrolling."""
+        state = self._state
         if state.teleop is not None:
             return "driven by keys"
         if not state.pose_tracker.trusted:
@@ -50,4 +59,4 @@ class HealthSummary:
             return "patrol: no way to the border"
         if state.gate_decision is not None and state.gate_decision.reason in STOPPING:
             return f"gate: {state.gate_decision.reason}"
-        return "ok"
+        return None

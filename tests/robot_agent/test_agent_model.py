@@ -155,3 +155,12 @@ def test_robot_that_is_too_large_for_any_way_to_the_border_says_so_and_stands(
     assert robot.agent.health_summary.health() == "patrol: no way to the border"
     (said,) = tape.logged("border")
     assert said.startswith("no way to the border between the walls")
+
+
+def test_agent_expects_its_teammates_housings_where_its_own_scanner_stands(
+    folder: MapFolder,
+) -> None:
+    fleet, _ = run(folder, 0.1)
+    agent = fleet.robots[0].agent
+    # 2-DX: the scanner 0.017 m ahead of the axle, the middle of the body 0.0455 m behind it.
+    assert agent.perception.tracker.housing_ahead == pytest.approx(0.0625)

@@ -27,6 +27,17 @@ class Fan(NamedTuple):
     ends: NDArray[np.float64] | None = None
 
 
+class Returns(NamedTuple):
+    """What a laser measures with a fan.
+
+    ranges (n,): m, inf where nothing returns. reflectors (n,): which beams return the light of a
+    reflector; None where no robot wears tape, then none are looked for.
+    """
+
+    ranges: NDArray[np.float64]
+    reflectors: NDArray[np.bool_] | None
+
+
 class Rays(NamedTuple):
     """The rays of several fans, one after another: as in ``Fan``; own (n,): index of the body."""
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maps.occupancy_map import OccupancyMap
+from tools.simulation.reflecting_tape import BeamEnds
 from tools.simulation.truth.surroundings_truth import OpticsTruth
 
 _STRETCH = 1.0  # m of wall that are of one surface; ours
@@ -41,6 +42,7 @@ class LaserOptics:
         self._noise = np.append([surfaces[kind].noise for kind in kinds], 0.0)
         self._reach = np.append([surfaces[kind].reach for kind in kinds], np.inf)
         self._facing = np.append([math.cos(surfaces[kind].facing) for kind in kinds], 0.0)
+        self._glare = np.append([math.cos(surfaces[kind].glare) for kind in kinds], 1.0)
         self._facing -= 1e-6  # a beam along a surface hits it within rounding
         self._mixed = truth.mixed
 
@@ -64,9 +66,7 @@ class LaserOptics:
         seen = np.isfinite(ranges)
         x = np.where(seen, ends[0] - self._origin.x, 0.0)
         y = np.where(seen, ends[1] - self._origin.y, 0.0)
-        patch = np.floor(y / _STRETCH) * self._columns + np.floor(x / _STRETCH)
-        patch = np.where(on_wall, np.maximum(patch, 0.0), self._no_wall)
-        patch = np.minimum(patch, self._no_wall).astype(np.intp)
+        patch = self._patch(x, y, on_wall)
         lost = ranges > self._reach.take(patch)
         lost |= self._incidence(x, y, directions) < self._facing.take(patch)
         measured = self._mix(ranges, firsts, rng)
@@ -75,6 +75,20 @@ class LaserOptics:
         measured += self._offset.take(patch) + spread * rng.standard_normal(len(ranges))
         measured[lost] = np.inf
         return measured
+
+    def glares(self, ends: BeamEnds, on_wall: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Return (n,) which beams meet a surface so that it passes for a reflector."""
+        x, y = ends.x - self._origin.x, ends.y - self._origin.y
+        incidence = self._incidence(x, y, (ends.c, ends.s))
+        return np.asarray(incidence > self._glare.take(self._patch(x, y, on_wall)))
+
+    def _patch(
+        self, x: NDArray[np.float64], y: NDArray[np.float64], on_wall: NDArray[np.bool_]
+    ) -> NDArray[np.intp]:
+        """Return (n,) indices of the surfaces at x, y (n,), m, in the grid's frame."""
+        patch = np.floor(y / _STRETCH) * self._columns + np.floor(x / _STRETCH)
+        patch = np.where(on_wall, np.maximum(patch, 0.0), self._no_wall)
+        return np.asarray(np.minimum(patch, self._no_wall), dtype=np.intp)
 
     def _incidence(
         self,

@@ -15,7 +15,7 @@ from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.emulator.make import BaseMake
 from maps.pose import Pose, wrap_angle
-from tools.simulation.fan import Fan, laser_fan
+from tools.simulation.fan import Fan, Returns, laser_fan
 from tools.simulation.laser_unit import LaserUnit
 from tools.simulation.robot_body import Outline, RobotBody
 from tools.simulation.silhouette import silhouette_of
@@ -61,7 +61,9 @@ class RobotRig:
         self.base.base.braking = self.truth.drive.braking
         if charging:
             self.base.battery.charge_state = ChargeState.BULK
-        self.laser = Lms200Emulator(scan_source=self._scan)
+        self.laser = Lms200Emulator(
+            scan_source=self._scan, reflector_source=lambda: self._measured.reflectors
+        )
         self._unit = LaserUnit(self.truth.laser, t, world.rng.spawn(1)[0])
         self.stuck = False
         """Whether the body cannot move while the wheels turn."""
@@ -70,8 +72,9 @@ class RobotRig:
         self.bumped = 0
         """Bit mask of front bumper segments pressed in addition to the world's contacts."""
         self._next_sonar = t
-        self._prepared: NDArray[np.float64] | None = None
-        self._repeated: NDArray[np.float64] | None = None
+        self._prepared: Returns | None = None
+        self._measured = Returns(np.empty(0), None)  # of the latest mirror turn
+        self._repeated: Returns | None = None
         self._repeats_from = t + self.truth.laser.repeats_from
         self._t = self._previous_t = t
         self._previous_pose = body.pose
@@ -107,9 +110,9 @@ class RobotRig:
         turn = self.laser.turn_due(t)
         return None if turn is None else self._fan(*turn[:3])
 
-    def on_ranges(self, t: float, ranges: NDArray[np.float64] | None) -> None:
-        """Advance the laser to ``t``; ranges (n,), m, of the rays from ``next_fan``, or None."""
-        self._prepared = ranges
+    def on_returns(self, t: float, returns: Returns | None) -> None:
+        """Advance the laser to ``t``; returns of the rays from ``next_fan``, or None."""
+        self._prepared = returns
         self.laser.advance(t)
 
     def place(self, pose: Pose) -> None:
@@ -118,20 +121,25 @@ class RobotRig:
 
     def _scan(self, t: float, n: int, increment: float) -> NDArray[np.float64]:
         """Return the ranges of one mirror turn at ``t``, which lies within the present step."""
+        self._measured = self._measure(t, n, increment)
+        return self._measured.ranges
+
+    def _measure(self, t: float, n: int, increment: float) -> Returns:
         prepared, self._prepared = self._prepared, None
         if self.blind:
-            return np.full(n, np.inf)
+            return Returns(np.full(n, np.inf), None)
         if prepared is None:
             prepared = self.world.scans([self._fan(t, n, increment)])[0]
-        prepared = self._unit.reported(prepared, self._bearings(n, increment), t)
-        return prepared if t < self._repeats_from else self._repeat(prepared)
+        ranges = self._unit.reported(prepared.ranges, self._bearings(n, increment), t)
+        returns = prepared._replace(ranges=ranges)
+        return returns if t < self._repeats_from else self._repeat(returns)
 
-    def _repeat(self, ranges: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the scan that the laser repeats, (n,) m, with the noise of the range added."""
-        if self._repeated is None or len(self._repeated) != len(ranges):
-            self._repeated = ranges
-        noise = self.world.rng.normal(0.0, self.world.noise.laser_range, len(ranges))
-        return np.maximum(self._repeated + noise, 0.0)
+    def _repeat(self, returns: Returns) -> Returns:
+        """Return the scan that the laser repeats, with the noise of the range added."""
+        if self._repeated is None or len(self._repeated.ranges) != len(returns.ranges):
+            self._repeated = returns
+        noise = self.world.rng.normal(0.0, self.world.noise.laser_range, len(returns.ranges))
+        return self._repeated._replace(ranges=np.maximum(self._repeated.ranges + noise, 0.0))
 
     def _fan(self, t: float, n: int, increment: float) -> Fan:
         """Return the rays of a mirror turn.
@@ -188,7 +196,7 @@ def sense(rigs: Sequence[RobotRig], t: float) -> None:
     due = [fan for fan in fans if fan is not None]
     scans = iter(rigs[0].world.scans(due) if due else ())
     for rig, fan in zip(rigs, fans, strict=True):
-        rig.on_ranges(t, None if fan is None else next(scans))
+        rig.on_returns(t, None if fan is None else next(scans))
 
 
 def make_of(truth: RobotTruth) -> BaseMake:
@@ -245,4 +253,5 @@ def make_rig(
     silhouettes = tuple(silhouette_of(corners) for corners in robot.silhouette.polygons)
     body = world.add_body(start, outline_of(robot), silhouettes, robot.drive.turn_scale)
     body.bumper_segments = robot.bumpers.segments
+    body.tape = robot.tape if robot.tape.worn else None
     return RobotRig(name, world, body, t, watchdog=watchdog, truth=robot)

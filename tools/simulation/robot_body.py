@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from maps.pose import Pose
 from tools.simulation.convex import Corner, convex_overlap, grown, outward_normals
 from tools.simulation.silhouette import Silhouette, silhouette_of
+from tools.simulation.truth.robot_truth import TapeTruth
 
 _BUMPER_ARC = math.radians(135.0)  # rad covered by a ring, centred on front or rear
 
@@ -135,6 +136,8 @@ class RobotBody:
     kind: BodyKind = BodyKind.ROBOT
     silhouettes: tuple[Silhouette, ...] | None = None
     """What lasers see of it; by default its outline, which is what sonars hear."""
+    tape: TapeTruth | None = None
+    """Reflecting tape round it at the height of lasers."""
     turn_scale: float = 1.0
     """Turn of the body for a turn of 1 by its wheels."""
     bumper_segments: tuple[int, int] = (5, 5)

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose, wrap_angle
-from tools.simulation.fan import Fan, Rays, ends_of, laser_fan, rays_of, sonar_fan
+from tools.simulation.fan import Fan, Rays, Returns, ends_of, laser_fan, rays_of, sonar_fan
 from tools.simulation.laser_optics import LaserOptics
 from tools.simulation.raycast import RayCaster, cast_bodies
+from tools.simulation.reflecting_tape import BeamEnds, ends_on_tape
 from tools.simulation.robot_body import (
     Outline,
     RobotBody,
@@ -202,16 +203,17 @@ class World:
         body from then until each beam was measured.
         """
         bearings = (np.arange(n, dtype=np.float64) - (n - 1) / 2) * increment
-        return self.scans([laser_fan(body, pose, bearings, mount, swept)])[0]
+        return self.scans([laser_fan(body, pose, bearings, mount, swept)])[0].ranges
 
-    def scans(self, fans: Sequence[Fan]) -> list[NDArray[np.float64]]:
-        """Return the laser's ranges for each fan; many in one call cost little more than one."""
+    def scans(self, fans: Sequence[Fan]) -> list[Returns]:
+        """Return the laser's returns for each fan; many in one call cost little more than one."""
         rays = rays_of(fans)
         ranges = self._caster.cast(rays.x, rays.y, rays.angles, self.laser_max_range)
         nearer = self._cast_bodies(rays, self.laser_max_range, self._seen)
         if any(fan.ends is not None for fan in fans):
             nearer = np.minimum(nearer, np.concatenate([ends_of(fan) for fan in fans]))
         n = len(ranges)
+        reflectors = self._reflectors(ranges, nearer, rays)
         if self.optics is None:
             ranges = np.minimum(ranges, nearer)
             ranges += self.rng.normal(0.0, self.noise.laser_range, n)
@@ -220,8 +222,9 @@ class World:
         ranges[self.rng.random(n) < self.noise.laser_dropouts] = np.inf
         ranges[ranges > self.laser_max_range] = np.inf
         np.maximum(ranges, 0.0, out=ranges)
-        ends = np.cumsum([len(fan.angles) for fan in fans])
-        return np.split(ranges, ends[:-1])
+        ends = np.cumsum([len(fan.angles) for fan in fans])[:-1]
+        split = [None] * len(fans) if reflectors is None else np.split(reflectors, ends)
+        return [Returns(*each) for each in zip(np.split(ranges, ends), split, strict=True)]
 
     def free_way(self, x: float, y: float, direction: float) -> float:
         """Return the distance, m, from (x, y) to the next wall in a direction, rad."""
@@ -285,6 +288,25 @@ class World:
         firsts = np.cumsum([len(fan.angles) for fan in fans]).tolist()
         noise = self.noise.laser_range
         return optics.measured(ranges, ends, (c, s), walls < nearer, firsts, noise, self.rng)
+
+    def _reflectors(
+        self, walls: NDArray[np.float64], nearer: NDArray[np.float64], rays: Rays
+    ) -> NDArray[np.bool_] | None:
+        """Return (n,) which rays return a reflector's light; None where no robot wears tape.
+
+        walls, nearer: (n,) ranges, m, to walls and to what else ends rays.
+        """
+        tapes = [body.tape for body in self.bodies]
+        if not any(tapes):
+            return None
+        ranges = np.minimum(np.minimum(walls, nearer), self.laser_max_range)
+        c, s = np.cos(rays.angles), np.sin(rays.angles)
+        ends = BeamEnds(rays.x + c * ranges, rays.y + s * ranges, c, s)
+        middles = middles_of(self._seen.silhouettes, [body.pose for body in self.bodies])
+        reflectors = ends_on_tape(ends, middles, self._seen.shapes, tapes, self.rng)
+        if self.optics is not None:
+            reflectors |= self.optics.glares(ends, walls < nearer)
+        return reflectors
 
     def _cross_floor(
         self, floor: UnevenFloor, body: RobotBody, distance: float, rotation: float

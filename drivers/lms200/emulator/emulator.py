@@ -15,7 +15,14 @@ from numpy.typing import NDArray
 
 from drivers.emulation.timed_bytes import TimedBytes
 from drivers.lms200 import telegrams
-from drivers.lms200.emulator.mirror import TURN, EmulatedMirror, ScanSource, Sweep, Turn
+from drivers.lms200.emulator.mirror import (
+    TURN,
+    EmulatedMirror,
+    ReflectorSource,
+    ScanSource,
+    Sweep,
+    Turn,
+)
 from drivers.lms200.errors import ErrorEntry, Severity, encode_errors
 from drivers.lms200.framing import (
     ACK,
@@ -68,7 +75,8 @@ class Lms200Emulator:
 
     scan_source(t, n, increment) -> ranges (n,) m, rightmost beam first, inf for no return, is
     called once per mirror turn used, with the middle of the turn (s), the number of beams and the
-    angle between them (rad), times rising; None leaves scans to ``send_scan``. Variant,
+    angle between them (rad), times rising; None leaves scans to ``send_scan``. reflector_source()
+    -> (n,) beams of that turn that ended on a reflector, None for none, is called next. Variant,
     configuration and ``permanent_baud`` survive ``power_off``. ``polluted``: dirty front window.
     """
 
@@ -77,6 +85,7 @@ class Lms200Emulator:
         *,
         baud: int = POWER_ON_BAUD,
         scan_source: ScanSource | None = None,
+        reflector_source: ReflectorSource | None = None,
         variant: Variant = telegrams.VARIANTS[1],
         boot_time: float = 0.0,
         type_text: str = "LMS200;30106;V02.10",
@@ -91,7 +100,9 @@ class Lms200Emulator:
         self.polluted = False
         self._errors: tuple[ErrorEntry, ...] = ()
         self._blind_until = -np.inf
-        self._mirror = None if scan_source is None else EmulatedMirror(scan_source)
+        self._mirror = (
+            None if scan_source is None else EmulatedMirror(scan_source, reflector_source)
+        )
         self._boot_time = boot_time
         self._type_text = type_text
         self._framer = TelegramFramer(HOST_ADDRESSES)
@@ -245,6 +256,7 @@ class Lms200Emulator:
             np.full_like(sweep.ranges, np.inf) if blind else sweep.ranges,
             MEASURING_MODES[configuration.measuring_mode],
             configuration.units,
+            reflectors=sweep.reflectors,
             quarter=sweep.quarter,
             inf_means=Special.DAZZLED if blind else Special.NO_RETURN,
             indices=indices,

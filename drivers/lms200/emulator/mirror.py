@@ -6,10 +6,10 @@ Source: SICK telegram listing 8007954/Q501, resolution and mirror, partial scans
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ TURN = 13.32e-3
 """s, one turn of this device's mirror (75 a second); the driver has a value of its own."""
 ScanSource = Callable[[float, int, float], NDArray[np.float64]]
 """(t, n, increment) -> ranges (n,) m at time t, rightmost beam first, inf for no return."""
+ReflectorSource = Callable[[], NDArray[np.bool_] | None]
+"""() -> (n,) beams of the latest turn measured that ended on a reflector, None for none."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -27,11 +29,13 @@ class Sweep:
     """The content of one telegram: ranges (n,) m; ``end`` is when its last mirror turn ends (s).
 
     ``quarter`` is a partial scan's offset in quarters of a degree, None of a whole one.
+    ``reflectors`` (n,) are the beams that ended on a reflector, None for none.
     """
 
     ranges: NDArray[np.float64]
     end: float
     quarter: int | None
+    reflectors: NDArray[np.bool_] | None = None
 
 
 class Turn(NamedTuple):
@@ -51,13 +55,15 @@ class EmulatedMirror:
     ``start`` sets the earliest beginning of a sweep; ``measure`` then returns one after another.
     """
 
-    def __init__(self, source: ScanSource) -> None:
+    def __init__(self, source: ScanSource, reflectors: ReflectorSource | None = None) -> None:
         self._source = source
+        self._reflectors = reflectors
         self._begin: float | None = None
         self._partial = False
         self._phase = 0  # of the next partial scan
         self._under_way: float | None = None  # end of the sweep that ``_fans`` belong to
         self._fans: list[NDArray[np.float64]] = []
+        self._reflected: list[NDArray[np.bool_]] = []  # of those fans, if any
         self._idle_until = -math.inf
         """No turn is due before this time: a busy wire can only delay it."""
 
@@ -80,8 +86,10 @@ class EmulatedMirror:
         """
         while (turn := self.due(variant, wire_free, t)) is not None:
             if turn.sweep_end != self._under_way:  # none in progress, or the wire was busy
-                self._under_way, self._fans = turn.sweep_end, []
+                self._under_way, self._fans, self._reflected = turn.sweep_end, [], []
             self._fans.append(self._source(turn.middle, turn.beams, turn.increment))
+            if self._reflectors is not None and (reflected := self._reflectors()) is not None:
+                self._reflected.append(reflected)
             if len(self._fans) == self._turns(variant):
                 return self._finish(variant, turn.sweep_end)
         return None
@@ -118,14 +126,24 @@ class EmulatedMirror:
     def _finish(self, variant: Variant, end: float) -> Sweep:
         self._begin = end
         if self._partial:
-            phase = self._phase
-            self._phase = (phase + 1) % variant.mirror_turns
-            ranges = self._fans[0][phase :: variant.mirror_turns]
-            return Sweep(ranges, end, phase * variant.resolution_cdeg // 25)
-        ranges = np.empty(variant.count)
-        for phase, fan in enumerate(self._fans):
-            ranges[phase :: variant.mirror_turns] = fan[phase :: variant.mirror_turns]
-        return Sweep(ranges, end, None)
+            phase, step = self._phase, variant.mirror_turns
+            self._phase = (phase + 1) % step
+            reflected = self._reflected[0][phase::step] if self._reflected else None
+            quarter = phase * variant.resolution_cdeg // 25
+            return Sweep(self._fans[0][phase::step], end, quarter, reflected)
+        reflected = _interlaced(self._reflected) if self._reflected else None
+        return Sweep(_interlaced(self._fans), end, None, reflected)
+
+
+_Value = TypeVar("_Value", np.float64, np.bool_)
+
+
+def _interlaced(fans: Sequence[NDArray[_Value]]) -> NDArray[_Value]:
+    """Return the values (n,) of a scan, each beam's of the fan of its turn, (n,) each."""
+    values = fans[0].copy()
+    for phase, fan in enumerate(fans):
+        values[phase :: len(fans)] = fan[phase :: len(fans)]
+    return values
 
 
 @lru_cache(maxsize=8)

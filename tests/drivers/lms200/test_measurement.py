@@ -184,3 +184,21 @@ def test_whole_scan_is_decoded_fast() -> None:
 
     seconds = min(timeit.repeat(decode, number=50, repeat=5)) / 50
     assert seconds < 2e-3  # measured: some 15 us
+
+
+@pytest.mark.parametrize("code", sorted(MEASURING_MODES))
+def test_reflectors_are_sent_in_the_modes_that_report_them(code: int) -> None:
+    mode, reflectors = MEASURING_MODES[code], np.zeros(181, dtype=np.bool_)
+    reflectors[[3, 90]] = True
+    ranges = np.full(181, 2.0)
+    ranges[3] = np.inf
+    payload = encode_measurement(ranges, mode, UNIT_MM, reflectors=reflectors)
+    measurement = decode_measurement(Telegram(0x80, payload), mode)
+    assert measurement is not None
+    np.testing.assert_allclose(measurement.ranges, ranges)
+    if mode.reflector_bits:
+        assert measurement.reflectors is not None
+        assert measurement.reflectors.nonzero()[0].tolist() == [90]
+    else:
+        assert measurement.reflectors is None
+        assert not measurement.flags.any()

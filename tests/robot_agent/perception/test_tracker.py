@@ -12,6 +12,7 @@ from maps.pose import Pose
 from robot_agent.perception.identity import Kind
 from robot_agent.perception.pose_sigma import PoseSigma
 from robot_agent.perception.settings import PerceptionSettings
+from robot_agent.perception.track import Track
 from robot_agent.perception.tracker import TeammateTracker
 from tests.robot_agent.perception.simulated_room import SILHOUETTES, Box, Room, shaken
 
@@ -179,6 +180,34 @@ def test_teammate_that_stops_remains_a_teammate(room: Room) -> None:
     assert track.teammate
     assert math.hypot(track.vx, track.vy) < 0.15
     assert math.hypot(track.x - 5.0, track.y - 4.0) < 0.1
+
+
+@pytest.mark.parametrize(("speed", "least", "most"), [(0.35, 0.045, 0.06), (0.0, -0.02, 0.02)])
+def test_a_housing_that_moves_is_placed_at_the_middle_of_its_robot(
+    room: Room, speed: float, least: float, most: float
+) -> None:
+    """The heading is the velocity's; of a robot that stands it is unknown, which sigma tells."""
+
+    def tracks(housing_ahead: float) -> list[Track]:
+        tracker, found = new_tracker(room), []
+        tracker.housing_ahead = housing_ahead
+        run(
+            tracker,
+            room,
+            standing,
+            lambda t: [Box(4.5, 3.2 + speed * t, math.pi / 2, 0.156, 0.155)],
+            duration=4.0,
+            rng=np.random.default_rng(19),
+            after_each=lambda t, told: found.extend(each for each in tracker.tracks if each.small),
+        )
+        return found
+
+    pairs = list(zip(tracks(0.0), tracks(0.06), strict=True))
+    assert len(pairs) > 20
+    assert least < np.mean([housing.y - body.y for housing, body in pairs]) < most
+    more = np.mean([np.trace(body.covariance - housing.covariance) for housing, body in pairs])
+    assert 0.0 < more < 0.06**2
+    assert (more > 0.04**2) == (speed == 0.0)
 
 
 def crossing(t: float) -> list[Box]:

@@ -10,12 +10,14 @@ import pytest
 
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
+from tools.simulation.fan import laser_fan
 from tools.simulation.laser_optics import LaserOptics
+from tools.simulation.truth.robot_truth import TapeTruth
 from tools.simulation.truth.surroundings_truth import OpticsTruth, SurfaceTruth
 from tools.simulation.truth.truth import load_truth
 from tools.simulation.world import World
 
-PLASTER = SurfaceTruth(share=1.0, offset=0.0, noise=0.0, reach=80.0, facing=math.pi / 2)
+PLASTER = SurfaceTruth(share=1.0, offset=0.0, noise=0.0, reach=80.0, facing=math.pi / 2, glare=0.0)
 SILENT = msgspec.structs.replace(load_truth("ideal").noise, laser_range=0.0)
 
 
@@ -90,3 +92,17 @@ def test_bodies_have_no_surface_of_a_wall() -> None:
     world.add_body(Pose(2.0, 1.0, 0.3))
     world.add_body(Pose(3.5, 1.5, 0.0))
     assert np.isfinite(scan_of(world)).sum() > 10
+
+
+def test_a_shiny_surface_passes_for_a_reflector_at_its_normal_alone_where_tape_is_worn() -> None:
+    world = make_world(msgspec.structs.replace(PLASTER, glare=0.03))
+    body = world.add_body(Pose(2.0, 1.0, 0.3))
+    bearings = np.radians(np.linspace(-90.0, 90.0, 361))
+    fan = laser_fan(body, body.pose, bearings, (0.0, 0.0, 0.0))
+    assert world.scans([fan])[0].reflectors is None
+    body.tape = TapeTruth(worn=True, facing=0.8, missed=0.0)
+    reflectors = world.scans([fan])[0].reflectors
+    assert reflectors is not None
+    off_axis = np.abs(np.remainder(fan.angles + math.pi / 4, math.pi / 2) - math.pi / 4)
+    assert 3 <= reflectors.sum() <= 15
+    assert (off_axis[reflectors] < 0.03).all()

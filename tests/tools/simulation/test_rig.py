@@ -62,7 +62,7 @@ def test_a_scanner_that_looks_backwards_sees_what_is_behind() -> None:
     assert np.cos(behind.angles - PLACE.theta).max() < 0.02
     world = make_rig("plain").world
     behind = behind._replace(ends=None)
-    seen = world.scans([behind])[0]
+    seen = world.scans([behind])[0].ranges
     free = [
         world.free_way(x, y, angle)
         for x, y, angle in zip(behind.x, behind.y, behind.angles, strict=True)

@@ -13,6 +13,8 @@ Length = Annotated[float, msgspec.Meta(gt=0.0)]
 NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]
 _FARTHEST = 1.1 * math.pi  # rad; half a turn and a spread about it
 Angle = Annotated[float, msgspec.Meta(ge=-_FARTHEST, le=_FARTHEST)]
+SteepAngle = Annotated[float, msgspec.Meta(gt=0.0, le=math.pi / 2)]
+Share = Annotated[float, msgspec.Meta(ge=0.0, le=1.0)]
 Corner = tuple[float, float]
 """x and y in base_link, m."""
 Segments = Annotated[int, msgspec.Meta(ge=0, le=7)]
@@ -46,6 +48,19 @@ class SilhouetteTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_
 
     def __post_init__(self) -> None:
         _require_convex(self.polygons)
+
+
+class TapeTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Reflecting tape round the robot, at the height of other robots' lasers.
+
+    facing: rad, the largest angle between a beam and the tape's normal at which it returns a
+    reflector's light. missed: share of the beams within that angle that miss it: seams, dirt and
+    slack.
+    """
+
+    worn: bool
+    facing: SteepAngle
+    missed: Share
 
 
 class LaserTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -151,6 +166,7 @@ class RobotTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     base: BaseTruth
     body: BodyTruth
     silhouette: SilhouetteTruth
+    tape: TapeTruth
     laser: LaserTruth
     camera: CameraTruth
     band: BandTruth

@@ -18,7 +18,8 @@ class SurfaceTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
 
     share: of the walls. offset: m, systematic. noise: standard deviation of one range at once
     before the laser, m. reach: m, farther away nothing returns. facing: rad, the largest angle
-    between a beam and the surface's normal at which something returns.
+    between a beam and the surface's normal at which something returns. glare: rad, the largest one
+    at which it passes for a reflector; 0 for never.
     """
 
     share: Share
@@ -26,6 +27,7 @@ class SurfaceTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fie
     noise: NotNegative
     reach: float
     facing: SteepAngle
+    glare: NotNegative
 
 
 class OpticsTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -82,3 +82,25 @@ def test_next_multiple_is_the_first_at_or_after_t() -> None:
     assert next_multiple(0.0, 0.5) == 0.0
     assert next_multiple(0.4, 0.5) == 0.5
     assert next_multiple(1.5 + 1e-9, 0.5) == 1.5
+
+
+@pytest.mark.parametrize("partial", [False, True])
+def test_reflectors_are_those_of_each_beams_own_turn(*, partial: bool) -> None:
+    clock = Clock()
+
+    def reflectors() -> NDArray[np.bool_]:
+        return np.full(clock.shape[0], len(clock.asked) % 2 == 1)
+
+    mirror = EmulatedMirror(clock, reflectors)
+    mirror.start(0.0, partial=partial)
+    found = sweeps(mirror, Variant(180, 50), 4.6 * TURN)
+    first, second = found[:2]
+    assert first.reflectors is not None
+    assert second.reflectors is not None
+    assert len(first.reflectors) == len(first.ranges)
+    if partial:
+        assert first.reflectors.all()
+        assert not second.reflectors.any()
+    else:
+        assert first.reflectors[::2].all()
+        assert not first.reflectors[1::2].any()
