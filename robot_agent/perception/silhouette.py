@@ -155,6 +155,11 @@ class Silhouettes:
         return np.ones_like(self.small) if self.small.all() else ~self.small
 
     @cached_property
+    def reach(self) -> float:
+        """Distance, m, from the middle to the farthest corner of any."""
+        return max(float(np.hypot(*each.corners.T).max()) for each in self.shapes)
+
+    @cached_property
     def narrowest(self) -> float:
         """Least width, m, of a part large enough to be seen whole."""
         return _NARROWEST * min(float(each.widths.min()) for each in self._chosen(self.parts))

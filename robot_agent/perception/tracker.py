@@ -25,7 +25,7 @@ from robot_agent.perception.track_filter import GATE_DISTANCE, Detection, TrackF
 from robot_agent.perception.unexplained import UnexplainedPoints
 from robot_agent.perception.visibility import VISIBILITY, VISIBILITY_MARGIN
 
-COVER = 0.45  # m from the centre of a track just seen: beams that end there are not of walls
+_COVER_MARGIN = 0.12  # m round a track just seen: beams that end there are not of walls
 COVER_MEMORY = 0.5  # s that a track counts as just seen
 MAX_COVERED = 0.5  # share of a scan's beams
 SONAR_GATE = 0.5  # m from a track out of the laser's view to a sonar echo of it
@@ -191,7 +191,7 @@ class TeammateTracker:
             track = each.track_at(t)
             dx, dy = track.x - pose.x, track.y - pose.y
             away = np.hypot(points[:, 0] - (c * dx + s * dy), points[:, 1] - (c * dy - s * dx))
-            covered |= away < COVER
+            covered |= away < self.silhouettes.reach + _COVER_MARGIN
         if np.count_nonzero(covered) > self._max_covered * len(points):
             return None
         return covered
