@@ -135,7 +135,7 @@ def test_a_large_teammate_that_drives_ahead_in_a_corridor_is_no_repeated_scan(
     robot = fleet.robots[0]
     ahead = Pose(2.6, 0.0, 0.0)
     teammate = fleet.world.add_body(robot.rig.body.pose.compose(ahead), outline_of(truth.robot))
-    while fleet.t < 8.0:
+    while fleet.t < 11.0:
         fleet.step()
         fleet.world.place(teammate, robot.rig.body.pose.compose(ahead))
     assert robot.rig.body.pose.y > 8.2

@@ -14,7 +14,7 @@ def test_a_robot_behind_a_teammate_does_not_take_its_scan_for_a_repeated_one() -
     """The corridor's walls show no travel along it, and the teammate ahead seems to stand."""
     folder = load_map_folder(find_map("paper_lab", Path()), "border")
     fleet = Fleet(folder, 2, 1, starts=[Pose(4.6, 3.76, 0.0), Pose(6.9, 3.76, 0.0)])
-    while fleet.t < 14.0:
+    while fleet.t < 16.0:
         fleet.step()
     for robot in fleet.robots:
         assert robot.agent.pose_tracker.travel.fault is None
