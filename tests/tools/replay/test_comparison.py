@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import msgspec
+import pytest
 
 from robot_agent.messages.effects import Effect, Publish, Send
 from robot_agent.recording.run_header import SCHEMA_VERSION
@@ -19,25 +20,17 @@ def payload(stream: str, **fields: object) -> Publish:
     return Publish(stream, msgspec.json.encode(fields))
 
 
-def test_recording_of_layout_2_replays_identically() -> None:
-    """18 s of a robot with a camera among two strangers."""
-    recording = read_recording(RECORDINGS / "layout_2_strangers.mcap")
+@pytest.mark.parametrize("name", ["layout_2_strangers", "layout_2_meeting"])
+def test_recording_of_layout_2_replays_identically_until_it_drives_fast(name: str) -> None:
+    """18 s of a robot; since layout 4 it goes slowly until scans have confirmed its mount."""
+    recording = read_recording(RECORDINGS / f"{name}.mcap")
     result = Replay(recording).run()
     assert recording.layout == 2
-    assert result.difference is None
-    assert result.decisions == 157
-    assert result.bytes_sent > 2000
-
-
-def test_recording_of_layout_2_with_a_teammate_replays_up_to_its_first_detection() -> None:
-    """18 s of two robots that meet; since layout 4 a teammate's place is measured otherwise."""
-    recording = read_recording(RECORDINGS / "layout_2_meeting.mcap")
-    result = Replay(recording).run()
     assert result.difference is not None
-    assert "tracks" in result.difference or "entities" in result.difference
-    assert 6.0 < result.duration < 7.0
+    assert 2.9 < result.duration < 3.1
     whole = Replay(recording).run(check=False)
     assert whole.decisions == 157
+    assert whole.bytes_sent > 1900
     assert "3 to 4" in "".join(recording.upgrades)
 
 
