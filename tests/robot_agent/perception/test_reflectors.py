@@ -93,11 +93,11 @@ def test_a_glint_on_a_few_beams_is_no_tape(room: Room) -> None:
     assert kinds_seen(room, mode, bits, wearing, 1.5) == {Kind.UNKNOWN}
 
 
-def test_reflectors_on_a_wall_behind_a_robot_are_not_its_tape(room: Room) -> None:
+def test_reflectors_on_a_wall_beside_a_robot_are_not_its_tape(room: Room) -> None:
     rng = np.random.default_rng(6)
-    before_wall = Pose(9.0, 4.0, 0.0)
+    here = Pose(9.0, 6.8, 0.0)
     tracker = TeammateTracker(PerceptionSettings(reflecting_bands=True), room.map, SILHOUETTES)
     for step in range(15):
-        points = room.scan(before_wall, [Box(11.4, 4.0, 0.0)], rng)
-        tracker.update(step * PERIOD, before_wall, points, points[:, 0] > 2.9)
+        points = room.scan(here, [Box(10.6, 7.55, 0.0)], rng)
+        tracker.update(step * PERIOD, here, points, points[:, 1] > 1.15)
     assert [track.kind for track in tracker.tracks] == [Kind.UNKNOWN]
