@@ -97,7 +97,7 @@ class Identity:
         self._add(_WRONG_SIZE)
 
     def on_reflector(self) -> None:
-        """Add the evidence of a scan in which it has a reflector, as teammates have."""
+        """Add the evidence of a scan in which it wears reflecting tape, as teammates do."""
         self._add(_REFLECTOR)
 
     def _add(self, evidence: float) -> None:

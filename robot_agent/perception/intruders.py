@@ -46,7 +46,7 @@ class Intruder:
 class _Candidate:
     """A track near the border, since a time, that is not classified as a stranger yet.
 
-    Once it is, its whole stay counts.
+    Once it is, its whole stay counts. began: x, y, m, where the track was first near the border.
     """
 
     track: int
@@ -54,6 +54,7 @@ class _Candidate:
     last_seen: float
     x: float
     y: float
+    began: tuple[float, float]
     taken_for_teammate: float  # when last; -inf if never
 
 
@@ -93,6 +94,8 @@ class Intruders:
             if not (_is_stranger(track, t, settings) or self._stands_where_one_was(track)):
                 continue
             known = self._known(t, track, tracks)
+            if known is None and self._is_beside_one(t, track):
+                continue
             intruder = Intruder(
                 number=known.number if known else self._number + 1,
                 track=track.id,
@@ -121,7 +124,9 @@ class Intruders:
                     each
                     for each in self._candidates.values()
                     if each.last_seen < track.first_seen
-                    and _reachable(each.x, each.y, track, track.first_seen - each.last_seen)
+                    and _reachable(
+                        each.x, each.y, (track.x, track.y), track.first_seen - each.last_seen
+                    )
                 ),
                 None,
             )
@@ -130,7 +135,9 @@ class Intruders:
         taken_for_teammate = own.taken_for_teammate if own else -math.inf
         if track.teammate:
             taken_for_teammate = track.last_seen
-        return _Candidate(track.id, since, track.last_seen, track.x, track.y, taken_for_teammate)
+        place = track.x, track.y
+        began = own.began if own and own.track == track.id else place
+        return _Candidate(track.id, since, track.last_seen, *place, began, taken_for_teammate)
 
     def _stands_where_one_was(self, track: Track) -> bool:
         """Return whether a track is a known intruder's, or began where one was last seen."""
@@ -149,11 +156,12 @@ class Intruders:
             if each.track == track.id:
                 return each
         followed = {other.id for other in tracks if t - other.last_seen <= _SEEN_LATELY}
+        began = self._candidates[track.id].began
         near = [
             each
             for each in self.known
             if each.track not in followed
-            and _reachable(each.x, each.y, track, track.first_seen - each.last_seen)
+            and _reachable(each.x, each.y, began, track.first_seen - each.last_seen)
         ]
         if not near:
             return None
@@ -161,6 +169,17 @@ class Intruders:
         moved = replace(nearest, track=track.id)
         self.known[self.known.index(nearest)] = moved
         return moved
+
+    def _is_beside_one(self, t: float, track: Track) -> bool:
+        """Return whether a track is so near an intruder just seen that both may be one.
+
+        Legs in a wide stride are two tracks for a while; persons who part are reported then.
+        """
+        return any(
+            t - each.last_seen <= _SEEN_LATELY
+            and math.dist((track.x, track.y), (each.x, each.y)) <= _SAME_PLACE
+            for each in self.known
+        )
 
     def _forget(self, t: float) -> None:
         self.known = [each for each in self.known if t - each.last_seen <= _MEMORY]
@@ -179,6 +198,6 @@ def _is_stranger(track: Track, t: float, settings: PerceptionSettings) -> bool:
     return track.kind is Kind.STRANGER
 
 
-def _reachable(x: float, y: float, track: Track, unseen: float) -> bool:
+def _reachable(x: float, y: float, began: tuple[float, float], unseen: float) -> bool:
     walked = min(_WALK * max(unseen, 0.0), _FARTHEST_WALK)
-    return math.hypot(track.x - x, track.y - y) <= _SAME_PLACE + walked
+    return math.dist((x, y), began) <= _SAME_PLACE + walked

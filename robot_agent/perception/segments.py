@@ -32,7 +32,8 @@ _LEG = 0.05  # m; less is a chair's leg or noise
 _LEG_SIGMA = 0.12  # m; of a person's centre by the legs, one of which stands still
 _THIN = 0.75  # m; wider segments are objects of their own
 _BESIDE = 0.45  # m from the middle of a robot within which thin segments are parts of it
-_REFLECTOR_REACH = 0.45  # m from a robot's middle to a reflector on it
+_TAPE_REACH = 0.45  # m from a robot's middle to tape round it
+_TAPE = 0.5  # share of the beams on a robot that tape returns; metal does near its normal alone
 _MIN_FILL = 0.6  # share of the beams a solid object of this width would return
 _MAX_SEGMENTS = 6  # nearest ones kept: bounds the tracker's load by a scan that fits no map
 _COARSEST_INCREMENT = math.radians(1.0)
@@ -60,7 +61,7 @@ class Segment:
     whole: enough of it is seen to measure its size; otherwise it is a part that may belong to a
     track. robot_sized: it may be a robot by its size. small: its silhouette would be one that a leg
     or a post has too. misfit: of the best silhouette (``OutlineFit``), infinite without a fit.
-    reflecting: it has a reflector, if the laser reports them.
+    reflecting: it wears reflecting tape, if the laser reports that.
     """
 
     x: float
@@ -119,7 +120,8 @@ def find_segments(
     segments = [each.segment for each in runs if each.admitted is None]
     segments += _fitted(silhouettes, points, [each for each in runs if each.admitted is not None])
     if reflectors is not None and reflectors.any():
-        segments = [_with_reflector(segment, points, reflectors) for segment in segments]
+        beams = points[indices], reflectors[indices]
+        segments = [_with_tape(segment, *beams) for segment in segments]
     segments = _people(segments)
     segments.sort(key=_distance)
     return segments[:_MAX_SEGMENTS]
@@ -166,11 +168,16 @@ def _distance(segment: Segment) -> float:
     return math.hypot(segment.x, segment.y)
 
 
-def _with_reflector(
+def _with_tape(
     segment: Segment, points: NDArray[np.float64], reflectors: NDArray[np.bool_]
 ) -> Segment:
-    away = np.hypot(points[reflectors, 0] - segment.x, points[reflectors, 1] - segment.y)
-    return replace(segment, reflecting=bool((away < _REFLECTOR_REACH).any()))
+    """Return the segment with whether it wears tape; points: those that the map does not explain.
+
+    A glint of metal on it, or of a wall beside it, is no tape.
+    """
+    away = np.hypot(points[:, 0] - segment.x, points[:, 1] - segment.y)
+    on_it = reflectors[away < _TAPE_REACH]
+    return replace(segment, reflecting=bool(on_it.any()) and float(on_it.mean()) >= _TAPE)
 
 
 def _people(segments: list[Segment]) -> list[Segment]:

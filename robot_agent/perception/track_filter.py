@@ -41,7 +41,7 @@ class Detection:
 
     whole: enough of it was seen to start a track. robot_sized: it may be a robot by its size.
     small: by a silhouette that a leg or a post has too. misfit: of the best silhouette
-    (``OutlineFit``). reflecting: it has a reflector, if the laser reports them.
+    (``OutlineFit``). reflecting: it wears reflecting tape, if the laser reports that.
     """
 
     x: float

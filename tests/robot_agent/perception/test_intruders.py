@@ -143,3 +143,24 @@ def test_teammate_briefly_taken_for_a_stranger_is_not_reported(
         start = 1.1 + 2.0 * k
         assert stay(intruders, teammate, start, start + 1.0) == []
         assert stay(intruders, STRANGER, start + 1.1, start + 1.8) == []
+
+
+def test_new_track_counts_from_where_it_began(intruders: Intruders) -> None:
+    """A person's track is lost; the next one has walked on by the time it is a stranger's."""
+    assert stay(intruders, STRANGER, 0.0, 5.0) == [1]
+    for k in range(50):
+        t = 5.1 + 0.1 * k
+        kind = Kind.STRANGER if k > 20 else Kind.UNKNOWN
+        walker = replace(STRANGER, id=9, x=5.2 + 0.1 * k, first_seen=5.1, last_seen=t, kind=kind)
+        assert intruders.update(t, [walker]) == []
+    assert [(each.number, each.track) for each in intruders.known] == [(1, 9)]
+
+
+def test_two_tracks_within_a_stride_are_one_intruder_until_they_part(intruders: Intruders) -> None:
+    numbers = []
+    for k in range(120):
+        t, apart = 0.1 * k, 0.5 if k < 80 else 1.5
+        leg = replace(STRANGER, last_seen=t)
+        other = replace(STRANGER, id=8, x=5.0 + apart, last_seen=t)
+        numbers += [(k, each.number) for each in intruders.update(t, [leg, other])]
+    assert numbers == [(30, 1), (80, 2)]

@@ -46,8 +46,13 @@ def as_decoded(sent: bytes, mode: int, t: float) -> Scan:
     return scan_of(measurement, t, 0.0)
 
 
-def kinds_seen(room: Room, mode: int, bits: int, settings: PerceptionSettings) -> set[Kind]:
-    """Return the kinds of the track of a standing robot whose middle beams have bits set."""
+def kinds_seen(
+    room: Room, mode: int, bits: int, settings: PerceptionSettings, half_width_deg: float = 10.0
+) -> set[Kind]:
+    """Return the kinds of the track of a standing robot, of whose beams some have bits set.
+
+    half_width_deg: from the robot's middle up to which they have; the robot is 20 degrees wide.
+    """
     rng = np.random.default_rng(5)
     tracker = TeammateTracker(settings, room.map, SILHOUETTES)
     projector = ScanProjector(Pose(0.0, 0.0, 0.0))
@@ -56,7 +61,7 @@ def kinds_seen(room: Room, mode: int, bits: int, settings: PerceptionSettings) -
     for step in range(15):
         points = room.scan(HERE, [robot], rng)
         bearings = np.linspace(-math.pi / 2, math.pi / 2, len(points))
-        on_tape = np.abs(bearings - bearing) < math.radians(2.5)
+        on_tape = np.abs(bearings - bearing) < math.radians(half_width_deg)
         sent = as_sent(np.hypot(points[:, 0], points[:, 1]), on_tape, mode, bits)
         scan = as_decoded(sent, mode, step * PERIOD)
         reflectors = None if scan.reflectors is None else scan.reflectors[hits(scan)]
@@ -80,3 +85,19 @@ def test_reflecting_tape_makes_a_teammate_in_every_mode_with_reflectors(
 def test_a_field_flag_is_no_reflector(room: Room, mode: int) -> None:
     wearing = PerceptionSettings(reflecting_bands=True)
     assert kinds_seen(room, mode, FIELD_A, wearing) == {Kind.UNKNOWN}
+
+
+def test_a_glint_on_a_few_beams_is_no_tape(room: Room) -> None:
+    wearing = PerceptionSettings(reflecting_bands=True)
+    mode, bits = 0x05, REFLECTOR[0x05]
+    assert kinds_seen(room, mode, bits, wearing, 1.5) == {Kind.UNKNOWN}
+
+
+def test_reflectors_on_a_wall_beside_a_robot_are_not_its_tape(room: Room) -> None:
+    rng = np.random.default_rng(6)
+    here = Pose(9.0, 6.8, 0.0)
+    tracker = TeammateTracker(PerceptionSettings(reflecting_bands=True), room.map, SILHOUETTES)
+    for step in range(15):
+        points = room.scan(here, [Box(10.6, 7.55, 0.0)], rng)
+        tracker.update(step * PERIOD, here, points, points[:, 1] > 1.15)
+    assert [track.kind for track in tracker.tracks] == [Kind.UNKNOWN]
