@@ -308,12 +308,15 @@ class Agent:
         self._watch_own_parts(t, odometry, scan)
         scan = self._projector.without_body(scan)
         points = self.surroundings.on_scan(scan, odometry, self.odometry)
-        self._watch_travel(t, scan.t, odometry, points)
-        if self.teleop is None:  # else there is no map to find a place in
+        if self.teleop is not None:
+            self._watch_travel(t, scan.t, odometry, points)
+        else:  # else there is no map to find a place in
             # 2. Where the robot was.
             known = self.perception.tracked_points(
                 scan.t, self.localizer.estimate, odometry, points
             )
+            still = points if known is None else points[~known]
+            self._watch_travel(t, scan.t, odometry, still)
             estimate = self.pose_tracker.update(t, scan.t, odometry, points, known)
             if estimate.health is Health.LOCALIZED:
                 self.freshness.on_localized(self._now)
