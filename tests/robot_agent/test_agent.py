@@ -339,7 +339,7 @@ def test_laser_mounted_otherwise_stops_the_robot_and_names_the_setting(folder: M
 
 
 def test_own_parts_in_view_stop_the_robot_and_are_named(folder: MapFolder) -> None:
-    fleet = Fleet(folder, 3, seed=1, truth=load_truth("own_parts"))
+    fleet = Fleet(folder, 3, seed=2, truth=load_truth("own_parts"))
     agent = fleet.robots[0].agent
     run_until(fleet, 30.0)
     assert agent.gate_decision is not None

@@ -79,7 +79,9 @@ def test_blockage_reverses_keep_going(heading):
 def test_box_on_the_border_is_waited_for_and_reported():
     """Slows, stops short of it, waits ten seconds, turns round and patrols the other way."""
     log = EventLog()
-    fleet = Fleet(LAB, 1, seed=1, starts=[Pose(5.5, 13.4, 0.0)], observer=lambda name, config: log)
+    config = AgentConfig(patrol=PatrolSettings(reversal_probability=0.0))
+    starts = [Pose(5.5, 13.4, 0.0)]
+    fleet = Fleet(LAB, 1, 1, config, starts, lambda name, config: log)
     box = fleet.world.add_body(Pose(9.0, 13.75, 0.0), Outline(0.1, 0.1, 0.15))
     (robot,) = fleet.robots
     rows = []
