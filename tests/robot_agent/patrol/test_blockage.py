@@ -8,6 +8,7 @@ import pytest
 
 from maps.map_folder import load_map_folder
 from maps.pose import Pose
+from robot_agent.config import AgentConfig
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.blockage import Blockage
 from robot_agent.patrol.neighbor_state import NeighborView
