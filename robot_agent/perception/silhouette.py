@@ -104,10 +104,16 @@ class Silhouette:
         """Whether it is so small that a leg or a post looks alike."""
         return float(self.widths.max()) < SMALL
 
-    def admits(self, extent: float) -> bool:
-        """Return whether it may be a segment of a width, m, seen whole."""
-        narrowest, widest = float(self.widths.min()), float(self.widths.max())
-        return _NARROWEST * narrowest <= extent <= _WIDEST * widest
+    @cached_property
+    def extents(self) -> tuple[float, float]:
+        """Least and largest width, m, of a segment that may be all of it."""
+        return _NARROWEST * float(self.widths.min()), _WIDEST * float(self.widths.max())
+
+    @cached_property
+    def depth_by_width(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Widths (n,) in increasing order with the depths (n,) there, m."""
+        order = np.argsort(self.widths, kind="stable")
+        return self.widths[order], self.depths[order]
 
 
 class Silhouettes:
@@ -142,7 +148,13 @@ class Silhouettes:
 
     def admitting(self, extent: float) -> NDArray[np.bool_]:
         """Return (silhouettes,) which may be a segment of a width, m, seen whole."""
-        return np.array([each.admits(extent) for each in self.shapes])
+        low, high = self._extents
+        return np.asarray((low <= extent) & (extent <= high))
+
+    @cached_property
+    def _extents(self) -> NDArray[np.float64]:
+        """(2, silhouettes) least and largest width, m."""
+        return np.array([each.extents for each in self.shapes]).T
 
     @cached_property
     def small(self) -> NDArray[np.bool_]:
@@ -162,12 +174,13 @@ class Silhouettes:
     @cached_property
     def narrowest(self) -> float:
         """Least width, m, of a part large enough to be seen whole."""
-        return _NARROWEST * min(float(each.widths.min()) for each in self._chosen(self.parts))
+        return min(each.extents[0] for each in self._chosen(self.parts))
 
     def depth(self, extent: float) -> float:
         """Return the usual distance, m, from the nearest point to the middle at a width, m."""
         chosen = self._chosen(self.admitting(extent)) or self.shapes
-        return float(np.mean([_depth_at(each, extent) for each in chosen]))
+        depths = [float(np.interp(extent, *each.depth_by_width)) for each in chosen]
+        return sum(depths) / len(depths)
 
     def _chosen(self, which: NDArray[np.bool_]) -> list[Silhouette]:
         return [each for each, use in zip(self.shapes, which, strict=True) if use]
@@ -222,8 +235,3 @@ def _hypotheses(
 def _turned(points: NDArray[np.float64], angle: float) -> NDArray[np.float64]:
     c, s = math.cos(angle), math.sin(angle)
     return np.asarray(points @ np.array(((c, s), (-s, c))))
-
-
-def _depth_at(shape: Silhouette, extent: float) -> float:
-    order = np.argsort(shape.widths, kind="stable")
-    return float(np.interp(extent, shape.widths[order], shape.depths[order]))
