@@ -61,7 +61,7 @@ from robot_agent.obstacles.surroundings import Surroundings
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.perception import NewIntruder, Perception
 from robot_agent.perception.scan_points import ScanProjector
-from robot_agent.perception.silhouette import Corners, rectangle
+from robot_agent.perception.silhouette import body_corners
 from robot_agent.pose.pose_memory import PoseMemory
 from robot_agent.pose.pose_tracker import PoseTracker
 from robot_agent.report.health_summary import HealthSummary
@@ -124,7 +124,7 @@ class Agent:
         )
         self.odometry = self.pose_tracker.odometry
         self.perception = Perception(
-            config.perception, config.camera, folder, _corners(self.base.model)
+            config.perception, config.camera, folder, body_corners(self.base.model.body)
         )
         self.own_parts = OwnPartsWatch()
         # Decision and control.
@@ -190,7 +190,7 @@ class Agent:
             self.perception.tracker.unexplained,
         )
         middle = 0.5 * (model.body.front - model.body.rear)
-        self.perception.use_body(_corners(model), self.laser_mount.x - middle)
+        self.perception.use_body(body_corners(model.body), self.laser_mount.x - middle)
         self.gate = SafetyGate(self._limits)
         if self.patrol is not None:
             size = BodySize(model.body.corner_reach, 0.5 * model.body.width)
@@ -524,8 +524,3 @@ class Agent:
         self.pose_tracker.remember(t, at_once=True)
         self.base.shut_down(t)
         self.laser.shut_down(t)
-
-
-def _corners(model: RobotModel) -> Corners:
-    """Return the corners of a robot's body, m."""
-    return rectangle(model.body.front + model.body.rear, model.body.width)

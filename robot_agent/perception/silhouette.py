@@ -15,6 +15,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from drivers.p2os.model import Body
+
 Corners = tuple[tuple[float, float], ...]
 """Corners of a convex polygon, counter-clockwise: x, y, m."""
 
@@ -206,6 +208,11 @@ def rectangle(length: float, width: float) -> Corners:
     """Return the corners of a rectangle about its middle, m."""
     x, y = 0.5 * length, 0.5 * width
     return ((x, -y), (x, y), (-x, y), (-x, -y))
+
+
+def body_corners(body: Body) -> Corners:
+    """Return the corners of a robot model's body, m, about its middle."""
+    return rectangle(body.front + body.rear, body.width)
 
 
 def _cut(body: Corners) -> Corners:

@@ -51,7 +51,14 @@ class Track:
     @property
     def robot_like(self) -> bool:
         """Whether it is a teammate, or moves and has a robot's size and no picture denies it."""
-        if self.kind is Kind.TEAMMATE:
-            return True
-        denied = self.by_color and self.kind is Kind.STRANGER
-        return self.moving and self.robot_sized and not denied
+        return is_robot_like(
+            self.kind, by_color=self.by_color, moving=self.moving, robot_sized=self.robot_sized
+        )
+
+
+def is_robot_like(kind: Kind, *, by_color: bool, moving: bool, robot_sized: bool) -> bool:
+    """Return ``Track.robot_like`` of a track with these fields."""
+    if kind is Kind.TEAMMATE:
+        return True
+    denied = by_color and kind is Kind.STRANGER
+    return moving and robot_sized and not denied

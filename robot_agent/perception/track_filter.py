@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from maps.pose import Pose
 from robot_agent.perception.identity import Identity, Kind
 from robot_agent.perception.kalman import KalmanFilter
-from robot_agent.perception.track import TRACK_MEMORY, Track
+from robot_agent.perception.track import TRACK_MEMORY, Track, is_robot_like
 
 CONFIRM_HITS = 3  # detections until a track is confirmed
 VELOCITY_NOISE = 0.05  # m^2/s^3; spectral density of the acceleration
@@ -133,11 +133,13 @@ class TrackFilter:
 
     @property
     def robot_like(self) -> bool:
-        """Whether it is a teammate, or moves and has a robot's size and no picture denies it."""
-        if self.teammate:
-            return True
-        denied = self.identity.by_color and self.identity.kind is Kind.STRANGER
-        return self._has_moved and self.robot_sized and not denied
+        """As of its ``Track``, without making one."""
+        return is_robot_like(
+            self.identity.kind,
+            by_color=self.identity.by_color,
+            moving=self._has_moved,
+            robot_sized=self.robot_sized,
+        )
 
     def watch_approach(self, t: float, pose: Pose) -> None:
         """Notice at t whether it comes nearer to a robot at a pose, map_from_base."""

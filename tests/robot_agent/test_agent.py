@@ -9,16 +9,15 @@ import msgspec
 import pytest
 
 from drivers.lms200.session import SessionState as LaserState
-from drivers.p2os.commands import CommandNumber, decode_command
-from drivers.p2os.framing import PacketFramer
+from drivers.p2os.commands import CommandNumber
 from drivers.p2os.session import SessionState
 from localization.health import Health
 from maps.map_folder import MapFolder, load_map_folder
 from maps.pose import Pose
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, find_map
-from robot_agent.messages.effects import Effect, Publish, Send
-from robot_agent.messages.events import BytesReceived, Event, LinkDown, Shutdown, Tick
+from robot_agent.messages.effects import Publish
+from robot_agent.messages.events import BytesReceived, LinkDown, Shutdown, Tick
 from robot_agent.messages.foxglove import Log
 from robot_agent.messages.streams import DecisionPayload, StatusPayload, decode
 from robot_agent.motion.freshness_limits import LASER
@@ -26,35 +25,13 @@ from robot_agent.motion.gate import SafetyGate
 from robot_agent.motion.gate_reason import GateReason
 from robot_agent.motion.gate_settings import gate_limits
 from robot_agent.patrol.patrol import PATROLLING
+from tests.robot_agent.tape import Tape
 from tools.bench.bench_fault import parse_fault
 from tools.bench.fleet import Fleet
 from tools.simulation.truth.truth import load_truth
 
 START = Pose(5.0, 13.4, 0.3)
 MOTION = (CommandNumber.VEL, CommandNumber.RVEL, CommandNumber.VEL2)
-
-
-class Tape:
-    """Records the events and effects of an agent."""
-
-    def __init__(self) -> None:
-        self.steps: list[tuple[Event, list[Effect]]] = []
-
-    def record_event(self, event: Event) -> None:
-        self.steps.append((event, []))
-
-    def record_effect(self, _t: float, effect: Effect) -> None:
-        self.steps[-1][1].append(effect)
-
-    def effects(self) -> list[Effect]:
-        return [effect for _, effects in self.steps for effect in effects]
-
-    def sent_to_base(self) -> list[tuple[int, int | None]]:
-        framer = PacketFramer()
-        packets = framer.feed(
-            b"".join(e.data for e in self.effects() if isinstance(e, Send) and e.link == "base")
-        )
-        return [(c.number, c.integer) for c in map(decode_command, packets)]
 
 
 @pytest.fixture(scope="module")

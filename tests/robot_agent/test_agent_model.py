@@ -12,35 +12,13 @@ from maps.map_folder import MapFolder, load_map_folder
 from maps.pose import Pose
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, find_map
-from robot_agent.messages.effects import Effect, Publish
-from robot_agent.messages.events import Event
-from robot_agent.messages.foxglove import Log
-from robot_agent.messages.streams import decode
 from robot_agent.motion.gate_reason import GateReason
+from tests.robot_agent.tape import Tape
 from tools.bench.fleet import Fleet
 from tools.simulation.rig import outline_of
 from tools.simulation.truth.truth import load_truth
 
 START = Pose(5.0, 13.4, 0.3)
-
-
-class Tape:
-    """Records the events and effects of an agent."""
-
-    def __init__(self) -> None:
-        self.steps: list[tuple[Event, list[Effect]]] = []
-
-    def record_event(self, event: Event) -> None:
-        self.steps.append((event, []))
-
-    def record_effect(self, _t: float, effect: Effect) -> None:
-        self.steps[-1][1].append(effect)
-
-    def logged(self, part: str) -> list[str]:
-        effects = (effect for _, effects in self.steps for effect in effects)
-        events = (e for e in effects if isinstance(e, Publish) and e.stream == "event")
-        logs = [decode(event.stream, event.payload) for event in events]
-        return [log.message for log in logs if isinstance(log, Log) and log.name == part]
 
 
 @pytest.fixture(scope="module")

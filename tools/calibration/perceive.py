@@ -7,19 +7,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from drivers.p2os.model import DEFAULT_MODEL, load_model
 from localization.health import Health
 from localization.localizer import Localizer
 from localization.settings import LocalizationSettings
 from maps.map_folder import MapFolder
 from robot_agent.perception.pose_sigma import PoseSigma
 from robot_agent.perception.settings import PerceptionSettings
-from robot_agent.perception.silhouette import Silhouettes, rectangle
+from robot_agent.perception.silhouette import Silhouettes, body_corners
 from robot_agent.perception.tracker import TeammateTracker
 from tools.logs.carmen import LogError
 from tools.logs.log_step import LogStep
 
 MIN_STEP_S = 0.1
-_BODY = rectangle(0.511, 0.425)  # m; a 2-DX, the robots of the logs or nearly
+_BODY = body_corners(load_model(DEFAULT_MODEL).body)  # the robots of the logs, or nearly
 
 
 @dataclass(frozen=True)

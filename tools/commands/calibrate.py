@@ -21,7 +21,7 @@ from drivers.p2os.model_choice import expected_model
 from robot_agent.config import AgentConfig, load_config
 from robot_agent.perception.band_detector import BandDetector
 from robot_agent.perception.color_settings import ColorModelSettings, ColorSettings
-from robot_agent.perception.silhouette import Silhouettes, rectangle
+from robot_agent.perception.silhouette import Silhouettes, body_corners
 from tools.calibration.camera_calibration import fit_camera, pairs_of
 from tools.calibration.color_calibration import (
     Box,
@@ -196,8 +196,7 @@ def _teammate(options: argparse.Namespace) -> int:
     scans = [
         (each.t, each.odometry, each.points()) for each in read_scan_log(options.recording).scans
     ]
-    body = expected_model(config.base).body
-    own = rectangle(body.front + body.rear, body.width)
+    own = body_corners(expected_model(config.base).body)
     learned = learn_silhouette(standing_scans(scans), Silhouettes.admitted(so_far, own).shapes)
     picture = options.picture or options.recording.with_suffix(".teammate.png")
     draw_silhouette(learned, picture)

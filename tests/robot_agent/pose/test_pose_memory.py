@@ -16,11 +16,10 @@ from maps.map_folder import MapFolder, load_map_folder
 from maps.pose import Pose
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, find_map, format_config, parse_config
-from robot_agent.messages.effects import Effect, Publish, Remember
-from robot_agent.messages.events import Event
-from robot_agent.messages.streams import decode
+from robot_agent.messages.effects import Remember
 from robot_agent.pose.pose_memory import MemorySettings, PoseMemory, RememberedPose
 from robot_agent.process.pose_file import PoseFile
+from tests.robot_agent.tape import Tape
 from tools.bench.fleet import Fleet
 from tools.simulation.lockstep import LockstepAgent
 
@@ -177,24 +176,6 @@ def test_disk_error_sets_failed(tmp_path: Path, folder: MapFolder) -> None:
 
 
 # --- the agent restarted ---------------------------------------------------------------------
-
-
-class Tape:
-    """Records the events and effects of an agent."""
-
-    def __init__(self) -> None:
-        self.steps: list[tuple[Event, list[Effect]]] = []
-
-    def record_event(self, event: Event) -> None:
-        self.steps.append((event, []))
-
-    def record_effect(self, _t: float, effect: Effect) -> None:
-        self.steps[-1][1].append(effect)
-
-    def news(self) -> list[str]:
-        effects = [effect for _, effects in self.steps for effect in effects]
-        logs = [e for e in effects if isinstance(e, Publish) and e.stream == "event"]
-        return [decode("event", log.payload).message for log in logs]  # type: ignore[union-attr]
 
 
 def run_until(fleet: Fleet, t: float) -> list[Health]:
