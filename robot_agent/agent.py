@@ -177,7 +177,10 @@ class Agent:
         self._model = model
         self._limits = gate_limits(config.gate, model, config.laser.scan_period)
         self.localizer.use_noise(MotionNoise(**msgspec.structs.asdict(model.odometry_noise)))
-        laser = config.laser.mounted(upside_down=model.laser.upside_down, ignore=model.laser.ignore)
+        self._laser_settings = config.laser.mounted(upside_down=model.laser.upside_down)
+        laser = self._laser_settings.mounted(
+            upside_down=model.laser.upside_down, ignore=model.laser.ignore
+        )
         self.laser.remount(laser)
         self.laser_mount = Pose(*(laser.mount or model.laser_mount))
         self._projector = ScanProjector(self.laser_mount, laser.ignored, Footprint(self._limits))
@@ -336,7 +339,7 @@ class Agent:
             self._projector.hide(self.own_parts.sectors)
             self.own_parts_stand_out = self._projector.stand_out(self.own_parts.places)
         notice = own_parts_notice(
-            t, self.config.laser, self.own_parts.sectors, stand_out=self.own_parts_stand_out
+            t, self._laser_settings, self.own_parts.sectors, stand_out=self.own_parts_stand_out
         )
         if notice is not None:
             self.outbox.add(notice)

@@ -170,7 +170,10 @@ class StatusPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=Tru
 class HeldBy(msgspec.Struct, frozen=True):
     """The obstacle for which the gate cut a command."""
 
-    source: Annotated[str, Meta(description="laser, remembered, sonar, map_wall or teammate_room")]
+    source: Annotated[
+        str,
+        Meta(description="laser, remembered, sonar, map_wall, teammate_room or person_room"),
+    ]
     x: Annotated[float, Meta(description="m, map frame")]
     y: Annotated[float, Meta(description="m, map frame")]
 

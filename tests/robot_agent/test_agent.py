@@ -327,6 +327,21 @@ def test_own_parts_in_view_stop_the_robot_and_are_named(folder: MapFolder) -> No
     assert "set laser.ignore = [[" in words
 
 
+def test_own_parts_of_a_model_with_its_laser_upside_down_are_named_as_the_setting_wants_them(
+    folder: MapFolder,
+) -> None:
+    """A post to the left is at 166 degrees of an upright scanner, at 14 of one turned over."""
+    tape = Tape()
+    truth = load_truth("powerbot")
+    fleet = Fleet(folder, 1, seed=2, starts=[START], truth=truth, observer=lambda *_: tape)
+    run_until(fleet, 4.0)
+    fleet.robots[0].agent.own_parts.sectors = ((math.radians(75.0), math.radians(78.0)),)
+    run_until(fleet, 4.5)
+    assert [words[-29:] for words in tape.logged("laser.ignore")] == [
+        "set laser.ignore = [[12, 15]]"
+    ]
+
+
 def test_robot_held_from_the_start_says_that_its_laser_is_not_confirmed(folder: MapFolder) -> None:
     fleet = Fleet(folder, 3, seed=3, truth=load_truth("laser_turned_180"))
     agent = fleet.robots[0].agent
