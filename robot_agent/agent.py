@@ -68,6 +68,7 @@ from robot_agent.report.health_summary import HealthSummary
 from robot_agent.report.notices import (
     gate_notice,
     intruder_notice,
+    laser_health_notice,
     override_notice,
     own_parts_notice,
     travel_notice,
@@ -210,6 +211,11 @@ class Agent:
         """Measurement time of the latest accepted scan; None before the first."""
         return self.surroundings.seen_at
 
+    @property
+    def scan_heard_at(self) -> float | None:
+        """Arrival of the latest scan, accepted or not; None before the first."""
+        return self.telemetry.links["laser"].last_heard
+
     def _pop_effects(self) -> list[Effect]:
         """Return the queued effects; a notice becomes a log event if its text has changed."""
         effects: list[Effect] = []
@@ -237,10 +243,22 @@ class Agent:
         self.base.tick(t)
         self.laser.tick(t)
         self._expire(t)
-        self.outbox.add(*self.freshness.changes(t))
-        self._log_degraded(t)
+        if not self._ending:  # else all falls silent as it should
+            self.outbox.add(*self.freshness.changes(t))
+            self._tell_of_devices(t)
+            self._log_degraded(t)
         if self.publishes:
             self.outbox.publish(self.telemetry.on_time(t))
+
+    def _tell_of_devices(self, t: float) -> None:
+        """Tell people what the sessions wait for, their troubles and what happened in them."""
+        identity, watches = self.base.identity, self.telemetry.devices
+        base = None if identity is None else f"{identity.subclass} {identity.name}"
+        self.outbox.add(*watches["base"].notices(t, self.base, base))
+        self.outbox.add(*watches["laser"].notices(t, self.laser, self.laser.identity))
+        health = laser_health_notice(t, self.laser.health, warned="laser.health" in self.warnings)
+        if health is not None:
+            self.outbox.add(health)
 
     def _log_degraded(self, t: float) -> None:
         words = "; ".join(self.health_summary.degraded(t))
@@ -279,10 +297,7 @@ class Agent:
             self._tell_of_base(t)
 
     def _tell_of_base(self, t: float) -> None:
-        """Tell people of bumpers that the base lacks, and of a model that is not its own."""
-        trouble = self.base.model_trouble
-        if trouble is not None:
-            self.outbox.add(Notice(t, "model", trouble, LogLevel.ERROR))
+        """Tell people of bumpers that the base lacks."""
         missing = self.base.missing_bumpers
         if missing is not None:
             self.outbox.add(Notice(t, "bumpers", missing, LogLevel.INFO))
@@ -503,7 +518,7 @@ class Agent:
             self.perception.camera.opened(t)
             self.outbox.add(Notice(t, "camera", "pictures come", LogLevel.INFO))
             return
-        self.telemetry.links[link].opened()
+        self.telemetry.links[link].opened(t)
         self._session(link).link_up(t)
         if link == "laser":
             self.pose_tracker.travel.restart()

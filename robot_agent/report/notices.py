@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from drivers.lms200.health import LaserHealth
 from drivers.lms200.settings import LaserSettings
 from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.notice import Notice
@@ -132,6 +133,17 @@ def own_parts_notice(
         return Notice(t, "laser.ignore", words, LogLevel.INFO)
     words += ", and in a model file (base.model) the body with these parts, that stand out of it"
     return Notice(t, "laser.ignore", words, LogLevel.ERROR)
+
+
+def laser_health_notice(t: float, health: LaserHealth | None, *, warned: bool) -> Notice | None:
+    """Return a notice of what the laser reports of itself; None if it is well and was.
+
+    warned: whether the last notice was a warning.
+    """
+    if health is None or (health.ok and not warned):
+        return None
+    level = LogLevel.INFO if health.ok else LogLevel.WARNING
+    return Notice(t, "laser.health", health.text, level)
 
 
 def intruder_notice(t: float, intruder: Intruder) -> Notice:
