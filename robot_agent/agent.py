@@ -518,7 +518,7 @@ class Agent:
             self.perception.camera.opened(t)
             self.outbox.add(Notice(t, "camera", "pictures come", LogLevel.INFO))
             return
-        self.telemetry.links[link].opened(t)
+        self.telemetry.links[link].opened()
         self._session(link).link_up(t)
         if link == "laser":
             self.pose_tracker.travel.restart()

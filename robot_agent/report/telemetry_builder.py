@@ -81,20 +81,18 @@ class RateLimit:
 class LinkReport:
     """State of one link besides its session: whether it is open, bytes received.
 
-    reason: why it is not open. opened_at: since when it is, s, None before it ever was.
-    last_heard: time of the latest complete measurement, None before.
+    reason: why it is not open. last_heard: time of the latest complete measurement, None before.
     """
 
     def __init__(self) -> None:
         self.up = False
-        self.opened_at: float | None = None
         self.reason = "not opened yet"
         self.bytes_received = 0
         self.last_heard: float | None = None
 
-    def opened(self, t: float) -> None:
-        """Record that the port is open since t."""
-        self.up, self.reason, self.opened_at = True, "", t
+    def opened(self) -> None:
+        """Record that the port is open."""
+        self.up, self.reason = True, ""
 
     def lost(self, reason: str) -> None:
         """Record that the port is not open, with the reason."""
