@@ -57,7 +57,7 @@ def test_no_example_of_a_serial_number_is_installed_as_this_robots(tmp_path: Pat
     deploy(tmp_path, [], "patrol", this_program())
     lines = (tmp_path / RULES).read_text().splitlines()
     assert [line for line in lines if line and not line.startswith("#")] == []
-    assert sum('ID_MM_DEVICE_IGNORE}="1"' in line for line in lines) == 5
+    assert sum('ID_MM_DEVICE_IGNORE}="1"' in line for line in lines) == 6
 
 
 def test_existing_udev_rules_are_kept(tmp_path: Path, config: Path) -> None:
