@@ -33,14 +33,17 @@ class EmulatedPins:
 
 
 class EmulatedBoard:
-    """Pins, sonar, requested packets, auxiliary ports, settings; made anew by a reset."""
+    """Pins, sonar, requested packets, auxiliary ports, settings; made anew by a reset, but for what
+    is attached to the ports."""
 
-    def __init__(self, make: BaseMake, firmware: Firmware) -> None:
+    def __init__(
+        self, make: BaseMake, firmware: Firmware, aux: dict[int, AuxPort] | None = None
+    ) -> None:
         self.firmware = firmware
         self.pins = EmulatedPins()
         self.sonar = SonarFiring(make.transducers)
         self.streams = EmulatedStreams()
-        self.aux = {number: AuxPort(number) for number in PORTS}
+        self.aux = aux or {number: AuxPort(number) for number in PORTS}
         self.settings = ControllerSettings()
         self.gyro = EmulatedGyro()
         self.joystick = JoystickPacket(0, 0, CENTRE, CENTRE, 0)

@@ -168,7 +168,7 @@ class P2osEmulator:
         P2OS does not send."""
         self.counters.resets += 1
         self._close()
-        self.board = EmulatedBoard(self.model, self.firmware)
+        self.board = EmulatedBoard(self.model, self.firmware, self.board.aux)
         self._server.use(self.board)
         self.framer.reset()
         self._output = PacedOutput()

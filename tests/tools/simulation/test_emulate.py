@@ -29,8 +29,10 @@ from maps.pose import Pose
 from robot_agent.config import find_map
 from tools.cli import main
 from tools.deploy.child_program import environment, program
+from tools.simulation.base_options import BaseOptions
 from tools.simulation.camera_view import CameraView
-from tools.simulation.emulate import EmulateError, EmulateOptions, Emulation, parse_pose
+from tools.simulation.emulate import EmulateOptions, Emulation, parse_pose
+from tools.simulation.emulate_error import EmulateError
 from tools.simulation.truth.truth import load_truth
 from tools.simulation.world import World
 
@@ -308,7 +310,6 @@ def test_serial_client_changes_the_rate_and_reconnects(folder: MapFolder) -> Non
                 client.send(CONFIG)
                 client.packet(lambda data: data[0] == 0x20)
                 client.send(HOSTBAUD_38400)
-                time.sleep(0.2)  # the robot must have received it before the port changes
                 client.socket.device.baudrate = 38400
                 client.buffer = b""
                 client.send(SYNC0)
@@ -491,6 +492,28 @@ def test_other_models_have_their_own_subclass(folder: MapFolder) -> None:
     options = EmulateOptions(truth=load_truth("p2at"), p2os="tcp:0", pose=OPEN_PLACE)
     with emulated(folder, options) as urls, closing(ManualClient(urls["p2os"])) as client:
         assert client.shake_hands()[2] == b"p2at"
+
+
+def test_killed_client_leaves_the_robot_driving_until_the_watchdog(folder: MapFolder) -> None:
+    options = EmulateOptions(p2os="tcp:0", pose=OPEN_PLACE, base=BaseOptions(watchdog=0.6))
+    with emulated(folder, options) as urls:
+        with closing(ManualClient(urls["p2os"])) as client:
+            client.shake_hands()
+            client.send(ENABLE)
+            client.drive_until(lambda sip: speeds(sip)[0] > 200)
+        with closing(reconnected(urls["p2os"])) as again:
+            again.sip(lambda sip: speeds(sip) == (0, 0))
+            again.send(SYNC0)  # PULSE to a session that is still open
+            assert speeds(again.sip(lambda sip: speeds(sip)[0] > 0))[0] > 0
+            again.send(CLOSE)
+
+
+def test_help_tells_of_the_watchdog(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["emulate", "--help"])
+    text = " ".join(capsys.readouterr().out.split())
+    assert "leaves it driving until the base's watchdog" in text
+    assert "--model" in text
 
 
 def test_free_place_is_chosen_by_seed(folder: MapFolder) -> None:
