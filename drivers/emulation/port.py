@@ -177,7 +177,7 @@ class TcpPort:
 
     def unplug(self) -> None:
         """Disconnect the client and stop listening."""
-        self._hang_up()
+        self.hang_up()
         self._listener.close()
 
     def pump(self, t: float) -> None:
@@ -219,7 +219,7 @@ class TcpPort:
         except OSError:
             data = b""
         if not data:
-            self._hang_up()
+            self.hang_up()
         return data
 
     def _flush(self) -> None:
@@ -230,13 +230,14 @@ class TcpPort:
         except BlockingIOError:
             sent = 0
         except OSError:
-            self._hang_up()
+            self.hang_up()
             return
         del self._unsent[:sent]
         if len(self._unsent) > MAX_WAITING:
-            self._hang_up()
+            self.hang_up()
 
-    def _hang_up(self) -> None:
+    def hang_up(self) -> None:
+        """Disconnect the client, if there is one."""
         if self._client is not None:
             self._client.close()
             self._client = None

@@ -76,6 +76,8 @@ class P2osSession:
     def __init__(self, settings: BaseSettings) -> None:
         self.state = SessionState.DOWN
         self.state_since = -math.inf
+        self.ended = False
+        """Whether the session was shut down; it is not opened again."""
         self.identity: RobotIdentity | None = None
         self.model: RobotModel = expected_model(settings)
         self.model_trouble: str | None = None
@@ -148,7 +150,9 @@ class P2osSession:
         return self.model_trouble or self._motors.trouble(self._t) or self._set_up.trouble
 
     def link_up(self, t: float) -> None:
-        """Start the search for the robot: the port is open."""
+        """Start the search for the robot: the port is open. No effect after ``shut_down``."""
+        if self.ended:
+            return
         self._requests.clear()
         self.framer.reset()
         self._search(SessionState.SYNCING, None, t)
@@ -243,7 +247,9 @@ class P2osSession:
             self._outbox.add(what)
 
     def shut_down(self, t: float) -> None:
-        """Stop the robot, switch its motors off, close the session; the state becomes DOWN."""
+        """Stop the robot, switch its motors off, close the session for good; the state becomes
+        DOWN. That the robot closes the connection then is no fault."""
+        self.ended = True
         if self.state is SessionState.DOWN:
             return
         for last in (STOP, command(CommandNumber.ENABLE, 0), CLOSE):

@@ -8,11 +8,13 @@ from dataclasses import dataclass
 import msgspec
 
 from drivers.emulation.fault_plan import Span
+from drivers.emulation.port import PtyPort, TcpPort
 from drivers.p2os.commands import HOST_BAUDS
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.emulator.firmware import Firmware
 from tools.simulation.emulate_error import EmulateError
+from tools.simulation.hanging_up_port import HangingUpPort
 from tools.simulation.truth.robot_truth import BumperTruth, ChargingTruth, RobotTruth
 
 NEVER = Span(0.0, 0.0)
@@ -35,6 +37,8 @@ class BaseOptions:
     """False: none is fitted, its inputs are open; True: as the truth says."""
     loop_back: bool = False
     """Whether a plug on each auxiliary port returns what is sent there."""
+    hang_up: bool = False
+    """Whether it ends a TCP connection when its client closes the session."""
 
     def applied(self, robot: RobotTruth) -> RobotTruth:
         """Return the robot as these options make it; EmulateError where its firmware cannot."""
@@ -52,6 +56,16 @@ class BaseOptions:
                 fitted=robot.bumpers.fitted and self.bumpers, segments=robot.bumpers.segments
             ),
         )
+
+    def pumped(
+        self, port: PtyPort | TcpPort, base: P2osEmulator
+    ) -> PtyPort | TcpPort | HangingUpPort:
+        """Return what pumps the base's port; EmulateError where that cannot hang up."""
+        if not self.hang_up:
+            return port
+        if isinstance(port, PtyPort):
+            raise EmulateError("--hang-up: a pty has no connection to end; add --p2os tcp:8101")
+        return HangingUpPort(port, base)
 
     def plug_in(self, base: P2osEmulator) -> None:
         """Put the plugs on a base's auxiliary ports."""
@@ -101,6 +115,9 @@ def add_base_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--loop-back", action="store_true", help="plugs on the auxiliary ports return what is sent"
     )
+    group.add_argument(
+        "--hang-up", action="store_true", help="it ends the TCP connection after CLOSE"
+    )
 
 
 def chosen_base(options: argparse.Namespace) -> BaseOptions:
@@ -113,6 +130,7 @@ def chosen_base(options: argparse.Namespace) -> BaseOptions:
         charging=options.charging,
         bumpers=not options.no_bumpers,
         loop_back=options.loop_back,
+        hang_up=options.hang_up,
     )
 
 

@@ -88,7 +88,8 @@ class Emulation:
                 port = open_emulated_port(f"--{name}", place, line, names / name)
                 stack.callback(port.close)
                 self.urls[name] = port.url
-                ports.append(port)
+                is_base = line is base
+                ports.append(options.base.pumped(port, self.rig.base) if is_base else port)
             if options.camera is not None:
                 camera = open_camera(options.camera, world, self.rig.body)
                 stack.callback(camera.close)

@@ -428,6 +428,23 @@ def test_shut_down_leaves_a_closed_robot_standing(bench: MakeBench) -> None:
     assert wire.session.pop_requests() == []
 
 
+def test_session_that_was_shut_down_is_not_opened_again(bench: MakeBench) -> None:
+    wire = bench()
+    wire.connect()
+    wire.session.shut_down(wire.t)
+    assert wire.session.ended
+    wire.session.link_down(wire.t)
+    wire.session.link_up(wire.t)
+    wire.session.pop_requests()
+    wire.run(2.0)
+    assert wire.session.state is SessionState.DOWN
+    assert wire.emulator.counters.sessions == 1
+    never_up = P2osSession(BaseSettings())
+    never_up.shut_down(0.0)
+    never_up.link_up(1.0)
+    assert never_up.pop_requests() == []
+
+
 @pytest.mark.parametrize("phase", [0.04 * step for step in range(13)])
 def test_silent_robot_is_found_again_and_stopped_first(bench: MakeBench, phase: float) -> None:
     wire = bench()

@@ -508,6 +508,19 @@ def test_killed_client_leaves_the_robot_driving_until_the_watchdog(folder: MapFo
             again.send(CLOSE)
 
 
+def test_base_that_hangs_up_does_so_after_close(folder: MapFolder) -> None:
+    options = EmulateOptions(p2os="tcp:0", pose=OPEN_PLACE, base=BaseOptions(hang_up=True))
+    with emulated(folder, options) as urls:
+        with closing(ManualClient(urls["p2os"])) as client:
+            client.shake_hands()
+            client.sip()
+            client.send(CLOSE)
+            with pytest.raises(AssertionError, match="hung up"):
+                client.packet(lambda _: False)
+        with closing(reconnected(urls["p2os"])) as again:
+            again.shake_hands()
+
+
 def test_help_tells_of_the_watchdog(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(["emulate", "--help"])
@@ -528,6 +541,7 @@ def test_free_place_is_chosen_by_seed(folder: MapFolder) -> None:
     ("options", "words"),
     [
         (EmulateOptions(p2os="serial"), "--p2os serial: is neither pty nor tcp:PORT"),
+        (EmulateOptions(base=BaseOptions(hang_up=True)), "--hang-up: a pty has no connection"),
         (EmulateOptions(lms200="tcp:70000"), "--lms200 tcp:70000"),
         (EmulateOptions(pose=Pose(0.0, 0.0, 0.0)), "--pose: robot 0 at .* stands in a wall"),
     ],
