@@ -66,6 +66,7 @@ from robot_agent.pose.pose_memory import PoseMemory
 from robot_agent.pose.pose_tracker import PoseTracker
 from robot_agent.report.health_summary import HealthSummary
 from robot_agent.report.notices import (
+    base_notice,
     gate_notice,
     intruder_notice,
     override_notice,
@@ -167,6 +168,7 @@ class Agent:
                 self.teleop.press(event)
             case Shutdown(t):
                 self._shut_down(t)
+        self.outbox.add(*map(base_notice, self.base.pop_events()))
         self.outbox.request("base", self.base.pop_requests())
         self.outbox.request("laser", self.laser.pop_requests())
         return self._pop_effects()
@@ -276,10 +278,7 @@ class Agent:
             self._tell_of_base(t)
 
     def _tell_of_base(self, t: float) -> None:
-        """Tell people of bumpers that the base lacks, and of a model that is not its own."""
-        trouble = self.base.model_trouble
-        if trouble is not None:
-            self.outbox.add(Notice(t, "model", trouble, LogLevel.ERROR))
+        """Tell people of bumpers that the base lacks."""
         missing = self.base.missing_bumpers
         if missing is not None:
             self.outbox.add(Notice(t, "bumpers", missing, LogLevel.INFO))

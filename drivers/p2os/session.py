@@ -15,7 +15,7 @@ from drivers.p2os.command_outbox import CommandOutbox
 from drivers.p2os.commands import CLOSE, OPEN, PULSE, STAND_STILL, STOP, Command, command
 from drivers.p2os.config_packet import ConfigPacket
 from drivers.p2os.drive_request import DriveRequest
-from drivers.p2os.extended_packets import Notification
+from drivers.p2os.extended_packets import NOTIFICATION_TYPES, Notification
 from drivers.p2os.fitted_bumpers import FittedBumpers
 from drivers.p2os.framing import OVERHEAD, PacketFramer
 from drivers.p2os.handshake import Handshake
@@ -26,9 +26,11 @@ from drivers.p2os.motor_watch import MotorState, MotorWatch
 from drivers.p2os.odometer import Odometer, in_finest_counts
 from drivers.p2os.packets import decode_packet, is_known
 from drivers.p2os.robot_identity import RobotIdentity
+from drivers.p2os.session_events import SessionEvent, SessionEvents
 from drivers.p2os.set_up import SetUp
 from drivers.p2os.settings import BaseSettings
 from drivers.p2os.sip import Sip, decode_sip
+from drivers.p2os.trouble import Trouble, TroubleKind
 from drivers.p2os.wheel_correction import WheelCorrection
 from drivers.requests import Request
 
@@ -53,7 +55,7 @@ SEARCHING = (SessionState.SYNCING, SessionState.SILENT)
 
 @dataclass(slots=True)
 class SessionCounters:
-    """Counts of a session, besides the framer's counters."""
+    """Counts of a session, besides the framer's and the handshake's counters."""
 
     sips: int = 0
     other_packets: int = 0  # of an unknown type
@@ -62,6 +64,8 @@ class SessionCounters:
     silences: int = 0
     resumptions: int = 0  # sessions found still open
     controller_resets: int = 0
+    unknown_models: int = 0  # robots that reported what no model is known of, or another one
+    refused_limits: int = 0  # times the robot kept other limits than those asked for
     stale_requests: int = 0
     commands: int = 0
 
@@ -99,7 +103,9 @@ class P2osSession:
         self._last_byte = self._last_sip = self._t = -math.inf
         self._ours = False
         self._left_open: Sip | None = None  # latest SIP of a session another client left open
-        self._search_reason: str | None = None
+        self._left_open_told = False
+        self._search_reason: Trouble | None = None
+        self._events = SessionEvents()
 
     @property
     def baud(self) -> int:
@@ -142,12 +148,23 @@ class P2osSession:
 
     @property
     def trouble(self) -> str | None:
-        """A line for people with the trouble and the remedy; None if there is none."""
+        """A line for people with the worst trouble and the remedy; None if there is none."""
+        return next((trouble.words for trouble in self.troubles), None)
+
+    @property
+    def troubles(self) -> list[Trouble]:
+        """Everything that is wrong now, the worst first."""
         if self.state is SessionState.DOWN:
-            return None
-        if self.state in SEARCHING:
-            return self.handshake.trouble or self._search_reason
-        return self.model_trouble or self._motors.trouble(self._t) or self._set_up.trouble
+            return []
+        reasons = [self.handshake.trouble, self._search_reason]
+        if self.state not in SEARCHING:
+            reasons = [self._model_trouble, self._motors.trouble(self._t), self._set_up.trouble]
+        return [reason for reason in reasons if reason is not None]
+
+    @property
+    def _model_trouble(self) -> Trouble | None:
+        words = self.model_trouble
+        return None if words is None else Trouble(TroubleKind.MODEL, words)
 
     def link_up(self, t: float) -> None:
         """Start the search for the robot: the port is open. No effect after ``shut_down``."""
@@ -161,7 +178,13 @@ class P2osSession:
         """Drop requests and the pending motion: the port is closed."""
         self._requests.clear()
         self._enter(SessionState.DOWN, t)
+        self._events.forget_troubles()
         self._forget_motion()
+
+    def pop_events(self) -> list[SessionEvent]:
+        """Return and forget what has happened since the last call: states, troubles once each when
+        they begin and when they end, old sessions closed, resumptions."""
+        return self._events.pop()
 
     def pop_requests(self) -> list[Request]:
         """Return and clear the requests to the link, in order."""
@@ -188,6 +211,7 @@ class P2osSession:
             behind -= len(packet) + OVERHEAD
             if state is not None:
                 states.append(state)
+        self._events.update(t, self.troubles)
         return states
 
     def tick(self, t: float) -> None:
@@ -201,6 +225,8 @@ class P2osSession:
             self._advance_opening(t)
         elif self.state is SessionState.READY:
             self._keep_ready(t)
+        if self.state is not SessionState.DOWN:
+            self._events.update(t, self.troubles)
 
     def enable_motors(self, t: float) -> None:
         """Switch the motors on, from standstill; ignored unless READY or when they are on.
@@ -255,12 +281,15 @@ class P2osSession:
         for last in (STOP, command(CommandNumber.ENABLE, 0), CLOSE):
             self._outbox.send(last, t)
         self._ours = False
-        self._enter(SessionState.DOWN, t)
+        self._enter(SessionState.DOWN, t, "session closed, motors off")
         self._forget_motion()
 
     # Packets
 
     def _on_packet(self, data: bytes, t: float, t_measured: float) -> BaseState | None:
+        if self.state is SessionState.SILENT and self._ours and data[0] in NOTIFICATION_TYPES:
+            self._restart(t)
+            return None
         if self.state in SEARCHING:
             sip = decode_sip(data)
             if not self._ours or sip is None:
@@ -304,19 +333,27 @@ class P2osSession:
 
     # Finding the robot
 
-    def _enter(self, state: SessionState, t: float) -> None:
+    def _enter(self, state: SessionState, t: float, words: str | None = None) -> None:
+        """Go into a state; words: what to tell people of it, None if another event does."""
         self.state = state
-        self.state_since = t
+        self.state_since = self._t = t
+        self._events.enter(t, state, words)
 
-    def _search(self, state: SessionState, reason: str | None, t: float) -> None:
-        self._enter(state, t)
+    def _search(self, state: SessionState, reason: Trouble | None, t: float) -> None:
         self._search_reason = reason
+        waiting = None if reason is not None else "waits for the robot: is it switched on?"
+        self._enter(state, t, waiting)
+        self._left_open_told = False
         self._forget_motion()
         in_session = self._ours and state is SessionState.SILENT
         self.handshake.start(t, in_session=in_session)
 
     def _on_handshake(self, data: bytes, t: float) -> None:
+        old_sessions = self.handshake.old_sessions
         identity = self.handshake.feed(data, t)
+        if self.handshake.old_sessions > old_sessions and not self._left_open_told:
+            self._left_open_told = True
+            self._events.note(t, "another client left its session open: stops the robot, closes it")
         if identity is not None:
             self._open(identity, t)
 
@@ -328,7 +365,8 @@ class P2osSession:
         self._odometer.forget_reference()
         self._bumpers = FittedBumpers(self.model.bumper_segments)
         self._ours = False
-        self._begin_opening(OPEN, t)
+        self.counters.unknown_models += self.model_trouble is not None
+        self._begin_opening(OPEN, self._found_words(identity), t)
         self._set_up.limit_to(self.model)
         self._set_up.begin(t, resumed=False)
         self._outbox.flush(t)
@@ -336,11 +374,17 @@ class P2osSession:
     def _resume(self, t: float) -> None:
         """Resume the session in which the robot was found."""
         self.counters.resumptions += 1
-        self._begin_opening(STOP, t)
+        self._begin_opening(STOP, "robot found in this session: stops it, goes on", t)
         self._set_up.begin(t, resumed=True)
 
-    def _begin_opening(self, first: Command, t: float) -> None:
-        self._enter(SessionState.OPENING, t)
+    def _found_words(self, identity: RobotIdentity) -> str:
+        words = f"robot {identity.name}, a {identity.subclass}, answers at {self.baud} baud"
+        if self.baud != self._settings.baud:
+            words += f": base.baud = {self.baud} finds it at once"
+        return words
+
+    def _begin_opening(self, first: Command, words: str, t: float) -> None:
+        self._enter(SessionState.OPENING, t, words)
         self._forget_motion()
         self._outbox.restart(t)
         self._last_sip = t
@@ -350,16 +394,15 @@ class P2osSession:
         self.counters.silences += 1
         symptom = "fell silent" if self._base is not None else "answered, but sends no reports"
         name = self.identity.name if self.identity is not None else ""
-        remedy = "robot switched off? cable?"
-        self._search(
-            SessionState.SILENT, f"robot {name} {symptom} at {self.baud} baud: {remedy}", t
-        )
+        words = f"robot {name} {symptom} at {self.baud} baud: robot switched off? cable?"
+        self._search(SessionState.SILENT, Trouble(TroubleKind.SILENT, words), t)
 
     def _restart(self, t: float) -> None:
         """Search again: the controller reports that its session is lost."""
         self.counters.controller_resets += 1
         self._ours = False
-        self._search(SessionState.SYNCING, "the robot's controller has reset itself", t)
+        words = "the robot's controller has reset itself: opens a new session"
+        self._search(SessionState.SYNCING, Trouble(TroubleKind.RESET, words), t)
 
     # Setting it up
 
@@ -367,9 +410,10 @@ class P2osSession:
         """Go on with CONFIG, limits, zero motion, limits read back; then READY."""
         prepared = self._set_up.advance(t)
         self._outbox.flush(t)
+        self.counters.refused_limits = self._set_up.refusals
         if prepared and self._base is not None and self.model_trouble is None:
             self._ours = True
-            self._enter(SessionState.READY, t)
+            self._enter(SessionState.READY, t, "ready")
 
     # Keeping it
 

@@ -23,9 +23,16 @@ class HealthSummary:
         """Return one sentence for each degraded sensor at t; empty if there is none."""
         troubles = [self._state.perception.camera.trouble(t)]
         seen = self._state.scan_seen_at
-        if seen is None or t - seen > _LASER_BLIND:
-            troubles.append("laser blind: nobody is seen, the robot stands")
+        if t - (0.0 if seen is None else seen) > _LASER_BLIND:
+            troubles.append(self._blindness())
         return [words for words in troubles if words]
+
+    def _blindness(self) -> str:
+        """Return why no scan is looked at: the laser sends none, or the base does not say where."""
+        base, laser = self._state.base.state, self._state.laser.state
+        if laser is LaserState.STREAMING and base is not SessionState.READY:
+            return f"base {base}: scans have no place, nobody is seen, the robot stands"
+        return "laser blind: nobody is seen, the robot stands"
 
     def health(self) -> str:
         """Return "ok", or the first reason that prevents the robot from patrolling."""

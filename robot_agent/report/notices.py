@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 
 from drivers.lms200.settings import LaserSettings
+from drivers.p2os.session_events import SESSION, SessionEvent
+from drivers.p2os.trouble import TroubleKind
 from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.notice import Notice
 from robot_agent.motion.gate import GateDecision
@@ -40,6 +42,13 @@ UNCONFIRMED_WORDS = (
     " laser.mount, or laser.ignore for its own parts"
 )
 _REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
+
+
+def base_notice(event: SessionEvent) -> Notice:
+    """Return the notice of what happened in the session with the base."""
+    own = {SESSION: "base", TroubleKind.MODEL: "model"}
+    part = own.get(event.subject) or f"base.{event.subject.replace(' ', '_')}"
+    return Notice(event.t, part, event.words, LogLevel[event.severity.upper()])
 
 
 def override_notice(

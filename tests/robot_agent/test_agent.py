@@ -108,6 +108,25 @@ def test_device_that_closes_its_connection_at_the_end_is_no_fault(folder: MapFol
     assert agent.base.state is SessionState.DOWN
 
 
+def test_states_and_troubles_of_the_base_are_told_once_each(folder: MapFolder) -> None:
+    tape = Tape()
+    fleet = make_fleet(folder, tape)
+    robot = fleet.robots[0]
+    run_until(fleet, 5.0)
+    robot.rig.base.press_stop_button()
+    run_until(fleet, 8.0)
+    fleet.shut_down()
+    run_until(fleet, 9.0)
+    assert tape.logged("base") == [
+        "port open",
+        "waits for the robot: is it switched on?",
+        "robot robot1, a p2dx, answers at 9600 baud",
+        "ready",
+        "session closed, motors off",
+    ]
+    assert tape.logged("base.stop_button")
+
+
 def test_the_same_events_give_the_same_effects(folder: MapFolder) -> None:
     tape = Tape()
     fleet = make_fleet(folder, tape)
