@@ -27,6 +27,7 @@ class CameraTrouble(StrEnum):
 
     MISSING = "missing"
     NO_PERMISSION = "no permission"
+    FILTERED = "filtered"  # by the service's device filter
     BAD_ADDRESS = "bad address"
     REFUSED = "refused"  # the host answers, nothing listens at the port
     UNREACHABLE = "unreachable"
@@ -201,6 +202,12 @@ def _check_path(path: Path) -> None:
             f"permission denied on {path}: add the user to group video and log in again",
             CameraTrouble.NO_PERMISSION,
         )
+    try:
+        os.close(os.open(path, os.O_RDONLY | os.O_NONBLOCK))
+    except PermissionError as error:  # the rights are there: it is the filter
+        raise CameraError(str(explain(str(path), error)), CameraTrouble.FILTERED) from error
+    except OSError:
+        return  # OpenCV's own attempt tells why
 
 
 def no_pictures(url: str) -> CameraError:

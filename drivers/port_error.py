@@ -13,6 +13,7 @@ class PortTrouble(StrEnum):
 
     MISSING = "missing"  # no such device node: not plugged in, or renamed
     NO_PERMISSION = "no permission"
+    FILTERED = "filtered"  # by the service's device filter, whatever the file's rights
     IN_USE = "in use"  # by another process
     NO_DEVICE = "no device"  # a device node without a device
     NOT_A_PORT = "not a port"
@@ -41,6 +42,10 @@ _EXPLANATIONS = {
     PortTrouble.NO_PERMISSION: (
         "permission denied on {url}: add the user to group dialout and log in again"
     ),
+    PortTrouble.FILTERED: (
+        "the service's device filter keeps {url} out: it was made before the driver of the device "
+        "was loaded; start the service again, and list that driver in /etc/modules-load.d"
+    ),
     PortTrouble.IN_USE: "{url} is in use by another process: end that one first",
     PortTrouble.NO_DEVICE: "no device behind {url}: check that it is plugged in",
     PortTrouble.REFUSED: (
@@ -52,7 +57,7 @@ _EXPLANATIONS = {
 _TROUBLES = {
     errno.ENOENT: PortTrouble.MISSING,
     errno.EACCES: PortTrouble.NO_PERMISSION,
-    errno.EPERM: PortTrouble.NO_PERMISSION,
+    errno.EPERM: PortTrouble.FILTERED,
     errno.EAGAIN: PortTrouble.IN_USE,
     errno.EBUSY: PortTrouble.IN_USE,
     errno.ENXIO: PortTrouble.NO_DEVICE,

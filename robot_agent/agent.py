@@ -66,9 +66,9 @@ from robot_agent.pose.pose_memory import PoseMemory
 from robot_agent.pose.pose_tracker import PoseTracker
 from robot_agent.report.health_summary import HealthSummary
 from robot_agent.report.notices import (
-    base_notice,
     gate_notice,
     intruder_notice,
+    laser_health_notice,
     override_notice,
     own_parts_notice,
     travel_notice,
@@ -168,7 +168,6 @@ class Agent:
                 self.teleop.press(event)
             case Shutdown(t):
                 self._shut_down(t)
-        self.outbox.add(*map(base_notice, self.base.pop_events()))
         self.outbox.request("base", self.base.pop_requests())
         self.outbox.request("laser", self.laser.pop_requests())
         return self._pop_effects()
@@ -179,7 +178,10 @@ class Agent:
         self._model = model
         self._limits = gate_limits(config.gate, model, config.laser.scan_period)
         self.localizer.use_noise(MotionNoise(**msgspec.structs.asdict(model.odometry_noise)))
-        laser = config.laser.mounted(upside_down=model.laser.upside_down, ignore=model.laser.ignore)
+        self._laser_settings = config.laser.mounted(upside_down=model.laser.upside_down)
+        laser = self._laser_settings.mounted(
+            upside_down=model.laser.upside_down, ignore=model.laser.ignore
+        )
         self.laser.remount(laser)
         self.laser_mount = Pose(*(laser.mount or model.laser_mount))
         self._projector = ScanProjector(self.laser_mount, laser.ignored, Footprint(self._limits))
@@ -209,6 +211,11 @@ class Agent:
         """Measurement time of the latest accepted scan; None before the first."""
         return self.surroundings.seen_at
 
+    @property
+    def scan_heard_at(self) -> float | None:
+        """Arrival of the latest scan, accepted or not; None before the first."""
+        return self.telemetry.links["laser"].last_heard
+
     def _pop_effects(self) -> list[Effect]:
         """Return the queued effects; a notice becomes a log event if its text has changed."""
         effects: list[Effect] = []
@@ -236,10 +243,22 @@ class Agent:
         self.base.tick(t)
         self.laser.tick(t)
         self._expire(t)
-        self.outbox.add(*self.freshness.changes(t))
-        self._log_degraded(t)
+        if not self._ending:  # else all falls silent as it should
+            self.outbox.add(*self.freshness.changes(t))
+            self._tell_of_devices(t)
+            self._log_degraded(t)
         if self.publishes:
             self.outbox.publish(self.telemetry.on_time(t))
+
+    def _tell_of_devices(self, t: float) -> None:
+        """Tell people what the sessions wait for, their troubles and what happened in them."""
+        identity, watches = self.base.identity, self.telemetry.devices
+        base = None if identity is None else f"{identity.subclass} {identity.name}"
+        self.outbox.add(*watches["base"].notices(t, self.base, base))
+        self.outbox.add(*watches["laser"].notices(t, self.laser, self.laser.identity))
+        health = laser_health_notice(t, self.laser.health, warned="laser.health" in self.warnings)
+        if health is not None:
+            self.outbox.add(health)
 
     def _log_degraded(self, t: float) -> None:
         words = "; ".join(self.health_summary.degraded(t))
@@ -335,7 +354,7 @@ class Agent:
             self._projector.hide(self.own_parts.sectors)
             self.own_parts_stand_out = self._projector.stand_out(self.own_parts.places)
         notice = own_parts_notice(
-            t, self.config.laser, self.own_parts.sectors, stand_out=self.own_parts_stand_out
+            t, self._laser_settings, self.own_parts.sectors, stand_out=self.own_parts_stand_out
         )
         if notice is not None:
             self.outbox.add(notice)

@@ -26,7 +26,6 @@ from drivers.p2os.motor_watch import MotorState, MotorWatch
 from drivers.p2os.odometer import Odometer, in_finest_counts
 from drivers.p2os.packets import decode_packet, is_known
 from drivers.p2os.robot_identity import RobotIdentity
-from drivers.p2os.session_events import SessionEvent, SessionEvents
 from drivers.p2os.set_up import SetUp
 from drivers.p2os.settings import BaseSettings
 from drivers.p2os.sip import Sip, decode_sip
@@ -55,12 +54,14 @@ SEARCHING = (SessionState.SYNCING, SessionState.SILENT)
 
 @dataclass(slots=True)
 class SessionCounters:
-    """Counts of a session, besides the framer's and the handshake's counters."""
+    """Counts of a session, besides the framer's counters."""
 
     sips: int = 0
     other_packets: int = 0  # of an unknown type
     cut_packets: int = 0  # good checksum, but too short for their type
     unknown_sonars: int = 0  # readings of transducers that the model lacks
+    old_sessions: int = 0  # packets of another client's session, to which CLOSE was sent
+    rate_searches: int = 0  # of every rate, that found no robot
     silences: int = 0
     resumptions: int = 0  # sessions found still open
     controller_resets: int = 0
@@ -103,9 +104,7 @@ class P2osSession:
         self._last_byte = self._last_sip = self._t = -math.inf
         self._ours = False
         self._left_open: Sip | None = None  # latest SIP of a session another client left open
-        self._left_open_told = False
         self._search_reason: Trouble | None = None
-        self._events = SessionEvents()
 
     @property
     def baud(self) -> int:
@@ -178,13 +177,7 @@ class P2osSession:
         """Drop requests and the pending motion: the port is closed."""
         self._requests.clear()
         self._enter(SessionState.DOWN, t)
-        self._events.forget_troubles()
         self._forget_motion()
-
-    def pop_events(self) -> list[SessionEvent]:
-        """Return and forget what has happened since the last call: states, troubles once each when
-        they begin and when they end, old sessions closed, resumptions."""
-        return self._events.pop()
 
     def pop_requests(self) -> list[Request]:
         """Return and clear the requests to the link, in order."""
@@ -211,7 +204,6 @@ class P2osSession:
             behind -= len(packet) + OVERHEAD
             if state is not None:
                 states.append(state)
-        self._events.update(t, self.troubles)
         return states
 
     def tick(self, t: float) -> None:
@@ -219,14 +211,13 @@ class P2osSession:
         self._t = t
         if self.state in SEARCHING:
             self.handshake.tick(t)
+            self.counters.rate_searches = self.handshake.sweeps
         elif self.state is not SessionState.DOWN and t - self._last_sip > SILENCE_TIMEOUT:
             self._go_silent(t)
         elif self.state is SessionState.OPENING:
             self._advance_opening(t)
         elif self.state is SessionState.READY:
             self._keep_ready(t)
-        if self.state is not SessionState.DOWN:
-            self._events.update(t, self.troubles)
 
     def enable_motors(self, t: float) -> None:
         """Switch the motors on, from standstill; ignored unless READY or when they are on.
@@ -281,7 +272,7 @@ class P2osSession:
         for last in (STOP, command(CommandNumber.ENABLE, 0), CLOSE):
             self._outbox.send(last, t)
         self._ours = False
-        self._enter(SessionState.DOWN, t, "session closed, motors off")
+        self._enter(SessionState.DOWN, t)
         self._forget_motion()
 
     # Packets
@@ -333,27 +324,20 @@ class P2osSession:
 
     # Finding the robot
 
-    def _enter(self, state: SessionState, t: float, words: str | None = None) -> None:
-        """Go into a state; words: what to tell people of it, None if another event does."""
+    def _enter(self, state: SessionState, t: float) -> None:
         self.state = state
-        self.state_since = self._t = t
-        self._events.enter(t, state, words)
+        self.state_since = t
 
     def _search(self, state: SessionState, reason: Trouble | None, t: float) -> None:
+        self._enter(state, t)
         self._search_reason = reason
-        waiting = None if reason is not None else "waits for the robot: is it switched on?"
-        self._enter(state, t, waiting)
-        self._left_open_told = False
         self._forget_motion()
         in_session = self._ours and state is SessionState.SILENT
         self.handshake.start(t, in_session=in_session)
 
     def _on_handshake(self, data: bytes, t: float) -> None:
-        old_sessions = self.handshake.old_sessions
         identity = self.handshake.feed(data, t)
-        if self.handshake.old_sessions > old_sessions and not self._left_open_told:
-            self._left_open_told = True
-            self._events.note(t, "another client left its session open: stops the robot, closes it")
+        self.counters.old_sessions = self.handshake.old_sessions
         if identity is not None:
             self._open(identity, t)
 
@@ -366,7 +350,7 @@ class P2osSession:
         self._bumpers = FittedBumpers(self.model.bumper_segments)
         self._ours = False
         self.counters.unknown_models += self.model_trouble is not None
-        self._begin_opening(OPEN, self._found_words(identity), t)
+        self._begin_opening(OPEN, t)
         self._set_up.limit_to(self.model)
         self._set_up.begin(t, resumed=False)
         self._outbox.flush(t)
@@ -374,17 +358,11 @@ class P2osSession:
     def _resume(self, t: float) -> None:
         """Resume the session in which the robot was found."""
         self.counters.resumptions += 1
-        self._begin_opening(STOP, "robot found in this session: stops it, goes on", t)
+        self._begin_opening(STOP, t)
         self._set_up.begin(t, resumed=True)
 
-    def _found_words(self, identity: RobotIdentity) -> str:
-        words = f"robot {identity.name}, a {identity.subclass}, answers at {self.baud} baud"
-        if self.baud != self._settings.baud:
-            words += f": base.baud = {self.baud} finds it at once"
-        return words
-
-    def _begin_opening(self, first: Command, words: str, t: float) -> None:
-        self._enter(SessionState.OPENING, t, words)
+    def _begin_opening(self, first: Command, t: float) -> None:
+        self._enter(SessionState.OPENING, t)
         self._forget_motion()
         self._outbox.restart(t)
         self._last_sip = t
@@ -413,7 +391,7 @@ class P2osSession:
         self.counters.refused_limits = self._set_up.refusals
         if prepared and self._base is not None and self.model_trouble is None:
             self._ours = True
-            self._enter(SessionState.READY, t, "ready")
+            self._enter(SessionState.READY, t)
 
     # Keeping it
 

@@ -26,10 +26,6 @@ class TroubleKind(StrEnum):
     MOTORS_OFF = "motors off"
 
 
-SEVERE = frozenset(TroubleKind) - {TroubleKind.RESET, TroubleKind.LIMITS, TroubleKind.STOP_BUTTON}
-"""Kinds with which the robot cannot be used; with the others it can, or a person wants it so."""
-
-
 class Trouble(NamedTuple):
     """One trouble. words: one line for people with the remedy."""
 

@@ -82,6 +82,10 @@ class DeviceStatus(msgspec.Struct, frozen=True, kw_only=True):
     state: Annotated[str, Meta(description="state of the session, e.g. ready")]
     link_up: Annotated[bool, Meta(description="whether the port is open")]
     link_reason: Annotated[str, Meta(description="why the port is not open")] = ""
+    trouble: Annotated[str, Meta(description="the session's trouble with its remedy")] = ""
+    counters: Annotated[
+        dict[str, int], Meta(description="what happened in the session, how often; not yet: absent")
+    ] = {}
     packets_good: int
     packets_bad: Annotated[int, Meta(description="frames whose checksum was wrong")]
     bytes_discarded: Annotated[int, Meta(description="bytes outside any frame")]
@@ -89,6 +93,11 @@ class DeviceStatus(msgspec.Struct, frozen=True, kw_only=True):
     last_heard: Annotated[
         float | None, Meta(description="age of the last good packet (s); absent if none yet")
     ] = None
+
+    @property
+    def happened(self) -> str:
+        """The counters as words for people, "3 naks, 1 timeouts"; empty if there are none."""
+        return ", ".join(f"{n} {name.replace('_', ' ')}" for name, n in self.counters.items())
 
 
 class LocalizationStatus(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
@@ -170,7 +179,10 @@ class StatusPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=Tru
 class HeldBy(msgspec.Struct, frozen=True):
     """The obstacle for which the gate cut a command."""
 
-    source: Annotated[str, Meta(description="laser, remembered, sonar, map_wall or teammate_room")]
+    source: Annotated[
+        str,
+        Meta(description="laser, remembered, sonar, map_wall, teammate_room or person_room"),
+    ]
     x: Annotated[float, Meta(description="m, map frame")]
     y: Annotated[float, Meta(description="m, map frame")]
 

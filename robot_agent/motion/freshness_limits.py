@@ -66,6 +66,9 @@ CONTROL = FreshnessLimit(
     "three late within 3 s: the robot stands until they are older than that",
     LogLevel.ERROR,
 )
+CALM_S = 2.0
+"""s without a gap after which a stream counts as fresh again: one that is too slow for its limit,
+like a laser left at 9600 baud, would else be told of at every scan."""
 STREAMS = (BASE, LASER, SONAR, POSE)
 LIMITS = (*STREAMS, CONTROL)
 
@@ -76,7 +79,7 @@ class FreshnessWatch:
     def __init__(self) -> None:
         """Start without data; a stream cannot become stale before its first data."""
         self._valid_at: dict[str, float] = {}
-        self._stale: set[str] = set()
+        self._stale: dict[str, float] = {}  # since when each has been without a gap
 
     def mark_valid(self, stream: FreshnessLimit, t: float) -> None:
         """Record valid data of a stream at t."""
@@ -90,9 +93,13 @@ class FreshnessWatch:
         found = []
         for stream in STREAMS:
             well = t - self._valid_at.get(stream.name, t) <= stream.max_age
-            if well == (stream.name in self._stale):
-                found.append((stream, well))
-                self._stale ^= {stream.name}
+            if not well and stream.name not in self._stale:
+                found.append((stream, False))
+            if not well:
+                self._stale[stream.name] = t
+            elif t - self._stale.get(stream.name, t) >= CALM_S:
+                found.append((stream, True))
+                del self._stale[stream.name]
         return found
 
 

@@ -18,6 +18,7 @@ class ObstacleSource(StrEnum):
     SONAR = "sonar"
     MAP_WALL = "map_wall"  # out of the laser's view
     TEAMMATE_ROOM = "teammate_room"  # keep-out circle of a teammate nearby
+    PERSON_ROOM = "person_room"  # round a person nearby, whose legs the laser sees
 
 
 class ObstaclePoints(NamedTuple):

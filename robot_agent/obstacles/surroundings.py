@@ -19,6 +19,7 @@ from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.obstacle_points import ObstaclePoints, ObstacleSource
 from robot_agent.obstacles.latest_scan import Obstacles
 from robot_agent.obstacles.map_obstacles import MapObstacles
+from robot_agent.obstacles.person_room import PersonRoom
 from robot_agent.obstacles.recent_scan_memory import RecentScanMemory
 from robot_agent.obstacles.sonar_obstacles import SonarObstacles
 from robot_agent.obstacles.teammate_keep_out import TeammateKeepOut
@@ -55,6 +56,7 @@ class Surroundings:
         self._map_obstacles = MapObstacles(occupancy, gate)
         self._wall_memory = WallMemory(gate)
         self._keep_out = TeammateKeepOut(Footprint(gate))
+        self._person_room = PersonRoom(Footprint(gate), gate.turn_margin)
         self._unexplained = unexplained
 
     @property
@@ -124,17 +126,29 @@ class Surroundings:
         ]
         if localized is not None:
             parts += self._unseen_walls(odometry, localized)
-            near = [
-                (track.x, track.y)
-                for track in tracks
-                if track.needs_room
-                and t - track.last_seen <= _JUST_SEEN
-                and math.hypot(track.x - localized.x, track.y - localized.y) < _NEAR
-            ]
-            if near:
-                room = self._keep_out.around(move_points(np.array(near), localized.inverse()))
-                parts.append((ObstacleSource.TEAMMATE_ROOM, room))
+            parts += self._rooms(t, localized, tracks)
         return ObstaclePoints.joined(parts)
+
+    def _rooms(
+        self, t: float, localized: Pose, tracks: Sequence[Track]
+    ) -> list[tuple[ObstacleSource, NDArray[np.float64]]]:
+        """Return the room that teammates seen lately and people nearby need, as points."""
+        near = [
+            track
+            for track in tracks
+            if math.hypot(track.x - localized.x, track.y - localized.y) < _NEAR
+        ]
+        teammates = [e for e in near if e.needs_room and t - e.last_seen <= _JUST_SEEN]
+        people = [track for track in near if track.person_like]
+        to_base = localized.inverse()
+        return [
+            (source, room.around(move_points(np.array([(e.x, e.y) for e in chosen]), to_base)))
+            for source, room, chosen in (
+                (ObstacleSource.TEAMMATE_ROOM, self._keep_out, teammates),
+                (ObstacleSource.PERSON_ROOM, self._person_room, people),
+            )
+            if chosen
+        ]
 
     def _unseen_walls(
         self, odometry: Pose, localized: Pose

@@ -307,7 +307,7 @@ def _run(
         cov_xy=ux * uy * (along_variance - across_variance),
         points=count,
         whole=not partial or extent >= silhouettes.narrowest,
-        robot_sized=admitted is not None,
+        robot_sized=admitted is not None or silhouettes.is_body_sized(extent),
     )
     edges = tuple(
         _sight_edge(points[index], ranges[index], side, increment)

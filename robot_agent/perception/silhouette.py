@@ -126,9 +126,13 @@ class Silhouettes:
     owner: (n,) silhouette of each hypothesis.
     """
 
-    def __init__(self, shapes: Sequence[Silhouette]) -> None:
-        """Take one or more."""
+    def __init__(self, shapes: Sequence[Silhouette], body: Silhouette | None = None) -> None:
+        """Take one or more, and the outline of the robot's own body, None for the first shape's.
+
+        Whatever is as wide as the own body is as large as a robot, whether it is admitted or not.
+        """
         self.shapes = tuple(shapes)
+        self._body_extents = (body or self.shapes[0]).extents
         most = max(len(each.offsets) for each in shapes)
         tables = [_hypotheses(each, most) for each in shapes]
         self.normals = np.concatenate([normals for normals, _, _ in tables], axis=2)
@@ -146,7 +150,12 @@ class Silhouettes:
         Raises SilhouetteError for an unknown name or an unusable polygon.
         """
         chosen = [named(each, body) if isinstance(each, str) else each for each in entries]
-        return cls([Silhouette.of(each) for each in chosen])
+        return cls([Silhouette.of(each) for each in chosen], Silhouette.of(body))
+
+    def is_body_sized(self, extent: float) -> bool:
+        """Return whether a segment of a width, m, seen whole, may be a robot like this one."""
+        narrowest, widest = self._body_extents
+        return narrowest <= extent <= widest
 
     def admitting(self, extent: float) -> NDArray[np.bool_]:
         """Return (silhouettes,) which may be a segment of a width, m, seen whole."""

@@ -49,6 +49,11 @@ class Track:
         return self.robot_like or (self.small and self.kind is Kind.UNKNOWN)
 
     @property
+    def person_like(self) -> bool:
+        """Whether it has moved and is narrower than a robot."""
+        return self.moving and not self.robot_sized and not self.needs_room
+
+    @property
     def robot_like(self) -> bool:
         """Whether it is a teammate, or moves and has a robot's size and no picture denies it."""
         return is_robot_like(

@@ -6,6 +6,7 @@ carries out its effects. Recorder and telemetry get copies and never block the c
 
 from __future__ import annotations
 
+import math
 import signal
 import time
 from contextlib import ExitStack
@@ -13,7 +14,9 @@ from queue import Empty, SimpleQueue
 from types import FrameType
 
 from drivers.camera import Camera
+from drivers.camera_source import CameraTrouble
 from drivers.link import Link
+from drivers.port_error import PortTrouble
 from robot_agent.agent import Agent
 from robot_agent.messages.effects import ChangeBaud, Effect, Publish, Remember, Send, TakePicture
 from robot_agent.messages.events import (
@@ -39,6 +42,8 @@ from robot_agent.process.telemetry import Telemetry
 from robot_agent.recording.recorder import Recorder
 from robot_agent.recording.recording_writer import Note
 
+FILTERED_S = 10.0
+"""s for which a device that is there may be kept out by the service's filter."""
 SHUTDOWN_S = 0.3
 """s for the last commands to be sent and take effect before the ports close."""
 
@@ -79,6 +84,10 @@ class WorkerDiedError(RuntimeError):
     """A thread that the robot needs has ended; the agent must be restarted."""
 
 
+class DeviceFilterError(RuntimeError):
+    """The service's device filter keeps out a device that is there; a new start makes it anew."""
+
+
 class Runtime:
     """Runs one agent until ``end`` is called."""
 
@@ -101,6 +110,7 @@ class Runtime:
         self._notifier = ServiceNotifier()
         self._watch = ProcessWatch(agent.config.robot.name, clock.start_wall_ns)
         self._troubles: dict[str, str] = {}
+        self._filtered_since = math.inf
         self._inbox: SimpleQueue[Event] = SimpleQueue()
         self._links: dict[LinkName, Link] = {
             "base": self._make_link("base", agent.config.base.url, agent.config.base.baud),
@@ -129,7 +139,8 @@ class Runtime:
     def run(self) -> None:
         """Process events until a Shutdown has been handled; stops the robot on any error too.
 
-        Raises WorkerDiedError when a link's thread has died.
+        Raises WorkerDiedError when a link's thread has died, DeviceFilterError when the service's
+        filter has kept a device out for FILTERED_S.
         """
         with ExitStack() as stack:
             stack.callback(self._close_links)
@@ -153,6 +164,7 @@ class Runtime:
             if isinstance(event, Tick):
                 next_tick = event.t + TICK_S
                 self._check_workers()
+                self._check_filter(event.t)
             self._handle(event)
             self._notifier.alive(event.t)  # by this thread, which the watchdog supervises
             if isinstance(event, Shutdown):
@@ -172,6 +184,19 @@ class Runtime:
             self._camera_died = True
             reason = "the camera's thread has died: start the agent again"
             self._inbox.put(LinkDown(self._clock(), "camera", reason))
+
+    def _check_filter(self, t: float) -> None:
+        """Raise DeviceFilterError if a device that is there has been kept out for too long."""
+        links = [link.status for link in self._links.values()]
+        reasons = [each.reason for each in links if each.trouble is PortTrouble.FILTERED]
+        if self._camera is not None and self._camera.status.trouble is CameraTrouble.FILTERED:
+            reasons.append(self._camera.status.reason)
+        if not reasons:
+            self._filtered_since = math.inf
+            return
+        self._filtered_since = min(self._filtered_since, t)
+        if t - self._filtered_since >= FILTERED_S:
+            raise DeviceFilterError(reasons[0])
 
     def _next_event(self, next_tick: float) -> Event:
         """Return the next event of the inbox, or a tick when one is due."""

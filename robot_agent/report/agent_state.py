@@ -56,3 +56,7 @@ class AgentState(Protocol):
     @property
     def scan_seen_at(self) -> float | None:
         """Measurement time of the latest accepted scan; None before the first."""
+
+    @property
+    def scan_heard_at(self) -> float | None:
+        """Arrival of the latest scan, accepted or not; None before the first."""

@@ -22,17 +22,22 @@ class HealthSummary:
     def degraded(self, t: float) -> list[str]:
         """Return one sentence for each degraded sensor at t; empty if there is none."""
         troubles = [self._state.perception.camera.trouble(t)]
-        seen = self._state.scan_seen_at
-        if t - (0.0 if seen is None else seen) > _LASER_BLIND:
-            troubles.append(self._blindness())
+        if self._laser_blind(t):
+            troubles.append("laser blind: nobody is seen, the robot stands")
         return [words for words in troubles if words]
 
-    def _blindness(self) -> str:
-        """Return why no scan is looked at: the laser sends none, or the base does not say where."""
-        base, laser = self._state.base.state, self._state.laser.state
-        if laser is LaserState.STREAMING and base is not SessionState.READY:
-            return f"base {base}: scans have no place, nobody is seen, the robot stands"
-        return "laser blind: nobody is seen, the robot stands"
+    def _laser_blind(self, t: float) -> bool:
+        """Return whether no scans come; while the base is silent none can be placed, but seen.
+
+        A laser that is still being set up is not blind yet.
+        """
+        state = self._state
+        ready = state.base.state is SessionState.READY
+        seen = state.scan_seen_at if ready else state.scan_heard_at
+        if seen is not None:
+            return t - seen > _LASER_BLIND
+        without_port = state.laser.state is LaserState.DOWN and t > _LASER_BLIND
+        return without_port or state.laser.trouble is not None
 
     def health(self) -> str:
         """Return "ok", or the first reason that prevents the robot from patrolling."""
@@ -44,9 +49,9 @@ class HealthSummary:
         if state.base.model_trouble is not None:
             return "base: no model known to be this robot's"
         if state.base.state is not SessionState.READY:
-            return f"base {state.base.state}"
+            return _device_words("base", state.base.state, state.base.trouble)
         if state.laser.state is not LaserState.STREAMING:
-            return f"laser {state.laser.state}"
+            return _device_words("laser", state.laser.state, state.laser.trouble)
         if state.pose_tracker.travel.fault is not None:
             return f"laser.mount: {state.pose_tracker.travel.fault}"
         if state.own_parts_stand_out:
@@ -67,3 +72,7 @@ class HealthSummary:
         if state.gate_decision is not None and state.gate_decision.reason in STOPPING:
             return f"gate: {state.gate_decision.reason}"
         return None
+
+
+def _device_words(name: str, session: str, trouble: str | None) -> str:
+    return f"{name}: {trouble}" if trouble else f"{name} {session}"

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from drivers.lms200.health import LaserHealth
 from drivers.lms200.settings import LaserSettings
-from drivers.p2os.session_events import SESSION, SessionEvent
-from drivers.p2os.trouble import TroubleKind
 from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.notice import Notice
 from robot_agent.motion.gate import GateDecision
@@ -42,13 +41,6 @@ UNCONFIRMED_WORDS = (
     " laser.mount, or laser.ignore for its own parts"
 )
 _REMEDY = "look at the robot, then switch its motors off and on by its MOTORS button"
-
-
-def base_notice(event: SessionEvent) -> Notice:
-    """Return the notice of what happened in the session with the base."""
-    own = {SESSION: "base", TroubleKind.MODEL: "model"}
-    part = own.get(event.subject) or f"base.{event.subject.replace(' ', '_')}"
-    return Notice(event.t, part, event.words, LogLevel[event.severity.upper()])
 
 
 def override_notice(
@@ -141,6 +133,17 @@ def own_parts_notice(
         return Notice(t, "laser.ignore", words, LogLevel.INFO)
     words += ", and in a model file (base.model) the body with these parts, that stand out of it"
     return Notice(t, "laser.ignore", words, LogLevel.ERROR)
+
+
+def laser_health_notice(t: float, health: LaserHealth | None, *, warned: bool) -> Notice | None:
+    """Return a notice of what the laser reports of itself; None if it is well and was.
+
+    warned: whether the last notice was a warning.
+    """
+    if health is None or (health.ok and not warned):
+        return None
+    level = LogLevel.INFO if health.ok else LogLevel.WARNING
+    return Notice(t, "laser.health", health.text, level)
 
 
 def intruder_notice(t: float, intruder: Intruder) -> Notice:

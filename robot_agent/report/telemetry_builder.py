@@ -12,7 +12,9 @@ from typing import Any
 import numpy as np
 
 from drivers.lms200.scan import Scan
+from drivers.lms200.session import SessionState as LaserState
 from drivers.p2os.base_state import BaseState
+from drivers.p2os.session import SessionState
 from localization.health import Health
 from maps.border import Border
 from maps.pose import Pose
@@ -50,6 +52,7 @@ from robot_agent.patrol.patrol import PatrolDecision
 from robot_agent.perception.intruders import Intruder
 from robot_agent.perception.track import Track
 from robot_agent.report.agent_state import AgentState
+from robot_agent.report.device_watch import DeviceWatch
 from robot_agent.report.health_summary import HealthSummary
 
 STATUS_PERIOD_S = 0.5
@@ -123,6 +126,10 @@ class TelemetryBuilder:
         self._scan_rate = RateLimit(SCAN_PERIOD_S)
         self._particles_rate = RateLimit(PARTICLES_PERIOD_S)
         self.links: dict[LinkName, LinkReport] = {"base": LinkReport(), "laser": LinkReport()}
+        self.devices: dict[LinkName, DeviceWatch] = {
+            "base": DeviceWatch("base", SessionState.READY, SessionState.DOWN),
+            "laser": DeviceWatch("laser", LaserState.STREAMING, LaserState.DOWN),
+        }
         self._intruder_rate = RateLimit(INTRUDER_PERIOD_S)
         self._last_words: dict[str, str] = {}
 
@@ -265,6 +272,8 @@ class TelemetryBuilder:
         counters = session.framer.counters
         return DeviceStatus(
             state=session.state,
+            trouble=session.trouble or "",
+            counters=self.devices[link].counters(session),
             link_up=report.up,
             link_reason=report.reason,
             packets_good=counters.good,

@@ -18,7 +18,7 @@ from drivers.port_error import PortError, explain
     [
         (errno.ENOENT, "no such port"),
         (errno.EACCES, "group dialout"),
-        (errno.EPERM, "group dialout"),
+        (errno.EPERM, "device filter keeps"),
         (errno.EAGAIN, "in use by another process"),
         (errno.EBUSY, "in use by another process"),
         (errno.EIO, "plugged in"),

@@ -108,25 +108,6 @@ def test_device_that_closes_its_connection_at_the_end_is_no_fault(folder: MapFol
     assert agent.base.state is SessionState.DOWN
 
 
-def test_states_and_troubles_of_the_base_are_told_once_each(folder: MapFolder) -> None:
-    tape = Tape()
-    fleet = make_fleet(folder, tape)
-    robot = fleet.robots[0]
-    run_until(fleet, 5.0)
-    robot.rig.base.press_stop_button()
-    run_until(fleet, 8.0)
-    fleet.shut_down()
-    run_until(fleet, 9.0)
-    assert tape.logged("base") == [
-        "port open",
-        "waits for the robot: is it switched on?",
-        "robot robot1, a p2dx, answers at 9600 baud",
-        "ready",
-        "session closed, motors off",
-    ]
-    assert tape.logged("base.stop_button")
-
-
 def test_the_same_events_give_the_same_effects(folder: MapFolder) -> None:
     tape = Tape()
     fleet = make_fleet(folder, tape)
@@ -357,6 +338,21 @@ def test_own_parts_in_view_stop_the_robot_and_are_named(folder: MapFolder) -> No
     words = agent.warnings["laser.ignore"]
     assert words.startswith("the laser sees parts of the robot at 2")
     assert "set laser.ignore = [[" in words
+
+
+def test_own_parts_of_a_model_with_its_laser_upside_down_are_named_as_the_setting_wants_them(
+    folder: MapFolder,
+) -> None:
+    """A post to the left is at 166 degrees of an upright scanner, at 14 of one turned over."""
+    tape = Tape()
+    truth = load_truth("powerbot")
+    fleet = Fleet(folder, 1, seed=2, starts=[START], truth=truth, observer=lambda *_: tape)
+    run_until(fleet, 4.0)
+    fleet.robots[0].agent.own_parts.sectors = ((math.radians(75.0), math.radians(78.0)),)
+    run_until(fleet, 4.5)
+    assert [words[-29:] for words in tape.logged("laser.ignore")] == [
+        "set laser.ignore = [[12, 15]]"
+    ]
 
 
 def test_robot_held_from_the_start_says_that_its_laser_is_not_confirmed(folder: MapFolder) -> None:

@@ -75,7 +75,7 @@ def test_robot_of_an_unknown_subclass_stands_and_says_how_to_add_it(folder: MapF
     assert robot.agent.base.state is SessionState.OPENING
     assert robot.agent.gate_decision is not None
     assert robot.agent.gate_decision.reason is GateReason.BODY_UNKNOWN
-    (said,) = tape.logged("model")
+    said = tape.logged("base")[-1]
     assert "'p9zz'" in said
     assert 'base.model = "./mine.toml"' in said
 
@@ -83,7 +83,7 @@ def test_robot_of_an_unknown_subclass_stands_and_says_how_to_add_it(folder: MapF
 def test_robot_that_contradicts_its_configured_model_stands(folder: MapFolder) -> None:
     fleet, tape = run(folder, 12.0, subclass="p3at", model="p2dx")
     assert fleet.robots[0].rig.body.pose == START
-    (said,) = tape.logged("model")
+    said = tape.logged("base")[-1]
     assert "'p2dx'" in said
     assert "'p3at'" in said
 

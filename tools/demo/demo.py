@@ -108,6 +108,7 @@ class Demo:
     ) -> bool:
         """Run the demo with its monitor until the duration (s) is over or Ctrl-C.
 
+        The duration counts from when every agent records: imports take long on a slow computer.
         Returns whether every process was still running at the end; raises DemoError when the demo
         cannot be started, WebError when the page cannot be served at ``http``.
         """
@@ -115,10 +116,12 @@ class Demo:
             closing(Monitor(MonitorOptions(self.options.operator, http, site))) as monitor,
             self.running(),
         ):
-            going_on = until(duration)
             if monitor.url:
                 print(f"patrol demo: the team is shown at {monitor.url}", file=sys.stderr)
             try:
+                while self.alive() and not self._recording():
+                    time.sleep(POLL_S)
+                going_on = until(duration)
                 if headless:
                     self._wait_while(going_on)
                 else:
@@ -126,6 +129,9 @@ class Demo:
             except KeyboardInterrupt:
                 print("patrol demo: stopping the robots", file=sys.stderr)
             return self.alive()
+
+    def _recording(self) -> bool:
+        return all(self.recording_path(robot.name).exists() for robot in self.robots)
 
     def _wait_while(self, going_on: Callable[[], bool]) -> None:
         with progress_line("demo", None, "s") as progress:

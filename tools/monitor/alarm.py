@@ -99,7 +99,7 @@ def _link_words(device: DeviceStatus, wanted: str, uptime: float) -> str:
     if not device.link_up:
         return device.link_reason or "port not open"
     if device.state != wanted and uptime > STARTUP_S:
-        return f"{device.state}, not {wanted}"
+        return device.trouble[:200] or f"{device.state}, not {wanted}"
     return ""
 
 

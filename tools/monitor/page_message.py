@@ -124,6 +124,8 @@ def _device(device: DeviceStatus, rate: float | None) -> dict[str, Any]:
         "state": _text(device.state),
         "up": device.link_up,
         "reason": _text(device.link_reason),
+        "trouble": _text(device.trouble),
+        "happened": _text(device.happened),
         "good": device.packets_good,
         "bad": device.packets_bad,
         "discarded": device.bytes_discarded,

@@ -46,6 +46,7 @@ SOURCE_WORDS: dict[str, str] = {
     ObstacleSource.SONAR: "seen by a sonar",
     ObstacleSource.MAP_WALL: "a wall of the map",
     ObstacleSource.TEAMMATE_ROOM: "room for a teammate to turn",
+    ObstacleSource.PERSON_ROOM: "room for a person's trunk and feet",
 }
 OVERRIDE_WORDS: dict[str, str] = {
     OverrideReason.STANDOFF: "takes its way after a long standoff",

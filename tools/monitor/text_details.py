@@ -53,7 +53,8 @@ def _status_parts(robot: RobotState) -> Iterator[str]:
 
 def _device_words(name: str, device: DeviceStatus, rate: float | None) -> str:
     pace = "" if rate is None else f" {rate:.1f} /s,"
-    return f"{name}{pace} {device.packets_bad} bad, {device.bytes_discarded} bytes lost"
+    words = f"{name}{pace} {device.packets_bad} bad, {device.bytes_discarded} bytes lost"
+    return "; ".join(filter(None, (words, device.happened, device.trouble)))
 
 
 def _process_parts(robot: RobotState) -> Iterator[str]:

@@ -17,6 +17,7 @@ from robot_agent.messages.streams import modernized
 from robot_agent.recording.run_header import SCHEMA_VERSION
 
 _TEXTS = "event"
+_TEXT_FIELDS = ("health", "degraded")
 _CHANGED_MEANING = ("degrees", "winner", "runner_up", "blocked")
 """Under an override these fields hold the paper's choice, and one override; in earlier layouts
 the result of the override, and every override."""
@@ -60,4 +61,14 @@ def _same_payload(stream: str, recorded: bytes, now: bytes) -> bool:
     old: dict[str, Any] = msgspec.json.decode(modernized(stream, recorded))
     new: dict[str, Any] = msgspec.json.decode(now)
     changed = _CHANGED_MEANING if "override" in new else ()
-    return all(new.get(key) == value for key, value in old.items() if key not in changed)
+    texts = _TEXT_FIELDS if stream == "status" else ()
+    return all(
+        _agrees(value, new.get(key)) for key, value in old.items() if key not in (*changed, *texts)
+    )
+
+
+def _agrees(old: Any, new: Any) -> bool:
+    """Whether a value has the fields of the older one, at any depth, and equals it there."""
+    if isinstance(old, dict) and isinstance(new, dict):
+        return all(_agrees(value, new.get(key)) for key, value in old.items())
+    return bool(old == new)

@@ -153,7 +153,7 @@ def _battery(run: RunLog) -> dict[str, float | None]:
 
 
 def _lines(run: RunLog) -> dict[str, Any]:
-    """Return each line's counters from the last status; empty without one."""
+    """Return each line's and session's counters from the last status; empty without one."""
     if not run.status:
         return {}
     last = run.status[-1]
@@ -163,6 +163,7 @@ def _lines(run: RunLog) -> dict[str, Any]:
             "packets_bad": device.packets_bad,
             "bytes_discarded": device.bytes_discarded,
             "bytes_received": device.bytes_received,
+            "happened": device.happened,
         }
         for link, device in (("base", last.base), ("laser", last.laser))
     }

@@ -184,6 +184,7 @@ def _machines(team: Team, figures: dict[str, Any]) -> Blocks:
                 _number(robot["battery_v"]["first"], "{:.1f}"),
                 _number(robot["battery_v"]["last"], "{:.1f}"),
                 *(str(lines[link]["packets_bad"]) if lines else "–" for link in ("base", "laser")),
+                *(lines[link]["happened"] or "–" if lines else "–" for link in ("base", "laser")),
                 *(
                     _number(None if process is None else scale * process[key], form)
                     for key, scale, form in (
@@ -198,6 +199,7 @@ def _machines(team: Team, figures: dict[str, Any]) -> Blocks:
         )
     heads = (
         *("robot", "battery: first (V)", "last (V)", "bad packets: base", "laser"),
+        *("sessions: base", "laser"),
         *("load (%)", "memory (MB)", "lateness: median (ms)", "largest (ms)", "deadlines missed"),
     )
     yield from _drawn(machine_figures.machines(team), caption)

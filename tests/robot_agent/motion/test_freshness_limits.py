@@ -5,6 +5,7 @@ from pathlib import Path
 from drivers.lms200.settings import LaserSettings
 from robot_agent.motion.freshness_limits import (
     BASE,
+    CALM_S,
     LASER,
     LIMITS,
     FreshnessWatch,
@@ -56,6 +57,19 @@ def test_stale_and_fresh_again_are_each_reported_once():
     assert watch.changes(0.99 + BASE.max_age) == []
     assert watch.changes(1.01 + BASE.max_age) == [(BASE, False)]
     assert watch.changes(2.0) == []
-    watch.mark_valid(BASE, 2.1)
-    assert watch.changes(2.1) == [(BASE, True)]
-    assert watch.changes(2.2) == []
+    for tenth in range(21, 40):
+        watch.mark_valid(BASE, 0.1 * tenth)
+        assert watch.changes(0.1 * tenth) == []
+    watch.mark_valid(BASE, 2.05 + CALM_S)
+    assert watch.changes(2.05 + CALM_S) == [(BASE, True)]
+    assert watch.changes(2.1 + CALM_S) == []
+
+
+def test_a_stream_too_slow_for_its_limit_is_told_of_once():
+    watch = FreshnessWatch()
+    told = []
+    for number in range(30):
+        t = number * 2.0 * LASER.max_age
+        watch.mark_valid(LASER, t)
+        told += watch.changes(t) + watch.changes(t + 1.5 * LASER.max_age)
+    assert told == [(LASER, False)]

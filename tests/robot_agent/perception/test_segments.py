@@ -11,6 +11,7 @@ import pytest
 from maps.pose import Pose
 from robot_agent.perception.segments import Segment, find_segments
 from robot_agent.perception.settings import PerceptionSettings
+from robot_agent.perception.silhouette import Silhouettes, rectangle
 from robot_agent.perception.unexplained import UnexplainedPoints
 from tests.robot_agent.perception.simulated_room import SILHOUETTES, Box, Room
 
@@ -24,11 +25,12 @@ def segments_of(
     rng: np.random.Generator,
     pose: Pose = CENTRE,
     increment: float = math.radians(1.0),
+    silhouettes: Silhouettes = SILHOUETTES,
 ) -> list[Segment]:
     points = room.scan(pose, boxes, rng, increment)
     ranges = np.hypot(points[:, 0], points[:, 1])
     mask = UnexplainedPoints(room.map, SETTINGS.detection_range).mask(pose, points, ranges)
-    return find_segments(SILHOUETTES, points, ranges, mask)
+    return find_segments(silhouettes, points, ranges, mask)
 
 
 def at(distance: float, bearing: float, theta: float, *size: float) -> Box:
@@ -110,6 +112,14 @@ def test_a_bare_scanner_housing_is_found_as_a_small_robot(room: Room, distance: 
             errors.append(math.hypot(found[0].x + CENTRE.x - box.x, found[0].y + CENTRE.y - box.y))
     assert len(errors) > 35
     assert np.percentile(errors, 95) < 0.05
+
+
+def test_whatever_is_as_wide_as_the_own_body_is_robot_sized_admitted_or_not(room: Room) -> None:
+    rng = np.random.default_rng(11)
+    housings = Silhouettes.admitted(["housing"], rectangle(0.51, 0.40))
+    found = segments_of(room, [at(1.5, 0.0, 0.3)], rng, silhouettes=housings)
+    assert [(each.robot_sized, each.small) for each in found] == [(True, False)]
+    assert found[0].misfit == math.inf
 
 
 def test_a_half_hidden_robot_is_found_about_where_it_is(room: Room) -> None:

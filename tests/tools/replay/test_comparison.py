@@ -52,6 +52,15 @@ def test_earlier_layout_may_lack_fields_and_differ_in_texts() -> None:
     assert not same_effects(recorded, now, SCHEMA_VERSION, complete=True)
 
 
+def test_a_part_of_a_payload_may_lack_fields_in_an_earlier_layout_too() -> None:
+    recorded: list[Effect] = [payload("status", health="base down", base={"state": "ready"})]
+    now: list[Effect] = [payload("status", health="ok", base={"state": "ready", "trouble": ""})]
+    assert same_effects(recorded, now, OLD, complete=True)
+    assert not same_effects(recorded, now, SCHEMA_VERSION, complete=True)
+    other: list[Effect] = [payload("status", health="ok", base={"state": "down", "trouble": ""})]
+    assert not same_effects(recorded, other, OLD, complete=True)
+
+
 def test_fields_changed_in_meaning_by_an_override_are_not_compared() -> None:
     recorded = payload("decision", action="keep_going", degrees={"keep_going": 0.9})
     overridden = payload(

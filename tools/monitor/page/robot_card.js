@@ -156,7 +156,7 @@ export class RobotCard {
     setClass(facts.motors, "bad", Boolean(status?.stalled || status?.bumpers));
     for (const link of ["base", "laser"]) {
       setText(facts[link], status ? linkWords(status[link]) : ABSENT);
-      setClass(facts[link], "bad", Boolean(status && !status[link].up));
+      setClass(facts[link], "bad", Boolean(status && (!status[link].up || status[link].trouble)));
     }
     setText(facts.cpu, process ? quantity(100 * process.cpu, "%", 1) : ABSENT);
     setText(facts.memory, quantity(process?.memory, "MB", 0));
@@ -192,5 +192,6 @@ function motorWords(status) {
 
 function linkWords(link) {
   if (!link.up) return link.reason || "port not open";
-  return `${link.state}, ${quantity(link.rate, "/s", 1)}, ${link.bad} bad, ${link.discarded} B lost`;
+  const line = `${link.state}, ${quantity(link.rate, "/s", 1)}, ${link.bad} bad, ${link.discarded} B lost`;
+  return [line, link.happened, link.trouble].filter(Boolean).join("; ");
 }
