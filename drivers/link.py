@@ -38,6 +38,11 @@ class LinkState(StrEnum):
     DOWN = "down"
 
 
+@dataclass(frozen=True, slots=True)
+class _End:
+    """Place in the queue behind which nothing is written any more."""
+
+
 class LinkListener(Protocol):
     """Callbacks of a link, called on its thread; ``t`` is by its clock."""
 
@@ -107,9 +112,10 @@ class Link:
         self._listener = listener
         self._clock = clock
         self._lock = threading.Lock()
-        self._queue: deque[Request] = deque()
+        self._queue: deque[Request | _End] = deque()
         self._waiting = 0  # bytes in the queue
         self._overflowed = False
+        self._ended = False
         self._closing = threading.Event()
         self._wake_reader, self._wake_writer = -1, -1
         self._thread: threading.Thread | None = None
@@ -132,7 +138,8 @@ class Link:
 
     @property
     def alive(self) -> bool:
-        """Whether the thread runs; it ends only by ``close`` or a programming error."""
+        """Whether the thread runs; it ends only by ``close``, with a port that closes after
+        ``end``, or by a programming error."""
         return self._thread is not None and self._thread.is_alive()
 
     def write(self, data: bytes) -> None:
@@ -142,6 +149,18 @@ class Link:
     def set_baud(self, baud: int) -> None:
         """Queue a change of rate: done when all earlier writes have left; drops unread input."""
         self._enqueue(SetBaud(baud), 0)
+
+    def end(self) -> None:
+        """Expect the other side to close the port once all earlier writes have left.
+
+        That is no fault then: it is not reported, and the port is not opened again.
+        """
+        with self._lock:
+            if self.state is LinkState.UP:
+                self._queue.append(_End())
+            else:
+                self._ended = True
+            self._wake()
 
     def close(self) -> None:
         """Let the last writes leave (at most 0.5 s), close the port, end the thread."""
@@ -172,11 +191,13 @@ class Link:
 
     def _run(self) -> None:
         pause = FIRST_PAUSE
-        while not self._closing.is_set():
+        while not (self._closing.is_set() or self._ended):
             heard_before = self.counters.bytes_in
             try:
                 self._open_and_serve()
             except PortError as failure:
+                if self._at_end:
+                    break
                 if self.counters.bytes_in > heard_before:
                     pause = FIRST_PAUSE
                 self._go_down(failure)
@@ -187,6 +208,12 @@ class Link:
             os.close(self._wake_reader)
             os.close(self._wake_writer)
             self._wake_reader = self._wake_writer = -1
+
+    @property
+    def _at_end(self) -> bool:
+        """Whether everything before ``end`` has been written."""
+        with self._lock:
+            return self._ended or (bool(self._queue) and isinstance(self._queue[0], _End))
 
     def _open_and_serve(self) -> None:
         with self._lock:
@@ -262,6 +289,10 @@ class Link:
         """Carry out queued requests until the port takes no more."""
         while self._queue:
             request = self._queue[0]
+            if isinstance(request, _End):
+                self._ended = True
+                self._queue.popleft()
+                continue
             if isinstance(request, SetBaud):
                 port.set_baud(request.baud)
                 self._queue.popleft()

@@ -514,6 +514,8 @@ class Agent:
     # --- links and end -------------------------------------------------------------------------
 
     def _link_up(self, t: float, link: DeviceName) -> None:
+        if self._ending:
+            return  # no session is opened any more
         if link == "camera":
             self.perception.camera.opened(t)
             self.outbox.add(Notice(t, "camera", "pictures come", LogLevel.INFO))
@@ -526,6 +528,8 @@ class Agent:
         self.outbox.add(Notice(t, link, "port open", LogLevel.INFO))
 
     def _link_down(self, t: float, link: DeviceName, reason: str) -> None:
+        if self._ending:
+            return  # a device closes its connection after the last command: no fault
         if link == "camera":
             self.perception.camera.lost(reason)
         else:

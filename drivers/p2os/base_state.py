@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -49,7 +50,7 @@ class BaseState:
     v_left: float  # m/s
     v_right: float  # m/s
     battery: float  # V, of all its blocks
-    stall_left: bool
+    stall_left: bool  # not by the stop button, which later firmware reports as a stall too
     stall_right: bool
     front_bumpers: int
     rear_bumpers: int
@@ -64,6 +65,8 @@ class BaseState:
     fault_flags: int = 0
     temperature_celsius: int | None = None
     unknown_sonars: int = 0  # number of readings dropped: the model lacks the transducer
+    turn_rate: float | None = None  # rad/s as the controller measures it, its gyro included
+    charger_power: bool = False
 
     @property
     def charging(self) -> bool:
@@ -96,8 +99,8 @@ def base_state(
         v_left,
         v_right,
         _battery_volts(sip, model),
-        bool(sip.left_stall_byte & 1),
-        bool(sip.right_stall_byte & 1),
+        bool(sip.left_stall_byte & 1) and not sip.stalled_by_button,
+        bool(sip.right_stall_byte & 1) and not sip.stalled_by_button,
         front,
         rear,
         sip.motors_enabled,
@@ -111,6 +114,8 @@ def base_state(
         tail.fault_flags or 0,
         _temperature(tail.temperature_celsius),
         len(sip.sonar) - len(fitted),
+        _turn_rate(tail.turn_rate_decidegrees_s),
+        sip.charger_power,
     )
 
 
@@ -131,6 +136,10 @@ def _charge_state(code: int | None) -> ChargeState | None:
     if code is None:
         return None
     return ChargeState(code) if code in _CHARGE_CODES else ChargeState.UNKNOWN
+
+
+def _turn_rate(decidegrees: int | None) -> float | None:
+    return None if decidegrees is None else math.radians(0.1 * decidegrees)
 
 
 def _temperature(celsius: int | None) -> int | None:

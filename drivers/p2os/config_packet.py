@@ -138,8 +138,10 @@ def _wire_layout() -> list[tuple[str, str]]:
 _LAYOUT = _wire_layout()
 BUMPER_FIELD_COUNT = [name for name, _ in _LAYOUT].index("rear_bumper_segments") + 1
 """Fields of the shortest packet with the numbers of bumper segments."""
+AROS_FIELD_COUNT = [name for name, _ in _LAYOUT].index("gyro_type") + 1
+"""Fields that AROS 1.8 sends."""
 LATER_FIELD_COUNT = [name for name, _ in _LAYOUT].index("charge_threshold") + 1
-"""Fields an AROS/ARCOS-like controller sends."""
+"""Fields that ARCOS sends."""
 
 
 def decode_config(data: bytes) -> ConfigPacket | None:

@@ -13,13 +13,16 @@ from typing import NamedTuple
 ENCODER_TYPE = 0x90
 GYRO_TYPE = 0x98
 AUX_TYPES = (0xB0, 0xB8, 0xC8)
+GRIPPER_TYPE = 0xE0
 IO_TYPE = 0xF0
 JOYSTICK_TYPE = 0xF8
+BATTERY_TYPE = 0xFA
 NOTIFICATION_TYPES = (0xFE, 0xFF)
 
 _ENCODER = struct.Struct("<Bii")
 _GYRO_SAMPLE = struct.Struct("<HB")
 _JOYSTICK = struct.Struct("<BBBHHH")
+_GRIPPER = struct.Struct("<BBBB")
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +111,39 @@ class JoystickPacket:
 
 
 @dataclass(frozen=True, slots=True)
+class GripperPacket:
+    """The gripper: kind (0 none, 1 on the user's pins, 2 on its own), switches and grasp time."""
+
+    kind: int
+    switches: int
+    grasp_time_20ms: int
+    surplus: bytes = b""
+
+    def encode(self) -> bytes:
+        """Return the packet's data."""
+        head = _GRIPPER.pack(GRIPPER_TYPE, self.kind, self.switches, self.grasp_time_20ms)
+        return head + self.surplus
+
+
+@dataclass(frozen=True, slots=True)
+class BatteryPacket:
+    """What batteries with a controller of their own report; lead-acid ones report nothing.
+
+    ``records`` holds the bytes of each: three of flags, relative and absolute charge in percent
+    (ARIA, ArRobotBatteryPacketReader), all of one size.
+    """
+
+    record_size: int
+    records: tuple[bytes, ...]
+    surplus: bytes = b""
+
+    def encode(self) -> bytes:
+        """Return the packet's data."""
+        head = bytes((BATTERY_TYPE, len(self.records), self.record_size))
+        return head + b"".join(self.records) + self.surplus
+
+
+@dataclass(frozen=True, slots=True)
 class Notification:
     """The controller has reset itself or lost the handshake: the session is over."""
 
@@ -161,6 +197,23 @@ def decode_joystick(data: bytes) -> JoystickPacket | None:
         return None
     _, connected, buttons, x, y, throttle = _JOYSTICK.unpack_from(data)
     return JoystickPacket(connected, buttons, x, y, throttle, data[_JOYSTICK.size :])
+
+
+def decode_gripper(data: bytes) -> GripperPacket | None:
+    """Read a GRIPPER packet's data."""
+    if len(data) < _GRIPPER.size:
+        return None
+    _, kind, switches, grasp_time = _GRIPPER.unpack_from(data)
+    return GripperPacket(kind, switches, grasp_time, data[_GRIPPER.size :])
+
+
+def decode_battery(data: bytes) -> BatteryPacket | None:
+    """Read a BATTERYINFO packet's data."""
+    if len(data) < 3 or len(data) < 3 + data[1] * data[2]:
+        return None
+    number, size = data[1], data[2]
+    records = tuple(data[3 + size * i : 3 + size * (i + 1)] for i in range(number))
+    return BatteryPacket(size, records, data[3 + size * number :])
 
 
 def decode_notification(data: bytes) -> Notification | None:

@@ -9,6 +9,7 @@ from drivers.p2os.commands import CLOSE, OPEN, STOP, SYNCS
 from drivers.p2os.extended_packets import NOTIFICATION_TYPES
 from drivers.p2os.rate_search import RateSearch
 from drivers.p2os.robot_identity import RobotIdentity, decode_sync_reply
+from drivers.p2os.trouble import Trouble, TroubleKind
 from drivers.requests import Request, SetBaud, Write
 
 LISTENING_TIME = 0.25  # s, more than two cycles of reports
@@ -26,14 +27,16 @@ class Handshake:
     A robot still in a session takes SYNC0 for PULSE and would resume that session's motion, but
     it also sends reports: so the handshake listens before the first SYNC0 and stops a robot that
     reports. STOP is sent unconditionally only where there was a session on this line: some servers
-    take any first packet but SYNC0 for the end of the handshake. ``trouble`` is a line for people
-    with the reason why there is no robot yet, or None.
+    take any first packet but SYNC0 for the end of the handshake. ``trouble`` is the reason why
+    there is no robot yet, or None.
     """
 
     def __init__(self, baud: int, requests: list[Request]) -> None:
         self.attempts = 0
         self.old_sessions = 0
-        self.trouble: str | None = None
+        self.sweeps = 0
+        """Searches of every rate that found no robot."""
+        self.trouble: Trouble | None = None
         self.rates = RateSearch(baud)
         self._requests = requests
         self._tries = 0
@@ -42,7 +45,7 @@ class Handshake:
         self._settling = False
         self._in_session = False
         self._received = b""
-        self._failures: dict[str, int] = {}
+        self._failures: dict[TroubleKind, int] = {}
 
     @property
     def baud(self) -> int:
@@ -69,11 +72,13 @@ class Handshake:
     def feed(self, data: bytes, t: float) -> RobotIdentity | None:
         """Take a packet; return the robot's identity when it completes the handshake."""
         if data in ECHOES:
-            self._settle("the port echoes what is sent: loop-back plug, radio modem?", t)
+            why = "the port echoes what is sent: loop-back plug, radio modem?"
+            self._settle(Trouble(TroubleKind.ECHO, why), t)
         elif self._settling:
             return None
         elif data[0] in NOTIFICATION_TYPES:
-            self._settle("robot refuses the handshake again and again: press its RESET", t)
+            why = "robot refuses the handshake again and again: press its RESET"
+            self._settle(Trouble(TroubleKind.REFUSED, why), t)
         elif data[0] > 2:
             self._close_old_session(t)
         elif self._expected == 2 and (identity := decode_sync_reply(data)) is not None:
@@ -83,7 +88,8 @@ class Handshake:
         elif self._expected < 2 and data[0] == self._expected:
             self._send_sync(self._expected + 1, t)
         else:
-            self._settle("robot answers the handshake out of order: press its RESET", t)
+            why = "robot answers the handshake out of order: press its RESET"
+            self._settle(Trouble(TroubleKind.OUT_OF_ORDER, why), t)
         return None
 
     def tick(self, t: float) -> None:
@@ -131,30 +137,37 @@ class Handshake:
         if self.rates.return_to_configured():
             # A closed controller falls back to the rate it starts with.
             self._requests.append(SetBaud(self.baud))
-        self._settle(
+        why = (
             "robot sends reports but does not end its old session: sending wire broken? "
-            "else press its RESET",
-            t,
+            "else press its RESET"
         )
+        self._settle(Trouble(TroubleKind.OLD_SESSION, why), t)
 
     def _next_rate(self) -> None:
         if self.rates.advance():
+            self.sweeps += 1
             self.trouble = self._no_robot()
         self._requests.append(SetBaud(self.baud))
 
-    def _no_robot(self) -> str:
+    def _no_robot(self) -> Trouble:
         rates = ", ".join(map(str, self.rates.all))
         if not self._received:
-            return f"no reply at {rates} baud: robot switched on? cable? last bytes heard: none"
+            words = f"no reply at {rates} baud: robot switched on? cable? last bytes heard: none"
+            return Trouble(TroubleKind.NO_REPLY, words)
         received = self._received.hex(" ")
-        return f"only noise at {rates} baud: is this the robot's port? last bytes heard: {received}"
+        words = (
+            f"only noise at {rates} baud: is this the robot's port? last bytes heard: {received}"
+        )
+        return Trouble(TroubleKind.NOISE, words)
 
-    def _settle(self, why: str, t: float) -> None:
+    def _settle(self, why: Trouble, t: float) -> None:
         self._settling = True
         self._deadline = t + SETTLING_TIME
-        self._failures[why] = self._failures.get(why, 0) + 1
-        if self._failures[why] >= PATIENCE:
-            self.trouble = f"{why}; last bytes heard: {self._received.hex(' ')}"
+        times = self._failures.get(why.kind, 0) + 1
+        self._failures[why.kind] = times
+        if times >= PATIENCE:
+            heard = f"last bytes heard: {self._received.hex(' ')}"
+            self.trouble = Trouble(why.kind, f"{why.words}; {heard}")
 
     def _write(self, data: bytes) -> None:
         self._requests.append(Write(data))

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from drivers.p2os.extended_packets import (
     AuxPacket,
+    BatteryPacket,
     EncoderPacket,
+    GripperPacket,
     GyroPacket,
     IoPacket,
     JoystickPacket,
@@ -20,6 +22,8 @@ class LatestPackets:
         self.gyro: GyroPacket | None = None
         self.io: IoPacket | None = None
         self.joystick: JoystickPacket | None = None
+        self.gripper: GripperPacket | None = None
+        self.battery: BatteryPacket | None = None
         self.aux: dict[int, AuxPacket] = {}
         """By port, 1 to 3."""
         self.received_at: dict[type[ExtendedPacket], float] = {}
@@ -37,5 +41,9 @@ class LatestPackets:
                 self.io = packet
             case JoystickPacket():
                 self.joystick = packet
+            case GripperPacket():
+                self.gripper = packet
+            case BatteryPacket():
+                self.battery = packet
             case AuxPacket():
                 self.aux[packet.port] = packet

@@ -6,6 +6,7 @@ import math
 from enum import StrEnum
 
 from drivers.p2os.base_state import BaseState
+from drivers.p2os.trouble import Trouble, TroubleKind
 
 ENABLE_RETRY = 0.5  # s
 ENABLE_PATIENCE = 3.0  # s
@@ -64,11 +65,13 @@ class MotorWatch:
         elif before not in (MotorState.STOP_BUTTON, MotorState.ENABLING):
             self.state = MotorState.OFF
 
-    def trouble(self, t: float) -> str | None:
-        """Return a line for people why enabled motors are off; None if there is no trouble."""
+    def trouble(self, t: float) -> Trouble | None:
+        """Return why enabled motors are off; None if there is no trouble."""
         if self.state is MotorState.STOP_BUTTON:
             release = "release it and " if self._button_held else ""
-            return f"stopped by the robot's stop button: {release}press MOTORS on the robot"
+            words = f"stopped by the robot's stop button: {release}press MOTORS on the robot"
+            return Trouble(TroubleKind.STOP_BUTTON, words)
         if self.state is MotorState.ENABLING and t - self._enabling_since > ENABLE_PATIENCE:
-            return "motors do not come on: is a stop button pressed, the battery low?"
+            words = "motors do not come on: is a stop button pressed, the battery low?"
+            return Trouble(TroubleKind.MOTORS_OFF, words)
         return None

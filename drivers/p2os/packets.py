@@ -10,19 +10,25 @@ from collections.abc import Callable
 from drivers.p2os.config_packet import CONFIG_TYPE, ConfigPacket, decode_config
 from drivers.p2os.extended_packets import (
     AUX_TYPES,
+    BATTERY_TYPE,
     ENCODER_TYPE,
+    GRIPPER_TYPE,
     GYRO_TYPE,
     IO_TYPE,
     JOYSTICK_TYPE,
     NOTIFICATION_TYPES,
     AuxPacket,
+    BatteryPacket,
     EncoderPacket,
+    GripperPacket,
     GyroPacket,
     IoPacket,
     JoystickPacket,
     Notification,
     decode_aux,
+    decode_battery,
     decode_encoder,
+    decode_gripper,
     decode_gyro,
     decode_io,
     decode_joystick,
@@ -30,7 +36,15 @@ from drivers.p2os.extended_packets import (
 )
 from drivers.p2os.sip import SIP_TYPES, Sip, decode_sip
 
-ExtendedPacket = EncoderPacket | GyroPacket | AuxPacket | IoPacket | JoystickPacket
+ExtendedPacket = (
+    EncoderPacket
+    | GyroPacket
+    | AuxPacket
+    | IoPacket
+    | JoystickPacket
+    | GripperPacket
+    | BatteryPacket
+)
 Packet = Sip | ConfigPacket | ExtendedPacket | Notification
 
 _DECODERS: dict[int, Callable[[bytes], Packet | None]] = {
@@ -41,6 +55,8 @@ _DECODERS: dict[int, Callable[[bytes], Packet | None]] = {
     **dict.fromkeys(AUX_TYPES, decode_aux),
     IO_TYPE: decode_io,
     JOYSTICK_TYPE: decode_joystick,
+    GRIPPER_TYPE: decode_gripper,
+    BATTERY_TYPE: decode_battery,
     **dict.fromkeys(NOTIFICATION_TYPES, decode_notification),
 }
 

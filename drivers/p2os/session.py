@@ -15,7 +15,7 @@ from drivers.p2os.command_outbox import CommandOutbox
 from drivers.p2os.commands import CLOSE, OPEN, PULSE, STAND_STILL, STOP, Command, command
 from drivers.p2os.config_packet import ConfigPacket
 from drivers.p2os.drive_request import DriveRequest
-from drivers.p2os.extended_packets import Notification
+from drivers.p2os.extended_packets import NOTIFICATION_TYPES, Notification
 from drivers.p2os.fitted_bumpers import FittedBumpers
 from drivers.p2os.framing import OVERHEAD, PacketFramer
 from drivers.p2os.handshake import Handshake
@@ -29,6 +29,7 @@ from drivers.p2os.robot_identity import RobotIdentity
 from drivers.p2os.set_up import SetUp
 from drivers.p2os.settings import BaseSettings
 from drivers.p2os.sip import Sip, decode_sip
+from drivers.p2os.trouble import Trouble, TroubleKind
 from drivers.p2os.wheel_correction import WheelCorrection
 from drivers.requests import Request
 
@@ -59,9 +60,13 @@ class SessionCounters:
     other_packets: int = 0  # of an unknown type
     cut_packets: int = 0  # good checksum, but too short for their type
     unknown_sonars: int = 0  # readings of transducers that the model lacks
+    old_sessions: int = 0  # packets of another client's session, to which CLOSE was sent
+    rate_searches: int = 0  # of every rate, that found no robot
     silences: int = 0
     resumptions: int = 0  # sessions found still open
     controller_resets: int = 0
+    unknown_models: int = 0  # robots that reported what no model is known of, or another one
+    refused_limits: int = 0  # times the robot kept other limits than those asked for
     stale_requests: int = 0
     commands: int = 0
 
@@ -76,6 +81,8 @@ class P2osSession:
     def __init__(self, settings: BaseSettings) -> None:
         self.state = SessionState.DOWN
         self.state_since = -math.inf
+        self.ended = False
+        """Whether the session was shut down; it is not opened again."""
         self.identity: RobotIdentity | None = None
         self.model: RobotModel = expected_model(settings)
         self.model_trouble: str | None = None
@@ -97,7 +104,7 @@ class P2osSession:
         self._last_byte = self._last_sip = self._t = -math.inf
         self._ours = False
         self._left_open: Sip | None = None  # latest SIP of a session another client left open
-        self._search_reason: str | None = None
+        self._search_reason: Trouble | None = None
 
     @property
     def baud(self) -> int:
@@ -140,15 +147,28 @@ class P2osSession:
 
     @property
     def trouble(self) -> str | None:
-        """A line for people with the trouble and the remedy; None if there is none."""
+        """A line for people with the worst trouble and the remedy; None if there is none."""
+        return next((trouble.words for trouble in self.troubles), None)
+
+    @property
+    def troubles(self) -> list[Trouble]:
+        """Everything that is wrong now, the worst first."""
         if self.state is SessionState.DOWN:
-            return None
-        if self.state in SEARCHING:
-            return self.handshake.trouble or self._search_reason
-        return self.model_trouble or self._motors.trouble(self._t) or self._set_up.trouble
+            return []
+        reasons = [self.handshake.trouble, self._search_reason]
+        if self.state not in SEARCHING:
+            reasons = [self._model_trouble, self._motors.trouble(self._t), self._set_up.trouble]
+        return [reason for reason in reasons if reason is not None]
+
+    @property
+    def _model_trouble(self) -> Trouble | None:
+        words = self.model_trouble
+        return None if words is None else Trouble(TroubleKind.MODEL, words)
 
     def link_up(self, t: float) -> None:
-        """Start the search for the robot: the port is open."""
+        """Start the search for the robot: the port is open. No effect after ``shut_down``."""
+        if self.ended:
+            return
         self._requests.clear()
         self.framer.reset()
         self._search(SessionState.SYNCING, None, t)
@@ -191,6 +211,7 @@ class P2osSession:
         self._t = t
         if self.state in SEARCHING:
             self.handshake.tick(t)
+            self.counters.rate_searches = self.handshake.sweeps
         elif self.state is not SessionState.DOWN and t - self._last_sip > SILENCE_TIMEOUT:
             self._go_silent(t)
         elif self.state is SessionState.OPENING:
@@ -243,7 +264,9 @@ class P2osSession:
             self._outbox.add(what)
 
     def shut_down(self, t: float) -> None:
-        """Stop the robot, switch its motors off, close the session; the state becomes DOWN."""
+        """Stop the robot, switch its motors off, close the session for good; the state becomes
+        DOWN. That the robot closes the connection then is no fault."""
+        self.ended = True
         if self.state is SessionState.DOWN:
             return
         for last in (STOP, command(CommandNumber.ENABLE, 0), CLOSE):
@@ -255,6 +278,9 @@ class P2osSession:
     # Packets
 
     def _on_packet(self, data: bytes, t: float, t_measured: float) -> BaseState | None:
+        if self.state is SessionState.SILENT and self._ours and data[0] in NOTIFICATION_TYPES:
+            self._restart(t)
+            return None
         if self.state in SEARCHING:
             sip = decode_sip(data)
             if not self._ours or sip is None:
@@ -302,7 +328,7 @@ class P2osSession:
         self.state = state
         self.state_since = t
 
-    def _search(self, state: SessionState, reason: str | None, t: float) -> None:
+    def _search(self, state: SessionState, reason: Trouble | None, t: float) -> None:
         self._enter(state, t)
         self._search_reason = reason
         self._forget_motion()
@@ -311,6 +337,7 @@ class P2osSession:
 
     def _on_handshake(self, data: bytes, t: float) -> None:
         identity = self.handshake.feed(data, t)
+        self.counters.old_sessions = self.handshake.old_sessions
         if identity is not None:
             self._open(identity, t)
 
@@ -322,6 +349,7 @@ class P2osSession:
         self._odometer.forget_reference()
         self._bumpers = FittedBumpers(self.model.bumper_segments)
         self._ours = False
+        self.counters.unknown_models += self.model_trouble is not None
         self._begin_opening(OPEN, t)
         self._set_up.limit_to(self.model)
         self._set_up.begin(t, resumed=False)
@@ -344,16 +372,15 @@ class P2osSession:
         self.counters.silences += 1
         symptom = "fell silent" if self._base is not None else "answered, but sends no reports"
         name = self.identity.name if self.identity is not None else ""
-        remedy = "robot switched off? cable?"
-        self._search(
-            SessionState.SILENT, f"robot {name} {symptom} at {self.baud} baud: {remedy}", t
-        )
+        words = f"robot {name} {symptom} at {self.baud} baud: robot switched off? cable?"
+        self._search(SessionState.SILENT, Trouble(TroubleKind.SILENT, words), t)
 
     def _restart(self, t: float) -> None:
         """Search again: the controller reports that its session is lost."""
         self.counters.controller_resets += 1
         self._ours = False
-        self._search(SessionState.SYNCING, "the robot's controller has reset itself", t)
+        words = "the robot's controller has reset itself: opens a new session"
+        self._search(SessionState.SYNCING, Trouble(TroubleKind.RESET, words), t)
 
     # Setting it up
 
@@ -361,6 +388,7 @@ class P2osSession:
         """Go on with CONFIG, limits, zero motion, limits read back; then READY."""
         prepared = self._set_up.advance(t)
         self._outbox.flush(t)
+        self.counters.refused_limits = self._set_up.refusals
         if prepared and self._base is not None and self.model_trouble is None:
             self._ours = True
             self._enter(SessionState.READY, t)

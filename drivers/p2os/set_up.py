@@ -17,6 +17,7 @@ from drivers.p2os.commands import REQUEST_CONFIG, STAND_STILL, STOP, Command, co
 from drivers.p2os.config_packet import ConfigPacket
 from drivers.p2os.model import RobotModel
 from drivers.p2os.settings import BaseSettings
+from drivers.p2os.trouble import Trouble, TroubleKind
 
 ACCELERATION = 0.3  # m/s^2
 DECELERATION = 0.6  # m/s^2
@@ -48,7 +49,9 @@ class SetUp:
     def __init__(self, settings: BaseSettings, outbox: CommandOutbox) -> None:
         self.config: ConfigPacket | None = None
         """The controller's latest CONFIG of this session."""
-        self.trouble: str | None = None
+        self.trouble: Trouble | None = None
+        self.refusals = 0
+        """Times the robot kept other limits than those asked for."""
         self._settings = settings
         self._outbox = outbox
         self._stage = Stage.DONE
@@ -116,13 +119,16 @@ class SetUp:
     def _check_limits(self) -> None:
         self._stage = Stage.DONE
         if not self._answered or self.config is None:
-            self.trouble = "limits not confirmed: the robot no longer answers CONFIG; link failing?"
+            words = "limits not confirmed: the robot no longer answers CONFIG; link failing?"
+            self.trouble = Trouble(TroubleKind.LIMITS, words)
             return
         kept = kept_otherwise(self._settings, self.config)
         if kept and self._limits_sent < LIMIT_TRIES:
             self._send_commands()
         elif kept:
-            self.trouble = f"robot keeps {', '.join(kept)}: adapt the base settings to it"
+            self.refusals += 1
+            words = f"robot keeps {', '.join(kept)}: adapt the base settings to it"
+            self.trouble = Trouble(TroubleKind.LIMITS, words)
 
     def _send_commands(self) -> None:
         self._limits_sent += 1

@@ -20,8 +20,11 @@ SIP_TYPES = range(0x30, 0x40)
 MOTORS_FLAG = 0x0001
 SONAR_FLAGS = 0x001E
 """Bit 1 on P2OS; later firmware has a bit for each of four arrays."""
+FIRST_ARRAY_FLAG = 0x0002
 STOP_BUTTON_FLAG = 0x0020
-"""Of later firmware; P2OS leaves it 0."""
+"""This and those below are of later firmware; P2OS leaves them 0."""
+E_STALL_FLAG = 0x0040
+CHARGER_POWER_FLAG = 0x0400
 
 _HEAD = struct.Struct("<BHHhhhBBBhHBB")
 _SONAR = struct.Struct("<BH")
@@ -36,7 +39,9 @@ _TAIL_FOR_LENGTH = [
 class SipTail(NamedTuple):
     """Fields behind the sonar readings; None if the packet ended before them.
 
-    P2OS sends the first five; every field needs the ones before it.
+    P2OS sends the first five, AROS seven, ARCOS nine and more; every field needs the ones before
+    it. Manuals name gripper and analog port in the other order; ARIA and Player read the port
+    first.
     """
 
     analog_port: int | None = None
@@ -84,6 +89,16 @@ class Sip:
     def stop_button(self) -> bool:
         """Whether later firmware reports its stop button pressed."""
         return bool(self.flags & STOP_BUTTON_FLAG)
+
+    @property
+    def stalled_by_button(self) -> bool:
+        """Whether later firmware reports a stall that its stop button is, not a blocked wheel."""
+        return bool(self.flags & E_STALL_FLAG)
+
+    @property
+    def charger_power(self) -> bool:
+        """Whether later firmware reports that the charger has power."""
+        return bool(self.flags & CHARGER_POWER_FLAG)
 
     @property
     def is_of_later_firmware(self) -> bool:

@@ -272,7 +272,12 @@ class Runtime:
                     self._journal.put(payload)
 
     def _finish(self) -> None:
-        """Process events for SHUTDOWN_S more, so that the last commands are sent in order."""
+        """Process events for SHUTDOWN_S more, so that the last commands are sent in order.
+
+        A device that closes its connection after them has not failed.
+        """
+        for link in self._links.values():
+            link.end()
         until = self._clock() + SHUTDOWN_S
         while (now := self._clock()) < until:
             self._handle(self._next_event(now + TICK_S))

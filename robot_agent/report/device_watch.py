@@ -22,6 +22,7 @@ PROGRESS = frozenset({"sips", "commands", "scans"})
 """Counters that grow while all is well."""
 COUNTED: Mapping[LinkName, Mapping[str, str]] = {
     "base": {
+        "old_sessions": "was in the session of another client, which was closed",
         "resumptions": "was found in its old session, which goes on",
         "cut_packets": "sends packets too short for their type: `patrol doctor` shows its firmware",
         "other_packets": "sends packets of an unknown type, which are left out",

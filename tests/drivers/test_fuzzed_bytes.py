@@ -28,6 +28,7 @@ from drivers.lms200.settings import LaserSettings
 from drivers.p2os.commands import Command, decode_command
 from drivers.p2os.config_packet import ConfigPacket
 from drivers.p2os.emulator.emulator import P2osEmulator
+from drivers.p2os.emulator.firmware import Firmware
 from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.framing import CONTROLLER_MAX_COUNT, MAX_COUNT, PacketFramer, encode_packet
 from drivers.p2os.packets import decode_packet
@@ -146,10 +147,21 @@ class Codec:
 
 def robot_frames() -> list[bytes]:
     """Return an emulated robot's packets in a session with motion and all streams."""
-    emulator = P2osEmulator(PIONEER_2DX, baud=115200, later_firmware=True)
+    emulator = P2osEmulator(PIONEER_2DX, baud=115200, firmware=Firmware.ARCOS)
     for command in (Command(0), Command(1), Command(2), Command(1, 1), Command(18, 1)):
         emulator.feed(command.encode(), 0.0)
-    for number, argument in ((4, 1), (40, 2), (19, 2), (28, 1), (11, 300), (21, 20)):
+    for number, argument in (
+        (4, 1),
+        (40, 2),
+        (19, 2),
+        (17, 2),
+        (37, 2),
+        (58, 1),
+        (62, 2),
+        (28, 1),
+        (11, 300),
+        (21, 20),
+    ):
         emulator.feed(Command(number, argument).encode(), 0.0)
     data = b""
     for step in range(200):

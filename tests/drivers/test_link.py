@@ -102,6 +102,13 @@ def read_exactly(descriptor: int, count: int) -> bytes:
     return data
 
 
+def wait_until(condition: Callable[[], bool]) -> None:
+    give_up = time.monotonic() + LIMIT
+    while not condition():
+        assert time.monotonic() < give_up
+        time.sleep(0.005)
+
+
 def laser(baud: int = 9600) -> Lms200Emulator:
     return Lms200Emulator(baud=baud, scan_source=lambda t, n, step: np.linspace(1.0, 3.0, n))
 
@@ -342,6 +349,43 @@ def test_order_of_writes_and_rate_changes_is_kept_at_any_rate() -> None:
     finally:
         os.close(master)
         os.close(slave)
+
+
+def test_port_that_closes_after_the_end_is_neither_reported_nor_opened_again() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        url = f"socket://127.0.0.1:{server.getsockname()[1]}"
+        with linked(url) as (link, heard):
+            device, _ = server.accept()
+            heard.wait_for("up")
+            link.write(b"close")
+            link.end()
+            device.settimeout(LIMIT)
+            assert read_exactly(device.fileno(), 5) == b"close"
+            device.close()
+            wait_until(lambda: not link.alive)
+            assert link.state is LinkState.CLOSED
+            assert link.status.reason == ""
+            assert (link.counters.times_lost, link.counters.attempts) == (0, 1)
+            assert heard.events.empty()
+
+
+def test_port_that_closes_before_the_end_is_reported() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        url = f"socket://127.0.0.1:{server.getsockname()[1]}"
+        with linked(url) as (link, heard):
+            device, _ = server.accept()
+            heard.wait_for("up")
+            device.close()
+            assert "closed by the other side" in str(heard.wait_for("down"))
+            link.end()
+            link.write(b"lost")
+
+
+def test_port_that_is_not_there_is_not_tried_again_after_the_end(tmp_path: Path) -> None:
+    with linked(str(tmp_path / "missing")) as (link, heard):
+        heard.wait_for("down")
+        link.end()
+        wait_until(lambda: not link.alive)
 
 
 @both_ports

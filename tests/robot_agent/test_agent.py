@@ -17,7 +17,7 @@ from maps.pose import Pose
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, find_map
 from robot_agent.messages.effects import Publish
-from robot_agent.messages.events import BytesReceived, LinkDown, Shutdown, Tick
+from robot_agent.messages.events import BytesReceived, LinkDown, LinkUp, Shutdown, Tick
 from robot_agent.messages.foxglove import Log
 from robot_agent.messages.streams import DecisionPayload, StatusPayload, decode
 from robot_agent.motion.freshness_limits import LASER
@@ -93,6 +93,19 @@ def test_shutdown_leaves_the_robot_standing_with_motors_off(folder: MapFolder) -
     assert last[2][0] == CommandNumber.CLOSE
     run_until(fleet, 17.0)
     assert fleet.robots[0].rig.base.velocity == (0.0, 0.0)
+
+
+def test_device_that_closes_its_connection_at_the_end_is_no_fault(folder: MapFolder) -> None:
+    fleet = make_fleet(folder)
+    run_until(fleet, 5.0)
+    agent = fleet.robots[0].agent
+    agent.handle(Shutdown(5.0))
+    for link in ("base", "laser"):
+        effects = agent.handle(LinkDown(5.1, link, "connection closed by the other side"))
+        assert not [one for one in effects if isinstance(one, Publish) and one.stream == "event"]
+    effects = agent.handle(LinkUp(5.2, "base"))
+    assert effects == []
+    assert agent.base.state is SessionState.DOWN
 
 
 def test_the_same_events_give_the_same_effects(folder: MapFolder) -> None:

@@ -9,10 +9,10 @@ import threading
 from contextlib import closing
 from pathlib import Path
 
-from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.commands.truth_option import add_truth_option, chosen_truth
+from tools.simulation.base_options import add_base_options, chosen_base
 from tools.simulation.emulate import EmulateOptions, Emulation, parse_pose
 
 
@@ -24,9 +24,20 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "  drop=0.01,corrupt=0.001            per byte\n"
         "  duplicate=0.01,split=0.1           per piece of traffic\n"
         "  delay=0.05:0.2                     that share comes 0.2 s late\n"
-        "  silence=5:8,cut=12:15,reset=20     from:to, from:to (the port goes away), at"
+        "  silence=5:8,cut=12:15,reset=20     from:to, from:to (the port goes away), at\n\n"
+        "A client that is killed while its robot drives leaves it driving until the base's\n"
+        "watchdog stops it, 2 s later. Its session stays open, and the next packet of any client\n"
+        "resumes the motion, as on a real robot: also the SYNC0 with which ARIA connects again,\n"
+        "up to its CLOSE."
     )
     add_truth_option(parser)
+    parser.add_argument(
+        "--model",
+        dest="truth",
+        metavar="SUBCLASS",
+        help="the robot is of this make, e.g. p3dx-sh: --truth of that name",
+    )
+    add_base_options(parser)
     for name, device in (("p2os", "base"), ("lms200", "laser")):
         parser.add_argument(
             f"--{name}", default="pty", metavar="PLACE", help=f"{device}: pty or tcp:PORT"
@@ -37,13 +48,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--camera", type=int, metavar="PORT", help="serve its view as MJPEG there")
     parser.add_argument("--map", default="paper_lab", metavar="DIR", help="map folder or name")
     parser.add_argument("--pose", metavar="X,Y,DEG", help="start; default a free place")
-    parser.add_argument(
-        "--watchdog",
-        type=float,
-        default=FACTORY_WATCHDOG,
-        metavar="S",
-        help="watchdog time-out in the base's FLASH",
-    )
     parser.add_argument("--seed", type=int, default=1, metavar="N")
 
 
@@ -58,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
         lms200_faults=options.lms200_faults,
         camera=options.camera,
         pose=None if options.pose is None else parse_pose(options.pose),
-        watchdog=options.watchdog,
+        base=chosen_base(options),
         seed=options.seed,
     )
     ended = threading.Event()

@@ -85,6 +85,7 @@ class DeviceTrial(Generic[T]):
         self._link = Link(url, baud, self, time.monotonic)
         self._baud = baud
         self._next_tick = 0.0
+        self._ended = False
 
     @property
     def done(self) -> bool:
@@ -125,9 +126,11 @@ class DeviceTrial(Generic[T]):
         self._carry_out()
 
     def shut_down(self) -> None:
-        """Send the commands that close the session."""
+        """Send the commands that close the session; the device may close the connection then."""
+        self._ended = True
         self._session.shut_down(time.monotonic())
         self._carry_out()
+        self._link.end()
 
     def close(self) -> None:
         """Close the port; idempotent."""
@@ -135,6 +138,8 @@ class DeviceTrial(Generic[T]):
 
     def _on_item(self, event: _LineEvent) -> None:
         line = self.line
+        if self._ended and not isinstance(event.content, bytes):
+            return
         if event.content is None:
             line.opened = True
             self._session.link_up(event.t)

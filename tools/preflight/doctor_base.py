@@ -85,7 +85,8 @@ class BaseExamination:
         if not line.bytes_received:
             remedy = "switch the robot on; check that the cable leads to its HOST port"
         elif self._session.framer.counters.good:
-            trouble = (self._session.handshake.trouble or "").partition(";")[0]
+            found = self._session.handshake.trouble
+            trouble = "" if found is None else found.words.partition(";")[0]
             remedy = "press the robot's RESET button; end whatever else talks to it"
         else:
             remedy = "set its HOST port to one of these rates; check the cable: bytes come garbled"

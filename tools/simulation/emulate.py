@@ -15,9 +15,10 @@ import numpy as np
 from drivers.emulation.fault_plan import parse_faults
 from drivers.emulation.line_faults import LineFaults
 from drivers.emulation.port import EmulatedDevice, PtyPort, TcpPort
-from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from maps.map_folder import MapFolder
 from maps.pose import Pose
+from tools.simulation.base_options import BaseOptions
+from tools.simulation.emulate_error import EmulateError
 from tools.simulation.emulated_camera import CameraServer, EmulatedCamera
 from tools.simulation.real_time_rig import Pumped, RealTimeRig
 from tools.simulation.rig import make_rig, outline_of
@@ -26,10 +27,6 @@ from tools.simulation.start_poses import free_start_poses
 from tools.simulation.true_world import make_world
 from tools.simulation.truth.truth import Truth, load_truth
 from tools.simulation.world import World
-
-
-class EmulateError(ValueError):
-    """The robot cannot be emulated as asked; the message names the option and a remedy."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,8 +45,8 @@ class EmulateOptions:
     """TCP port of an MJPEG stream; 0 takes any free one, None serves none."""
     pose: Pose | None = None
     """True starting pose, map_from_base; None chooses a free place near the border."""
-    watchdog: float = FACTORY_WATCHDOG
-    """Watchdog in the base's FLASH, s."""
+    base: BaseOptions = field(default_factory=BaseOptions)
+    """How the base is, where not as the truth says."""
     seed: int = 1
 
 
@@ -64,13 +61,18 @@ class Emulation:
         world = make_world(folder, rng, options.truth)
         reach = outline_of(options.truth.robot).reach
         pose = options.pose or _free_pose(folder, world, rng, reach)
-        robot = options.truth.drawn(rng.spawn(1)[0]).robot
+        robot = options.base.applied(options.truth.drawn(rng.spawn(1)[0]).robot)
+        self._base = options.base
+        self._started_at = time.monotonic()
         try:
             self.rig = make_rig(
-                "Emulated", world, pose, time.monotonic(), robot, watchdog=options.watchdog
+                *("Emulated", world, pose, self._started_at, robot),
+                baud=options.base.baud,
+                watchdog=options.base.watchdog,
             )
         except ValueError as error:
             raise EmulateError(f"--pose: {error}") from error
+        options.base.plug_in(self.rig.base)
         self.urls: dict[str, str] = {}
         with ExitStack() as stack:
             names = Path(stack.enter_context(TemporaryDirectory(prefix="patrol-emulate-")))
@@ -86,7 +88,8 @@ class Emulation:
                 port = open_emulated_port(f"--{name}", place, line, names / name)
                 stack.callback(port.close)
                 self.urls[name] = port.url
-                ports.append(port)
+                is_base = line is base
+                ports.append(options.base.pumped(port, self.rig.base) if is_base else port)
             if options.camera is not None:
                 camera = open_camera(options.camera, world, self.rig.body)
                 stack.callback(camera.close)
@@ -102,6 +105,7 @@ class Emulation:
     def run(self, going_on: Callable[[], bool]) -> None:
         """Serve clients in real time while ``going_on()`` is true."""
         while going_on():
+            self._base.press(self.rig.base, time.monotonic() - self._started_at)
             self._real_time.step()
 
 

@@ -13,6 +13,7 @@ from drivers.lms200.emulator.mirror import beam_delays
 from drivers.p2os.base_state import ChargeState
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from drivers.p2os.emulator.emulator import P2osEmulator
+from drivers.p2os.emulator.firmware import Firmware
 from drivers.p2os.emulator.make import BaseMake
 from maps.pose import Pose, wrap_angle
 from tools.simulation.fan import Fan, Returns, laser_fan
@@ -37,15 +38,16 @@ class RobotRig:
         body: RobotBody,
         t: float,
         *,
-        later_firmware: bool = False,
+        firmware: Firmware | None = None,
+        baud: int = 9600,
         watchdog: float = FACTORY_WATCHDOG,
         truth: RobotTruth | None = None,
     ) -> None:
         """Make the devices of a body in the world, powered on at ``t``.
 
         truth: how the robot really is, by default as the shipped ``plain``.
-        later_firmware: the base reports what AROS reports, the stop button included.
-        watchdog: value in the base's FLASH, s.
+        firmware: of the base's controller, by default the truth's. baud: rate at which its line
+        starts. watchdog: value in the base's FLASH, s.
         """
         self.name = name
         self.world = world
@@ -54,8 +56,9 @@ class RobotRig:
         charging = self.truth.charging.connected
         self.base = P2osEmulator(
             make_of(self.truth),
+            baud=baud,
             name=name,
-            later_firmware=later_firmware or charging,
+            firmware=firmware or Firmware(self.truth.base.firmware),
             watchdog=watchdog,
         )
         self.base.base.braking = self.truth.drive.braking
@@ -247,11 +250,19 @@ def make_rig(
     start: Pose,
     t: float,
     robot: RobotTruth,
+    *,
+    firmware: Firmware | None = None,
+    baud: int = 9600,
     watchdog: float = FACTORY_WATCHDOG,
 ) -> RobotRig:
-    """Add one robot to the world; raises ValueError where there is no room."""
+    """Add one robot to the world; raises ValueError where there is no room.
+
+    firmware, baud, watchdog: as of RobotRig.
+    """
     silhouettes = tuple(silhouette_of(corners) for corners in robot.silhouette.polygons)
     body = world.add_body(start, outline_of(robot), silhouettes, robot.drive.turn_scale)
     body.bumper_segments = robot.bumpers.segments
     body.tape = robot.tape if robot.tape.worn else None
-    return RobotRig(name, world, body, t, watchdog=watchdog, truth=robot)
+    return RobotRig(
+        name, world, body, t, firmware=firmware, baud=baud, watchdog=watchdog, truth=robot
+    )

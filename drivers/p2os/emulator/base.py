@@ -33,6 +33,10 @@ class EmulatedBase:
         """Time of the client's last packet."""
         self.front_bumpers = self.rear_bumpers = 0
         self.bump_stall = 0
+        self.e_stall = False
+        """Whether a pressed stop button counts as a stall."""
+        self.fault_flags = 0
+        """Faults as the SIPs of ARCOS report them."""
         self.braking = 1.0
         """Share of the ordered deceleration that the motors reach."""
         self.x = self.y = self.theta = 0.0  # odometer: m, m, rad
@@ -61,7 +65,13 @@ class EmulatedBase:
     def stalled(self) -> bool:
         """Whether the wheels are blocked, by the world or by bumpers configured to stall."""
         powerless = self._t is not None and self._t < self._power_back
-        return self._blocked or powerless or self._front_blocked or self._rear_blocked
+        bumped = self._front_blocked or self._rear_blocked
+        return self._blocked or powerless or bumped or self.stopped_by_button
+
+    @property
+    def stopped_by_button(self) -> bool:
+        """Whether a pressed stop button is reported as a stall."""
+        return self.e_stall and self.stop_button_pressed
 
     @property
     def heading(self) -> float:

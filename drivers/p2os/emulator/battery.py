@@ -34,6 +34,11 @@ class EmulatedBattery:
         """The same as that of a 12 V battery in this state."""
         return self.reported_volts / self._in_series
 
+    @property
+    def charging(self) -> bool:
+        """Whether a charger is at work."""
+        return self.charge_state is not ChargeState.NOT_CHARGING
+
     def fill(self) -> None:
         """Exchange it for a charged one."""
         self.volts = FULL * self._in_series

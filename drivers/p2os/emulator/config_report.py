@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import asdict
 
 from drivers.p2os.commands import HOST_BAUDS
-from drivers.p2os.config_packet import LATER_FIELD_COUNT, ConfigPacket
-from drivers.p2os.emulator.base import STALL_PAUSE, TICKS_PER_METRE
-from drivers.p2os.emulator.make import BaseMake
-from drivers.p2os.emulator.motion_controller import MotionLimits
+from drivers.p2os.config_packet import ConfigPacket
+from drivers.p2os.emulator.base import EmulatedBase
+from drivers.p2os.emulator.board import EmulatedBoard
 from drivers.p2os.robot_identity import RobotIdentity
 
 SIP_CYCLE = 0.1  # s
@@ -17,17 +17,14 @@ SWITCHES_BAUD_AT_ONCE = 2
 
 def emulated_config(
     identity: RobotIdentity,
-    model: BaseMake,
-    limits: MotionLimits,
+    base: EmulatedBase,
+    board: EmulatedBoard,
     *,
     baud: int,
-    watchdog: float,
 ) -> ConfigPacket:
-    """Return the CONFIG of a controller that starts at ``baud`` and supports HOSTBAUD.
-
-    limits: those in force. watchdog: s. It has the fields of later firmware, by which clients know
-    that the rate can change.
-    """
+    """Return the CONFIG, by the board's firmware, of a controller that starts at ``baud`` and
+    supports HOSTBAUD; its limits and settings are those in force."""
+    model, limits = base.model, base.controller.limits
     return ConfigPacket(
         robot_class=identity.robot_class,
         subclass=identity.subclass,
@@ -42,8 +39,7 @@ def emulated_config(
         host_baud_code=HOST_BAUDS.index(baud),
         front_sonar=1,
         rear_sonar=1,
-        watchdog_ms=round(1000.0 * watchdog),
-        stall_pause_ms=round(1000.0 * STALL_PAUSE),
+        watchdog_ms=round(1000.0 * base.watchdog),
         turn_rate_max=round(math.degrees(limits.turn_rate)),
         speed_max=round(1000.0 * limits.speed),
         turn_acceleration=round(math.degrees(limits.turn_acceleration)),
@@ -52,7 +48,9 @@ def emulated_config(
         deceleration=round(1000.0 * limits.deceleration),
         front_bumper_segments=model.bumper_segments[0],
         rear_bumper_segments=model.bumper_segments[1],
-        ticks_per_mm=TICKS_PER_METRE // 1000,
         autobaud=SWITCHES_BAUD_AT_ONCE,
-        field_count=LATER_FIELD_COUNT,
+        gyro_type=int(board.firmware.has_gyro),
+        firmware_version=board.firmware.version,
+        **asdict(board.settings),
+        field_count=board.firmware.config_fields,
     )

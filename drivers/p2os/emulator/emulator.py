@@ -8,20 +8,21 @@ packets.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from drivers.emulation.timed_bytes import TimedBytes
-from drivers.p2os.command_numbers import LIMITS, MOTION, CommandNumber
+from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import HOST_BAUDS, Command, decode_command
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG, EmulatedBase
 from drivers.p2os.emulator.battery import EmulatedBattery
+from drivers.p2os.emulator.board import NO_GRIPPER, NO_SMART_BATTERY, EmulatedBoard
+from drivers.p2os.emulator.command_server import CommandServer
 from drivers.p2os.emulator.config_report import emulated_config
+from drivers.p2os.emulator.firmware import Firmware
 from drivers.p2os.emulator.make import BaseMake
 from drivers.p2os.emulator.paced_output import PacedOutput
-from drivers.p2os.emulator.reports import EmulatedPins, encoder_report, io_report, sip_report
-from drivers.p2os.emulator.sonar_firing import SonarFiring
-from drivers.p2os.emulator.streams import EmulatedStreams
+from drivers.p2os.emulator.reports import encoder_report, io_report, sip_report
 from drivers.p2os.extended_packets import NOTIFICATION_TYPES, Notification
 from drivers.p2os.framing import CONTROLLER_MAX_COUNT, PacketFramer, encode_packet
 from drivers.p2os.robot_identity import RobotIdentity
@@ -37,8 +38,7 @@ class EmulatorCounters:
 
     sessions: int = 0
     commands: int = 0
-    unknown_commands: int = 0  # and known ones without effect here
-    motion_refused: int = 0  # motion commands while the motors were off
+    unknown_commands: int = 0
     resets: int = 0
 
 
@@ -47,8 +47,8 @@ class P2osEmulator:
 
     Each step of the world: ``advance(t)``, move the body, ``turn_odometer``, ``set_contact`` and
     ``set_sonar``, then ``pop_output(t)``; ``feed`` takes bytes from the client at any time.
-    ``sip_period`` (s) None leaves the reports to ``emit_sip``. With ``later_firmware`` the SIPs
-    have the fields that AROS adds, and show the stop button.
+    ``sip_period`` (s) None leaves the reports to ``emit_sip``. ``firmware`` says how its SIPs and
+    its CONFIG look. ``board`` has its auxiliary ports, joystick and pins.
     """
 
     def __init__(
@@ -58,7 +58,7 @@ class P2osEmulator:
         baud: int = 9600,
         name: str = "Emulated",
         sip_period: float | None = 0.1,
-        later_firmware: bool = False,
+        firmware: Firmware = Firmware.P2OS,
         watchdog: float = FACTORY_WATCHDOG,
     ) -> None:
         self.model = model
@@ -66,19 +66,18 @@ class P2osEmulator:
         self.identity = RobotIdentity(name, "Pioneer", model.subclass)
         self.counters = EmulatorCounters()
         self.framer = PacketFramer(CONTROLLER_MAX_COUNT)
+        self.firmware = firmware
         self.base = EmulatedBase(model, watchdog)
+        self.base.e_stall = firmware.reports_stop_button
+        self.board = EmulatedBoard(model, firmware)
         self._start_baud = baud
-        self._later_firmware = later_firmware
         self._sip_period = sip_period
         self._next_sip = math.inf
         self._starting_until: float | None = None
         self._notifies = False
         self._output = PacedOutput()
-        self._pins = EmulatedPins()
-        self._streams = EmulatedStreams()
-        self._sonar = SonarFiring(model.transducers)
+        self._server = CommandServer(self.base, self.board)
         self._ranges: Sequence[float] = [model.sonar_far] * model.transducers
-        self._handlers = self._handler_table()
         self._awaited_sync = 0
         self._last_byte = -math.inf
 
@@ -112,7 +111,12 @@ class P2osEmulator:
     @property
     def sonar_on(self) -> bool:
         """Whether the transducers fire."""
-        return self._sonar.is_on
+        return self.board.sonar.is_on
+
+    @property
+    def motion_refused(self) -> int:
+        """Number of motion commands that came while the motors were off."""
+        return self._server.motion_refused
 
     @property
     def battery(self) -> EmulatedBattery:
@@ -164,6 +168,8 @@ class P2osEmulator:
         P2OS does not send."""
         self.counters.resets += 1
         self._close()
+        self.board = EmulatedBoard(self.model, self.firmware, self.board.aux)
+        self._server.use(self.board)
         self.framer.reset()
         self._output = PacedOutput()
         self._starting_until = t + START_UP_TIME
@@ -195,20 +201,37 @@ class P2osEmulator:
             self._next_sip += self._sip_period
             if self._next_sip <= t:
                 self._next_sip = t + self._sip_period
+        self._send_aux(t)
         return self._output.pop(t)
 
     def emit_sip(self, t: float) -> None:
-        """Send a SIP and the streamed packets now; no effect while no session is open."""
+        """Send a SIP and the streamed packets now, in the order of the H8-series manual; no effect
+        while no session is open."""
         if not self.session_open:
             return
-        fired = [(n, self._ranges[n]) for n in self._sonar.pop_fired(t)]
-        sonar = fired if self.sonar_on else None
-        sip = sip_report(self.base, self._pins, sonar, later_firmware=self._later_firmware)
-        self._send(sip.encode(), t)
-        if self._streams.pop_due(CommandNumber.IOREQUEST):
-            self._send(io_report(self.base, self._pins).encode(), t)
-        if self._streams.pop_due(CommandNumber.ENCODER):
+        board, streams = self.board, self.board.streams
+        if streams.pop_due(CommandNumber.JOYINFO):
+            self._send(board.joystick.encode(), t)
+        gyro = board.gyro.pop_packet(t, self.base.velocity[1])
+        if gyro is not None:
+            self._send(gyro.encode(), t)
+        fired = [(n, self._ranges[n]) for n in board.sonar.pop_fired(t)]
+        self._send(sip_report(self.base, board, fired).encode(), t)
+        if streams.pop_due(CommandNumber.IOREQUEST):
+            self._send(io_report(self.base, board).encode(), t)
+        if streams.pop_due(CommandNumber.ENCODER):
             self._send(encoder_report(self.base).encode(), t)
+        if streams.pop_due(CommandNumber.GRIPREQUEST):
+            self._send(NO_GRIPPER.encode(), t)
+        if streams.pop_due(CommandNumber.BATTERYINFO):
+            self._send(NO_SMART_BATTERY.encode(), t)
+
+    def _send_aux(self, t: float) -> None:
+        """Send the bytes of auxiliary ports that the client has asked for and that are there."""
+        for port in self.board.aux.values():
+            answer = port.pop_answer()
+            if answer is not None:
+                self._send(answer.encode(), t)
 
     def _send(self, data: bytes, t: float) -> None:
         self._output.send(encode_packet(data), t, self.baud)
@@ -241,102 +264,35 @@ class P2osEmulator:
     def _open(self, t: float) -> None:
         self.counters.sessions += 1
         self.base.open_session()
-        self._sonar.start(t)
+        self.board.sonar.start(t)
         self._next_sip = t + (self._sip_period or 0.0)
 
     def _close(self) -> None:
         self.base.close_session()
-        self._sonar.stop()
-        self._streams.stop()
+        self.board.end_session()
         self._next_sip = math.inf
         self._awaited_sync = 0
         self.baud = self._start_baud
 
     # Commands
 
-    def _handler_table(self) -> dict[int, Callable[[Command, float], None]]:
-        return {
-            **dict.fromkeys(MOTION, self._obey_motion),
-            **dict.fromkeys(LIMITS, self._set_limit),
-            CommandNumber.PULSE: self._do_nothing,
-            CommandNumber.OPEN: self._do_nothing,
-            CommandNumber.CLOSE: lambda _command, _t: self._close(),
-            CommandNumber.POLLING: self._set_polling,
-            CommandNumber.ENABLE: self._enable_motors,
-            CommandNumber.SETO: self._zero_odometer,
-            CommandNumber.CONFIG: self._send_config,
-            CommandNumber.ENCODER: self._request_stream,
-            CommandNumber.IOREQUEST: self._request_stream,
-            CommandNumber.SONAR: self._switch_sonar,
-            CommandNumber.ADSEL: self._select_analog_port,
-            CommandNumber.DIGOUT: self._set_outputs,
-            CommandNumber.BUMP_STALL: self._set_bump_stall,
-            CommandNumber.HOSTBAUD: self._change_baud,
-            CommandNumber.BATTEST: self._pretend_battery,
-            CommandNumber.RESET: lambda _command, t: self.reset(t),
-        }
-
     def _obey(self, command: Command, t: float) -> None:
         self.counters.commands += 1
-        handler = self._handlers.get(command.number)
-        if handler is None:
+        if command.number == CommandNumber.CLOSE:
+            self._close()
+        elif command.number == CommandNumber.CONFIG:
+            self._send_config(t)
+        elif command.number == CommandNumber.HOSTBAUD:
+            self._change_baud(command)
+        elif command.number == CommandNumber.RESET:
+            self.reset(t)
+        elif not self._server.obey(command, t):
             self.counters.unknown_commands += 1
-        else:
-            handler(command, t)
 
-    def _do_nothing(self, command: Command, t: float) -> None:
-        """PULSE, and OPEN in an open session: they only reset the watchdog."""
-
-    def _obey_motion(self, command: Command, _t: float) -> None:
-        self.counters.motion_refused += not self.base.obey_motion(command)
-
-    def _set_limit(self, command: Command, _t: float) -> None:
-        self.base.controller.set_limit(command)
-
-    def _enable_motors(self, command: Command, _t: float) -> None:
-        self.base.enable_motors(on=command.integer != 0)
-
-    def _zero_odometer(self, _command: Command, _t: float) -> None:
-        self.set_odometry(0.0, 0.0, 0.0)
-
-    def _set_polling(self, command: Command, _t: float) -> None:
-        if isinstance(command.argument, bytes):
-            self._sonar.set_order([one_based - 1 for one_based in command.argument])
-
-    def _switch_sonar(self, command: Command, t: float) -> None:
-        if command.integer & 1:
-            self._sonar.start(t)
-        else:
-            self._sonar.stop()
-
-    def _request_stream(self, command: Command, _t: float) -> None:
-        self._streams.request(command)
-
-    def _select_analog_port(self, command: Command, _t: float) -> None:
-        self._pins.analog_port = command.integer & 0xFF
-
-    def _set_outputs(self, command: Command, _t: float) -> None:
-        mask, states = command.two_bytes
-        self._pins.set_outputs(mask, states)
-
-    def _set_bump_stall(self, command: Command, _t: float) -> None:
-        self.base.bump_stall = command.integer & 3
-
-    def _pretend_battery(self, command: Command, _t: float) -> None:
-        """BATTEST: report these decivolts; 0 gives back the real battery."""
-        self.battery.pretended_volts = 0.1 * command.integer if command.integer > 0 else None
-
-    def _change_baud(self, command: Command, _t: float) -> None:
+    def _change_baud(self, command: Command) -> None:
         if 0 <= command.integer < len(HOST_BAUDS):
             self.baud = HOST_BAUDS[command.integer]
 
-    def _send_config(self, _command: Command, t: float) -> None:
-        limits = self.base.controller.limits
-        config = emulated_config(
-            self.identity,
-            self.model,
-            limits,
-            baud=self._start_baud,
-            watchdog=self.base.watchdog,
-        )
+    def _send_config(self, t: float) -> None:
+        config = emulated_config(self.identity, self.base, self.board, baud=self._start_baud)
         self._send(config.encode(), t)

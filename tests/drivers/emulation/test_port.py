@@ -5,13 +5,14 @@ from __future__ import annotations
 import select
 import socket
 import termios
+import time
 from collections.abc import Iterator
 from contextlib import closing
 
 import pytest
 import serial
 
-from drivers.emulation.port import PtyPort, TcpPort
+from drivers.emulation.port import RATE_DOUBT, PtyPort, TcpPort
 from drivers.emulation.timed_bytes import TimedBytes
 from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.lms200.framing import encode_telegram
@@ -104,6 +105,37 @@ def test_pty_output_without_a_client_is_lost(pty_port: PtyPort) -> None:
     slave = open(pty_port.url, "rb", buffering=0)  # noqa: SIM115, PTH123 - a client that flushes nothing
     with slave:
         assert not readable(slave.fileno(), 0.0)
+
+
+def test_pty_understands_what_was_written_before_a_change_of_rate_and_read_after_it(
+    pty_port: PtyPort,
+) -> None:
+    with serial.Serial(pty_port.url, 9600, timeout=0) as client:
+        pty_port.pump(1.0)
+        client.write(TO_38400)
+        client.baudrate = 38400  # before the busy machine comes to read
+        t, received, give_up = 2.0, b"", time.monotonic() + 5.0
+        while not received.endswith(NO_ERRORS) and time.monotonic() < give_up:
+            pty_port.pump(t)
+            t += 0.001
+            received += client.read(100)
+            if len(received) == len(MODE_OK):  # garbled: it came at the old rate
+                client.write(READ_ERRORS)
+            time.sleep(0.001)  # the kernel moves a pty's bytes on a thread of its own
+        assert received.endswith(NO_ERRORS)
+
+
+def test_pty_garbles_what_is_read_later_than_a_change_of_rate_allows(pty_port: PtyPort) -> None:
+    with serial.Serial(pty_port.url, 9600, timeout=0) as client:
+        pty_port.pump(1.0)
+        client.baudrate = 38400
+        pty_port.pump(2.0)
+        client.write(READ_ERRORS)
+        pty_port.pump(2.0 + RATE_DOUBT)
+        pty_port.pump(3.0)
+        client.baudrate = 9600
+        pty_port.pump(4.0)
+        assert client.read(100) == b""
 
 
 def test_pty_garbles_while_the_rates_differ(pty_port: PtyPort) -> None:

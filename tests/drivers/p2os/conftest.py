@@ -12,6 +12,7 @@ import pytest
 from drivers.p2os.base_state import BaseState
 from drivers.p2os.commands import Command, decode_command
 from drivers.p2os.emulator.emulator import P2osEmulator
+from drivers.p2os.emulator.firmware import Firmware
 from drivers.p2os.emulator.make import PIONEER_2DX, BaseMake
 from drivers.p2os.framing import PacketFramer
 from drivers.p2os.session import P2osSession, SessionState
@@ -109,10 +110,15 @@ def garble(data: bytes) -> bytes:
 
 @pytest.fixture
 def bench() -> Callable[..., Bench]:
-    """Make a bench: ``bench(robot_baud=..., make=..., **settings)``."""
+    """Make a bench: ``bench(robot_baud=..., make=..., firmware=..., **settings)``."""
 
-    def bench_of(robot_baud: int = 9600, make: BaseMake = PIONEER_2DX, **settings: object) -> Bench:
-        emulator = P2osEmulator(make, baud=robot_baud)
+    def bench_of(
+        robot_baud: int = 9600,
+        make: BaseMake = PIONEER_2DX,
+        firmware: Firmware = Firmware.P2OS,
+        **settings: object,
+    ) -> Bench:
+        emulator = P2osEmulator(make, baud=robot_baud, firmware=firmware)
         return Bench(BaseSettings(**settings), emulator)  # type: ignore[arg-type]
 
     return bench_of

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from drivers.p2os.base_state import BaseState, ChargeState, base_state
@@ -8,14 +10,18 @@ from drivers.p2os.model import load_model
 from drivers.p2os.odometer import Odometer
 from drivers.p2os.sip import decode_sip
 
-HEAD = "33 00 00 00 00 00 00 C8 00 38 FF 7F 09 22 00 00 {flags} 00 00"
+HEAD = "33 00 00 00 00 00 00 C8 00 38 FF 7F {stall} 00 00 {flags} 00 00"
 P2OS_TAIL = "05 00 00 FF 00"
 
 
 def state(
-    flags: str = "03 00", sonar: str = "00", tail: str = P2OS_TAIL, model: str = "p2dx"
+    flags: str = "03 00",
+    sonar: str = "00",
+    tail: str = P2OS_TAIL,
+    model: str = "p2dx",
+    stall: str = "09 22",
 ) -> BaseState:
-    head = HEAD.format(flags=flags).rsplit(" ", 1)[0]
+    head = HEAD.format(flags=flags, stall=stall).rsplit(" ", 1)[0]
     sip = decode_sip(bytes.fromhex(f"{head} {sonar} {tail}"))
     assert sip is not None
     return base_state(7.0, sip, Odometer(), load_model(model), FittedBumpers((5, 5)))
@@ -37,6 +43,18 @@ def test_fields_p2os_does_not_report_are_none() -> None:
     seen = state()
     assert seen.charge_state is seen.charge is seen.temperature_celsius is None
     assert seen.fault_flags == 0
+    assert seen.turn_rate is None
+
+
+def test_stall_by_the_stop_button_is_no_blocked_wheel() -> None:
+    held = state(flags="61 04", stall="01 01")
+    assert held.stop_button
+    assert held.charger_power
+    assert not held.stall_left
+    assert not held.stall_right
+    blocked = state(flags="01 00", stall="01 01")
+    assert blocked.stall_left
+    assert blocked.stall_right
 
 
 def test_fields_of_later_firmware_are_converted() -> None:
@@ -45,6 +63,8 @@ def test_fields_of_later_firmware_are_converted() -> None:
     assert seen.battery == pytest.approx(13.4)
     assert seen.charge_state is ChargeState.FLOAT
     assert seen.fault_flags == 2
+    assert seen.turn_rate == pytest.approx(math.radians(-30.0))
+    assert not seen.charger_power
     assert seen.temperature_celsius == 31
     assert seen.charge == pytest.approx(0.85)
     assert seen.stop_button

@@ -19,6 +19,12 @@ def report(*, motors: bool, stalled: bool = False, button: bool = False) -> Base
     return base_state(0.0, sip, Odometer(), load_model("p2dx"), FittedBumpers((5, 5)))
 
 
+def words_of(watch: MotorWatch, t: float) -> str:
+    trouble = watch.trouble(t)
+    assert trouble is not None
+    return trouble.words
+
+
 def running() -> MotorWatch:
     watch = MotorWatch()
     watch.update(report(motors=False), commands_pending=False)
@@ -54,7 +60,7 @@ def test_enable_is_repeated_and_then_reported_as_trouble() -> None:
     watch.on_enable(1.5)
     assert not watch.is_overdue(1.9)
     assert watch.trouble(3.9) is None
-    assert "motors do not come on" in (watch.trouble(4.1) or "")
+    assert "motors do not come on" in words_of(watch, 4.1)
 
 
 def test_motors_going_off_without_command_latch_the_stop_button() -> None:
@@ -62,7 +68,7 @@ def test_motors_going_off_without_command_latch_the_stop_button() -> None:
     watch.update(report(motors=False), commands_pending=False)
     assert watch.state is MotorState.STOP_BUTTON
     assert not watch.may_enable
-    assert watch.trouble(9.0) == "stopped by the robot's stop button: press MOTORS on the robot"
+    assert words_of(watch, 9.0) == "stopped by the robot's stop button: press MOTORS on the robot"
     watch.update(report(motors=False), commands_pending=False)
     assert watch.state is MotorState.STOP_BUTTON
     watch.update(report(motors=True), commands_pending=False)
@@ -80,7 +86,7 @@ def test_held_button_is_in_the_trouble() -> None:
     watch = running()
     watch.update(report(motors=False, button=True), commands_pending=False)
     assert watch.state is MotorState.STOP_BUTTON
-    assert "release it and press MOTORS" in (watch.trouble(0.0) or "")
+    assert "release it and press MOTORS" in words_of(watch, 0.0)
     watch.update(report(motors=False), commands_pending=False)
     assert watch.state is MotorState.STOP_BUTTON
-    assert "release" not in (watch.trouble(0.0) or "")
+    assert "release" not in words_of(watch, 0.0)

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from drivers.p2os.base_state import ChargeState
 from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import CLOSE, OPEN, PULSE, STOP, Command, decode_command
 from drivers.p2os.config_packet import ConfigPacket
+from drivers.p2os.emulator.firmware import Firmware
 from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.framing import PacketFramer, encode_packet
 from drivers.p2os.model import load_model, model_names
@@ -129,13 +131,14 @@ def test_connects_and_sets_up_before_ready(bench: MakeBench) -> None:
     assert wire.states[-1].sonar_on
 
 
+@pytest.mark.parametrize("firmware", list(Firmware))
 @pytest.mark.parametrize("name", model_names())
 def test_robot_of_each_model_connects_and_all_its_sonars_are_heard(
-    bench: MakeBench, name: str
+    bench: MakeBench, name: str, firmware: Firmware
 ) -> None:
     ring = len(load_model(name).sonar)
     make = replace(PIONEER_2DX, subclass=name, transducers=ring)
-    wire = bench(robot_baud=38400, baud=38400, make=make)
+    wire = bench(robot_baud=38400, baud=38400, make=make, firmware=firmware)
     wire.connect()
     wire.run(2.0)
     assert wire.session.trouble is None
@@ -425,6 +428,23 @@ def test_shut_down_leaves_a_closed_robot_standing(bench: MakeBench) -> None:
     assert wire.session.pop_requests() == []
 
 
+def test_session_that_was_shut_down_is_not_opened_again(bench: MakeBench) -> None:
+    wire = bench()
+    wire.connect()
+    wire.session.shut_down(wire.t)
+    assert wire.session.ended
+    wire.session.link_down(wire.t)
+    wire.session.link_up(wire.t)
+    wire.session.pop_requests()
+    wire.run(2.0)
+    assert wire.session.state is SessionState.DOWN
+    assert wire.emulator.counters.sessions == 1
+    never_up = P2osSession(BaseSettings())
+    never_up.shut_down(0.0)
+    never_up.link_up(1.0)
+    assert never_up.pop_requests() == []
+
+
 @pytest.mark.parametrize("phase", [0.04 * step for step in range(13)])
 def test_silent_robot_is_found_again_and_stopped_first(bench: MakeBench, phase: float) -> None:
     wire = bench()
@@ -600,18 +620,47 @@ def test_stop_button_is_reported_and_stays_latched(bench: MakeBench) -> None:
     assert wire.emulator.velocity == (0.0, 0.0)
 
 
-def test_requested_packets_are_streamed_and_kept(bench: MakeBench) -> None:
-    wire = bench(baud=38400, robot_baud=38400)
+def test_stop_button_of_later_firmware_is_its_own_flag(bench: MakeBench) -> None:
+    wire = bench(firmware=Firmware.ARCOS)
     wire.connect()
-    for number in (N.ENCODER, N.IOREQUEST):
+    wire.enable()
+    wire.emulator.press_stop_button()
+    wire.run(0.3)
+    seen = wire.states[-1]
+    assert (seen.stop_button, seen.stall_left, seen.stall_right) == (True, False, False)
+    assert wire.session.motors is MotorState.STOP_BUTTON
+
+
+def test_real_voltage_charge_turn_rate_and_faults_are_decoded(bench: MakeBench) -> None:
+    wire = bench(firmware=Firmware.ARCOS, make=replace(PIONEER_2DX, subclass="p3dx-sh"))
+    wire.connect()
+    wire.enable()
+    wire.emulator.battery.charge_state = ChargeState.FLOAT
+    wire.emulator.base.fault_flags = 0x2
+    wire.run(1.5, lambda t: wire.session.drive(t, 0.0, 0.5))
+    seen = wire.states[-1]
+    assert seen.battery == pytest.approx(13.0)
+    assert (seen.charge_state, seen.charger_power) == (ChargeState.FLOAT, True)
+    assert seen.fault_flags == 0x2
+    assert seen.turn_rate == pytest.approx(0.5, abs=0.02)
+
+
+def test_requested_packets_are_streamed_and_kept(bench: MakeBench) -> None:
+    wire = bench(baud=38400, robot_baud=38400, firmware=Firmware.ARCOS)
+    wire.connect()
+    for number in (N.ENCODER, N.IOREQUEST, N.JOYINFO, N.GRIPREQUEST, N.BATTERYINFO, N.GYRO):
         wire.session.request(Command(number, 2))
+    wire.emulator.board.aux[2].receive(b"hello")
+    wire.session.request(Command(N.GETAUX2, 5))
     wire.enable()
     wire.run(2.0, lambda t: wire.session.drive(t, 0.2, 0.0))
     latest = wire.session.latest
     assert latest.encoder is not None
     assert latest.encoder.left_ticks > 0
-    assert latest.io is not None
-    assert min(latest.received_at.values()) > wire.t - 0.2
+    for streamed in (latest.io, latest.joystick, latest.gripper, latest.battery, latest.gyro):
+        assert streamed is not None
+        assert latest.received_at[type(streamed)] > wire.t - 0.2
+    assert latest.aux[2].data == b"hello"
     for reserved in (N.VEL, N.ENABLE, N.HOSTBAUD, N.RESET, N.SETA, N.CLOSE):
         with pytest.raises(ValueError, match="belongs to the session"):
             wire.session.request(Command(reserved, 1))

@@ -12,6 +12,7 @@ from drivers.p2os.commands import STAND_STILL, STOP, Command
 from drivers.p2os.config_packet import LATER_FIELD_COUNT, ConfigPacket
 from drivers.p2os.set_up import SetUp, kept_otherwise, limit_commands, set_up_commands
 from drivers.p2os.settings import BaseSettings
+from drivers.p2os.trouble import TroubleKind
 
 N = CommandNumber
 SETTINGS = BaseSettings()
@@ -52,6 +53,13 @@ class Desk:
         raise AssertionError("never prepared")
 
 
+def words_of(desk: Desk) -> str:
+    trouble = desk.set_up.trouble
+    assert trouble is not None
+    assert trouble.kind is TroubleKind.LIMITS
+    return trouble.words
+
+
 def test_commands_bring_limits_then_zero_motion() -> None:
     commands = set_up_commands(SETTINGS)
     assert commands[:6] == limit_commands(SETTINGS)
@@ -87,7 +95,8 @@ def test_limits_not_taken_are_sent_once_more_and_then_reported() -> None:
     desk = Desk(replace(AS_ASKED, speed_max=300))
     desk.run()
     assert [what.number for what in desk.sent].count(N.SETV) == 2
-    trouble = desk.set_up.trouble or ""
+    trouble = words_of(desk)
+    assert desk.set_up.refusals == 1
     assert "SETV 300 mm/s, asked for 500" in trouble
     assert "SETRV" not in trouble
 
@@ -106,7 +115,7 @@ def test_missing_config_after_the_limits_is_reported() -> None:
     desk.run()
     desk.answer = None
     desk.run(resumed=True, start=20.0)
-    assert "no longer answers CONFIG" in (desk.set_up.trouble or "")
+    assert "no longer answers CONFIG" in words_of(desk)
 
 
 def test_resumed_session_gets_limits_without_a_first_config() -> None:

@@ -19,7 +19,10 @@ from tests.robot_agent.tape import Tape
 from tools.bench.bench_fault import parse_fault
 from tools.bench.fleet import Fleet
 
-TOLD_AS_TROUBLE = {"silences", "controller_resets", "searches"}
+TOLD_AS_TROUBLE = {
+    *("silences", "controller_resets", "searches"),
+    *("rate_searches", "refused_limits", "unknown_models"),
+}
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.emulation.port import PtyPort
+from drivers.emulation.port import PtyPort, TcpPort
 from drivers.emulation.timed_bytes import TimedBytes
 from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.lms200.scan import Scan
@@ -23,18 +23,26 @@ from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.session import P2osSession
 from drivers.p2os.settings import BaseSettings
 from tools.preflight.device_trial import DeviceTrial, run_trials
+from tools.simulation.hanging_up_port import HangingUpPort
 
 LIMIT = 20.0  # s; not reached in a passing test
 
 
 @contextmanager
-def served(port: PtyPort) -> Iterator[str]:
-    """Pump an emulated device's port on a thread; yield its URL."""
+def served(port: PtyPort | TcpPort, hangs_up: P2osEmulator | None = None) -> Iterator[str]:
+    """Pump an emulated device's port on a thread; yield its URL.
+
+    hangs_up: the base whose port it is, which ends the connection after CLOSE.
+    """
+    device: PtyPort | TcpPort | HangingUpPort = port
+    if hangs_up is not None:
+        assert isinstance(port, TcpPort)
+        device = HangingUpPort(port, hangs_up)
     ended = threading.Event()
 
     def pump() -> None:
         while not ended.wait(0.002):
-            port.pump(time.monotonic())
+            device.pump(time.monotonic())
 
     thread = threading.Thread(target=pump)
     thread.start()
@@ -71,6 +79,17 @@ def test_base_at_another_rate_is_found_and_its_session_closed() -> None:
         assert emulator.counters.sessions == 1
         assert not emulator.session_open, "closed at the end"
         assert not emulator.motors_enabled
+
+
+def test_base_that_hangs_up_after_close_is_no_lost_link() -> None:
+    emulator = P2osEmulator(PIONEER_2DX)
+    with served(TcpPort(emulator), hangs_up=emulator) as url:
+        trial = base_trial(url, reports=3)
+        run_trials([trial], LIMIT)
+        assert trial.line.opened
+        assert trial.line.lost == ""
+        assert emulator.counters.sessions == 1
+        assert not emulator.session_open
 
 
 def test_laser_trial_ends_with_the_stream_stopped() -> None:

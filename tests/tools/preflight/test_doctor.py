@@ -28,6 +28,7 @@ from drivers.emulation.line_faults import LineFaults
 from drivers.lms200.errors import Severity
 from drivers.lms200.health import LaserHealth
 from drivers.p2os.base_state import BaseState
+from drivers.p2os.emulator.firmware import Firmware
 from drivers.p2os.model import load_model
 from drivers.p2os.robot_identity import RobotIdentity
 from maps.map_folder import load_map_folder
@@ -75,7 +76,7 @@ class RobotOnTheBench:
         world = World(load_map_folder(folder / "room").map, rng)
         now = time.monotonic()
         self.rig = RobotRig(
-            *("robot1", world, world.add_body(START), now), later_firmware=True, watchdog=1.2
+            *("robot1", world, world.add_body(START), now), firmware=Firmware.ARCOS, watchdog=1.2
         )
         self.base_line = LineFaults(self.rig.base, FaultPlan(), rng)
         self.laser_line = LineFaults(self.rig.laser, FaultPlan(), rng)

@@ -29,8 +29,10 @@ from maps.pose import Pose
 from robot_agent.config import find_map
 from tools.cli import main
 from tools.deploy.child_program import environment, program
+from tools.simulation.base_options import BaseOptions
 from tools.simulation.camera_view import CameraView
-from tools.simulation.emulate import EmulateError, EmulateOptions, Emulation, parse_pose
+from tools.simulation.emulate import EmulateOptions, Emulation, parse_pose
+from tools.simulation.emulate_error import EmulateError
 from tools.simulation.truth.truth import load_truth
 from tools.simulation.world import World
 
@@ -308,7 +310,6 @@ def test_serial_client_changes_the_rate_and_reconnects(folder: MapFolder) -> Non
                 client.send(CONFIG)
                 client.packet(lambda data: data[0] == 0x20)
                 client.send(HOSTBAUD_38400)
-                time.sleep(0.2)  # the robot must have received it before the port changes
                 client.socket.device.baudrate = 38400
                 client.buffer = b""
                 client.send(SYNC0)
@@ -493,6 +494,41 @@ def test_other_models_have_their_own_subclass(folder: MapFolder) -> None:
         assert client.shake_hands()[2] == b"p2at"
 
 
+def test_killed_client_leaves_the_robot_driving_until_the_watchdog(folder: MapFolder) -> None:
+    options = EmulateOptions(p2os="tcp:0", pose=OPEN_PLACE, base=BaseOptions(watchdog=0.6))
+    with emulated(folder, options) as urls:
+        with closing(ManualClient(urls["p2os"])) as client:
+            client.shake_hands()
+            client.send(ENABLE)
+            client.drive_until(lambda sip: speeds(sip)[0] > 200)
+        with closing(reconnected(urls["p2os"])) as again:
+            again.sip(lambda sip: speeds(sip) == (0, 0))
+            again.send(SYNC0)  # PULSE to a session that is still open
+            assert speeds(again.sip(lambda sip: speeds(sip)[0] > 0))[0] > 0
+            again.send(CLOSE)
+
+
+def test_base_that_hangs_up_does_so_after_close(folder: MapFolder) -> None:
+    options = EmulateOptions(p2os="tcp:0", pose=OPEN_PLACE, base=BaseOptions(hang_up=True))
+    with emulated(folder, options) as urls:
+        with closing(ManualClient(urls["p2os"])) as client:
+            client.shake_hands()
+            client.sip()
+            client.send(CLOSE)
+            with pytest.raises(AssertionError, match="hung up"):
+                client.packet(lambda _: False)
+        with closing(reconnected(urls["p2os"])) as again:
+            again.shake_hands()
+
+
+def test_help_tells_of_the_watchdog(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["emulate", "--help"])
+    text = " ".join(capsys.readouterr().out.split())
+    assert "leaves it driving until the base's watchdog" in text
+    assert "--model" in text
+
+
 def test_free_place_is_chosen_by_seed(folder: MapFolder) -> None:
     places = []
     for seed in (1, 1, 2):
@@ -505,6 +541,7 @@ def test_free_place_is_chosen_by_seed(folder: MapFolder) -> None:
     ("options", "words"),
     [
         (EmulateOptions(p2os="serial"), "--p2os serial: is neither pty nor tcp:PORT"),
+        (EmulateOptions(base=BaseOptions(hang_up=True)), "--hang-up: a pty has no connection"),
         (EmulateOptions(lms200="tcp:70000"), "--lms200 tcp:70000"),
         (EmulateOptions(pose=Pose(0.0, 0.0, 0.0)), "--pose: robot 0 at .* stands in a wall"),
     ],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Literal
 
 import msgspec
 
@@ -122,7 +122,8 @@ class SonarPlace(msgspec.Struct, frozen=True, array_like=True, forbid_unknown_fi
 class BaseTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """What the base is built as: limits, what its counts mean, where its sonars are.
 
-    sonar: by number. no_sonar: the numbers that have no transducer, which never echo.
+    sonar: by number. no_sonar: the numbers that have no transducer, which never echo. firmware:
+    operating system of its controller: that of a Pioneer 2, of the H8 boards or of the SH2 boards.
     """
 
     top_speed: Length  # m/s
@@ -131,6 +132,7 @@ class BaseTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     sonar: tuple[SonarPlace, ...]
     no_sonar: tuple[int, ...]
     battery: Length  # V, nominal
+    firmware: Literal["p2os", "aros", "arcos"]
     heading_counts: Annotated[int, msgspec.Meta(gt=0)]  # per turn
     distance_count: Length  # m, of one count of x or y
     speed_count: Length  # m/s, of one count of a wheel's speed

@@ -169,7 +169,7 @@ def test_motion_is_ignored_with_motors_off() -> None:
     robot.send(command(N.ENABLE, 1))
     robot.run(0.5)
     assert (robot.distance, robot.rotation) == (0.0, 0.0)
-    assert robot.emulator.counters.motion_refused == 2
+    assert robot.emulator.motion_refused == 2
     assert robot.sips[0].motors_enabled is False
     assert robot.sips[-1].motors_enabled is True
 
@@ -378,7 +378,7 @@ def test_bumpers_block_only_their_direction_when_configured() -> None:
 
 def test_unknown_commands_are_counted_and_ignored() -> None:
     robot = Robot().open()
-    robot.send(Command(62, 1), Command(15, b"\x01\x20", b"\0"), Command(255))
+    robot.send(Command(62, 1), Command(20, 1), Command(255))
     assert robot.emulator.counters.unknown_commands == 3
     robot.run(0.3)
     assert robot.emulator.session_open
