@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.lms200.framing import Telegram
-from drivers.lms200.telegrams import MEASURED_VALUES, STATUS_OK, Variant
+from drivers.lms200.telegrams import MEASURED_VALUES, Variant
 
 TURN = 13.32e-3  # s, one mirror turn; half of it faces the scene
 
@@ -67,6 +67,8 @@ MEASURING_MODES: dict[int, MeasuringMode] = {
     0x04: MeasuringMode(0x3FFF, 0x3FFF),  # flags: fields A, B
     0x05: MeasuringMode(0x7FFF, 0x7FFF, 0b100),  # 32 m; flag: reflector
     0x06: MeasuringMode(0x7FFF, 0x7FFF),  # flag: field A
+    0x0D: MeasuringMode(0xFFFF, 0x7FFF),  # 32 m, no flags; reflectivity in 2B normalized
+    0x0E: MeasuringMode(0xFFFF, 0x7FFF),  # the same, reflectivity as measured
     0x0F: MeasuringMode(0xFFFF, 0x7FFF),  # 32 m sent at once, no flags
 }
 MODE_32_M = 0x05
@@ -99,7 +101,7 @@ _VARIANT_BY_COUNT = {
     201: Variant(100, 50),
     401: Variant(100, 25),
 }
-_PARTIAL_COUNTS = {181: 180, 180: 180, 101: 100, 100: 100}  # one turn: count -> field of view
+_PARTIAL_COUNTS = (181, 180)  # one turn, always the whole 180 degrees: at .00, at the others
 
 
 def decode_measurement(telegram: Telegram, mode: MeasuringMode) -> Measurement | None:
@@ -130,9 +132,8 @@ def decode_measurement(telegram: Telegram, mode: MeasuringMode) -> Measurement |
 def _geometry(count: int, word: int) -> tuple[float, float, int] | None:
     """Return first beam (deg), step (deg) and mirror turns; None if no scan has this count."""
     if word & _PARTIAL:
-        angle = _PARTIAL_COUNTS.get(count)
         quarter_deg = 0.25 * (word >> _QUARTER_SHIFT & 0b11)
-        return None if angle is None else (90.0 - angle / 2 + quarter_deg, 1.0, 1)
+        return (quarter_deg, 1.0, 1) if count in _PARTIAL_COUNTS else None
     variant = _VARIANT_BY_COUNT.get(count)
     if variant is None:
         return None
@@ -140,22 +141,22 @@ def _geometry(count: int, word: int) -> tuple[float, float, int] | None:
     return first_deg, variant.resolution_cdeg / 100, variant.mirror_turns
 
 
-def encode_measurement(
+def count_word(count: int, units: int, quarter: int | None = None) -> bytes:
+    """Return the word before measured values: their number, the unit, a partial scan's offset."""
+    partial = 0 if quarter is None else _PARTIAL | quarter << _QUARTER_SHIFT
+    return struct.pack("<H", count | partial | units << 14)
+
+
+def encode_ranges(
     ranges: NDArray[np.float64],
     mode: MeasuringMode,
     units: int,
-    *,
     reflectors: NDArray[np.bool_] | None = None,
-    quarter: int | None = None,
     inf_means: Special = Special.NO_RETURN,
-    indices: bytes = b"",
-    status: int = STATUS_OK,
-) -> bytes:
-    """Return the B0 payload for ranges (n,), m; ranges above the mode's limit are "beyond maximum".
+) -> NDArray[np.uint16]:
+    """Return ranges (n,), m, as they are sent, (n,); inf and nan become ``inf_means``.
 
-    reflectors: (n,) beams that ended on one, at the highest level of a mode that reports them. inf
-    and nan become ``inf_means``. ``quarter``: a partial scan's offset in quarters of a degree, None
-    for a whole scan. ``indices``: scan and telegram index, where enabled.
+    reflectors: (n,) beams that ended on one, at the highest level of a mode that reports them.
     """
     missing = mode.limit - Special.BEYOND_MAXIMUM + inf_means
     values = np.full(ranges.shape, missing, dtype="<u2")
@@ -164,6 +165,4 @@ def encode_measurement(
     values[finite] = np.clip(counts, 0, mode.limit).astype("<u2")
     if reflectors is not None:
         values[reflectors & (values < mode.limit)] |= mode.reflector_bits << _FLAG_SHIFT
-    partial = 0 if quarter is None else _PARTIAL | quarter << _QUARTER_SHIFT
-    head = struct.pack("<BH", MEASURED_VALUES, ranges.size | partial | units << 14)
-    return head + values.tobytes() + indices + bytes((status,))
+    return values

@@ -93,6 +93,7 @@ class Lms200Session:
         self._streamed_at: int | None = None  # the rate at which scans last came
         self._status: DeviceStatus | None = None
         self._last_received = 0.0
+        self._awaits_reply = False
         self._configuration_attempts = 0
         self._wanted_configuration = telegrams.STANDARD_CONFIGURATION
         self._on_reply: dict[SessionState, Callable[[Telegram, float], None]] = {
@@ -153,12 +154,18 @@ class Lms200Session:
                 scans += self._on_item(item, self._last_received)
         for item in self.framer.feed(data):
             scans += self._on_item(item, t)
+        if self._awaits_reply and self.framer.pending:
+            for item in self.framer.break_off():
+                scans += self._on_item(item, t)
         self._last_received = t
         self._query_health(t)
         return scans
 
     def tick(self, t: float) -> None:
         """Handle timeouts: repeat the request, try the next rate, start over."""
+        if self._awaits_reply and t - self._last_received >= INNER_SILENCE:
+            for item in self.framer.break_off(silent=True):
+                self._on_item(item, self._last_received)
         if self.state is not SessionState.DOWN and t >= self._exchange.deadline:
             self._out_of_time(t)
         self._query_health(t)
@@ -179,6 +186,7 @@ class Lms200Session:
     def _on_telegram(self, telegram: Telegram, t: float) -> list[Scan]:
         if telegram.code == telegrams.MEASURED_VALUES:
             return self._on_measurement(telegram, t)
+        self._awaits_reply = False
         self._watch.on_telegram(telegram)
         if telegram.code == telegrams.POWER_ON:
             self._search(self.baud, t)
@@ -242,6 +250,7 @@ class Lms200Session:
         self._send(t)
 
     def _send(self, t: float) -> None:
+        self._awaits_reply = True
         self._requests.append(Write(self._exchange.send(t, self.baud)))
 
     def _query_health(self, t: float) -> None:
@@ -251,6 +260,7 @@ class Lms200Session:
             if command is not None:
                 if command == telegrams.SELECT_CONTINUOUS:
                     command = self._stream_command
+                self._awaits_reply = True
                 self._requests.append(Write(encode(command)))
 
     # Finding the laser

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from drivers.lms200.framing import Telegram
 from drivers.lms200.measurement import MEASURING_MODES, TURN, UNIT_MM, Special, decode_measurement
-from drivers.lms200.measurement import encode_measurement as encode
 from drivers.lms200.scan import Scan, beam_time_offsets, scan_of
+from tests.drivers.lms200.measured_telegram import encode_measurement as encode
 
 MODE = MEASURING_MODES[5]
 

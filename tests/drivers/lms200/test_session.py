@@ -61,9 +61,12 @@ def test_fresh_laser_is_found_at_9600_and_set_up_in_order(line: Any) -> None:
         + ["2025", "2040", "3a", "31", "32", "3b", "74", "2000", "77", "2024"]
     )
     assert wire.host_baud == emulator.baud == 38400
-    assert emulator.variant == Variant(180, 100)
-    assert (emulator.configuration.measuring_mode, emulator.configuration.units) == (5, 1)
-    assert wire.session.identity == "LMS200;30106;V02.10"
+    assert emulator.state.variant == Variant(180, 100)
+    assert (emulator.state.configuration.measuring_mode, emulator.state.configuration.units) == (
+        5,
+        1,
+    )
+    assert wire.session.identity == "LMS200;301061;V02.10"
     assert wire.session.trouble is None
 
 
@@ -72,14 +75,14 @@ def test_laser_set_up_before_is_not_written_again(line: Any) -> None:
     first = line(laser(), emulator)
     first.connect()
     first.run_until(STREAMING, limit=6.0)
-    assert (emulator.variant_writes, emulator.configuration_writes) == (1, 1)
+    assert (emulator.state.variant_writes, emulator.state.configuration_writes) == (1, 1)
 
     emulator.power_on(first.t)
     second = line(laser(), emulator)
     second.t = first.t
     second.connect()
     second.run_until(STREAMING, limit=6.0)
-    assert (emulator.variant_writes, emulator.configuration_writes) == (1, 1)
+    assert (emulator.state.variant_writes, emulator.state.configuration_writes) == (1, 1)
     assert not {"3b", "77", "2000"} & set(sent_codes(second))
 
 
@@ -106,12 +109,12 @@ def test_laser_left_streaming_is_stopped_first(line: Any, left_at: int) -> None:
 def test_other_configuration_is_changed_only_where_it_must(line: Any) -> None:
     emulator = Lms200Emulator(scan_source=Corner(), variant=Variant(100, 25))
     odd = bytes.fromhex("0500 70 01 06 03 00 00 00 05 02 07 01") + bytes(range(21))
-    emulator.configuration = Configuration(odd)
+    emulator.state.configuration = Configuration(odd)
     wire = line(laser(resolution_deg=0.5), emulator)
     wire.connect()
     wire.run_until(STREAMING, limit=6.0)
-    assert emulator.configuration.block == odd[:5] + b"\x05\x01" + odd[7:]
-    assert emulator.variant == Variant(180, 50)
+    assert emulator.state.configuration.block == odd[:5] + b"\x05\x01" + odd[7:]
+    assert emulator.state.variant == Variant(180, 50)
     wire.run(1.0)  # it sends scan and telegram index, as its configuration says
     assert {scan.ranges.size for scan in wire.scans} == {361}
     assert wire.session.counters.unusable == 0
@@ -250,9 +253,9 @@ class Forgetful(Lms200Emulator):
     """A laser that acknowledges a configuration and does not keep it."""
 
     def feed(self, data: bytes, t: float) -> None:
-        before = self.configuration
+        before = self.state.configuration
         super().feed(data, t)
-        self.configuration = before
+        self.state.configuration = before
 
 
 def test_writes_are_limited_if_the_laser_keeps_no_setting(line: Any) -> None:
@@ -264,7 +267,7 @@ def test_writes_are_limited_if_the_laser_keeps_no_setting(line: Any) -> None:
         emulator.power_on(wire.t)
         wire.run(3.0)
     wire.run_until(STREAMING, limit=5.0)
-    assert emulator.configuration_writes == 2
+    assert emulator.state.configuration_writes == 2
     assert wire.session.trouble == "laser does not keep its measuring mode and units"
 
 
