@@ -5,6 +5,7 @@ Either can be unplugged and plugged in again like a cable; the device keeps runn
 
 from __future__ import annotations
 
+import math
 import os
 import select
 import socket
@@ -17,6 +18,7 @@ from drivers.emulation.timed_bytes import TimedBytes
 
 READ_SIZE = 4096
 MAX_WAITING = 65536  # bytes a TCP client may leave unread before it is cut off
+RATE_CHANGE = 0.1  # s after a rate change in which bytes read may have been sent before it
 
 _GARBLE_TABLE = bytes((167 * octet + 71) & 0xFF for octet in range(256))
 _BAUD_BY_CODE = {
@@ -45,18 +47,37 @@ class EmulatedDevice(Protocol):
         """Return what has left the wire by ``t``."""
 
 
+class _Rate:
+    """A rate, and for a while after a change the one before it."""
+
+    def __init__(self) -> None:
+        self._now: int | None = None
+        self._before: int | None = None
+        self._changed_at = -math.inf
+
+    def update(self, rate: int | None, t: float) -> set[int]:
+        """Take the rate at ``t``; return the rates that bytes read now may have been sent at."""
+        if rate != self._now:
+            self._now, self._before, self._changed_at = rate, self._now, t
+        rates = (rate, self._before) if t - self._changed_at < RATE_CHANGE else (rate,)
+        return {known for known in rates if known is not None}
+
+
 class PtyPort:
     """Serves an emulator on a pseudo-terminal; clients open ``url``, one after another.
 
     A pty carries bytes at any rate; a line does not. So while the client's rate is not the
-    device's, bytes arrive garbled both ways. Without a client output is lost. ``name`` is a
-    symbolic link to make: a device name that stays the same over unplugging.
+    device's, bytes arrive garbled both ways. What a client sent just before either rate changed may
+    be read after it, so for RATE_CHANGE it is understood at the old rate too. Without a client
+    output is lost. ``name`` is a symbolic link to make: a device name that stays the same over
+    unplugging.
     """
 
     def __init__(self, emulator: EmulatedDevice, name: Path | None = None) -> None:
         self._emulator = emulator
         self._name = name
         self._master = -1
+        self._client_rate, self._device_rate = _Rate(), _Rate()
         self.plug_in()
 
     @property
@@ -91,9 +112,8 @@ class PtyPort:
 
     def pump(self, t: float) -> None:
         """Move bytes both ways at ``t``, without waiting."""
-        if self._poll_client():
-            data = os.read(self._master, READ_SIZE)
-            self._emulator.feed(self._as_received(data, self._emulator.baud), t)
+        if self._master >= 0:
+            self._hear(t)
         while True:
             baud = self._emulator.baud
             output = self._emulator.pop_output(t)
@@ -101,16 +121,23 @@ class PtyPort:
                 return
             data = b"".join(item.data for item in output)
             if self._client_there:
-                self._write(self._as_received(data, baud))
+                self._write(data if self._client_baud() == baud else garbled(data))
 
     def close(self) -> None:
         """Remove the port."""
         self.unplug()
 
+    def _hear(self, t: float) -> None:
+        """Pass on what the client has sent."""
+        sent = self._poll_client()
+        client_rates = self._client_rate.update(self._client_baud(), t)
+        device_rates = self._device_rate.update(self._emulator.baud, t)
+        if sent:
+            data = os.read(self._master, READ_SIZE)
+            self._emulator.feed(data if client_rates & device_rates else garbled(data), t)
+
     def _poll_client(self) -> bool:
         """Update whether a client is connected; return whether it has sent bytes."""
-        if self._master < 0:
-            return False
         events = dict(self._poll.poll(0)).get(self._master, 0)
         client_there = not events & select.POLLHUP
         if self._client_there and not client_there:
@@ -124,9 +151,8 @@ class PtyPort:
         termios.tcflush(slave, termios.TCIFLUSH)
         os.close(slave)
 
-    def _as_received(self, data: bytes, device_baud: int) -> bytes:
-        client_baud = _BAUD_BY_CODE.get(termios.tcgetattr(self._master)[5])
-        return data if client_baud == device_baud else garbled(data)
+    def _client_baud(self) -> int | None:
+        return _BAUD_BY_CODE.get(termios.tcgetattr(self._master)[5])
 
     def _write(self, data: bytes) -> None:
         try:

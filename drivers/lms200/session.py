@@ -94,6 +94,7 @@ class Lms200Session:
         self._status: DeviceStatus | None = None
         self._last_received = 0.0
         self._awaits_reply = False
+        self._rate_ordered = False  # in this search: once, also if the laser keeps another
         self._configuration_attempts = 0
         self._wanted_configuration = telegrams.STANDARD_CONFIGURATION
         self._on_reply: dict[SessionState, Callable[[Telegram, float], None]] = {
@@ -274,6 +275,7 @@ class Lms200Session:
         self.counters.searches += 1
         self._rates = rates_to_try(first_baud, self._settings.baud, self._streamed_at)
         self._watch.restart()
+        self._rate_ordered = False
         self._try_next_rate(t)
 
     def _try_next_rate(self, t: float) -> None:
@@ -294,8 +296,12 @@ class Lms200Session:
         if self.baud == self._settings.baud:
             self._request(SessionState.IDENTIFYING, telegrams.READ_TYPE, t)
         else:
-            command = telegrams.select_baud(self._settings.baud)
-            self._request(SessionState.CHANGING_RATE, command, t, MODE_LIMIT)
+            self._order_rate(t)
+
+    def _order_rate(self, t: float) -> None:
+        self._rate_ordered = True
+        command = telegrams.select_baud(self._settings.baud)
+        self._request(SessionState.CHANGING_RATE, command, t, MODE_LIMIT)
 
     def _rate_changed(self, reply: Telegram, t: float) -> None:
         if telegrams.first_data_byte(reply) == telegrams.MODE_SELECTED:
@@ -313,7 +319,11 @@ class Lms200Session:
 
     def _status_read(self, reply: Telegram, t: float) -> None:
         self._status = DeviceStatus.decode(reply)
-        self._request(SessionState.READING_ERRORS, telegrams.READ_ERRORS, t)
+        told = None if self._status is None else self._status.baud
+        if told not in (None, self._settings.baud) and not self._rate_ordered:
+            self._order_rate(t)  # a line without a rate, as TCP: the laser has another all the same
+        else:
+            self._request(SessionState.READING_ERRORS, telegrams.READ_ERRORS, t)
 
     def _errors_read(self, _reply: Telegram, t: float) -> None:
         if self._status is not None and self._status.variant == self._settings.variant:

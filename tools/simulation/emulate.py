@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -19,6 +19,7 @@ from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from maps.map_folder import MapFolder
 from maps.pose import Pose
 from tools.simulation.emulated_camera import CameraServer, EmulatedCamera
+from tools.simulation.laser_start import parse_laser_start
 from tools.simulation.real_time_rig import Pumped, RealTimeRig
 from tools.simulation.rig import make_rig, outline_of
 from tools.simulation.robot_body import RobotBody
@@ -44,6 +45,8 @@ class EmulateOptions:
     p2os_faults: str = ""
     """Faults of the base's line, in the syntax of ``parse_faults``."""
     lms200_faults: str = ""
+    lms200_start: str = ""
+    """How the laser is found, in the syntax of ``parse_laser_start``."""
     camera: int | None = None
     """TCP port of an MJPEG stream; 0 takes any free one, None serves none."""
     pose: Pose | None = None
@@ -56,7 +59,7 @@ class EmulateOptions:
 class Emulation:
     """An emulated robot served on its ports until ``close``.
 
-    Raises EmulateError or FaultSpecError when it cannot be set up.
+    Raises EmulateError, FaultSpecError or LaserStartError when it cannot be set up.
     """
 
     def __init__(self, folder: MapFolder, options: EmulateOptions) -> None:
@@ -65,9 +68,18 @@ class Emulation:
         reach = outline_of(options.truth.robot).reach
         pose = options.pose or _free_pose(folder, world, rng, reach)
         robot = options.truth.drawn(rng.spawn(1)[0]).robot
+        laser_start = replace(
+            parse_laser_start(options.lms200_start), paced=not options.lms200.startswith("tcp:")
+        )
         try:
             self.rig = make_rig(
-                "Emulated", world, pose, time.monotonic(), robot, watchdog=options.watchdog
+                "Emulated",
+                world,
+                pose,
+                time.monotonic(),
+                robot,
+                watchdog=options.watchdog,
+                laser_start=laser_start,
             )
         except ValueError as error:
             raise EmulateError(f"--pose: {error}") from error

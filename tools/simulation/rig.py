@@ -8,7 +8,6 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.lms200.emulator.mirror import beam_delays
 from drivers.p2os.base_state import ChargeState
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG
@@ -16,6 +15,7 @@ from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.emulator.make import BaseMake
 from maps.pose import Pose, wrap_angle
 from tools.simulation.fan import Fan, Returns, laser_fan
+from tools.simulation.laser_start import LaserStart
 from tools.simulation.laser_unit import LaserUnit
 from tools.simulation.robot_body import Outline, RobotBody
 from tools.simulation.silhouette import silhouette_of
@@ -24,6 +24,7 @@ from tools.simulation.truth.truth import Truth, load_truth
 from tools.simulation.world import World
 
 SONAR_PERIOD_S = 0.1
+_AS_BOUGHT = LaserStart()
 _OPEN_INPUTS = 0x7F  # all segments of a bumper byte above the stall bit: FE
 
 
@@ -40,12 +41,14 @@ class RobotRig:
         later_firmware: bool = False,
         watchdog: float = FACTORY_WATCHDOG,
         truth: RobotTruth | None = None,
+        laser_start: LaserStart = _AS_BOUGHT,
     ) -> None:
         """Make the devices of a body in the world, powered on at ``t``.
 
         truth: how the robot really is, by default as the shipped ``plain``.
         later_firmware: the base reports what AROS reports, the stop button included.
         watchdog: value in the base's FLASH, s.
+        laser_start: how the laser is found.
         """
         self.name = name
         self.world = world
@@ -61,9 +64,7 @@ class RobotRig:
         self.base.base.braking = self.truth.drive.braking
         if charging:
             self.base.battery.charge_state = ChargeState.BULK
-        self.laser = Lms200Emulator(
-            scan_source=self._scan, reflector_source=lambda: self._measured.reflectors
-        )
+        self.laser = laser_start.make(self._scan, lambda: self._measured.reflectors, t)
         self._unit = LaserUnit(self.truth.laser, t, world.rng.spawn(1)[0])
         self.stuck = False
         """Whether the body cannot move while the wheels turn."""
@@ -248,10 +249,11 @@ def make_rig(
     t: float,
     robot: RobotTruth,
     watchdog: float = FACTORY_WATCHDOG,
+    laser_start: LaserStart = _AS_BOUGHT,
 ) -> RobotRig:
     """Add one robot to the world; raises ValueError where there is no room."""
     silhouettes = tuple(silhouette_of(corners) for corners in robot.silhouette.polygons)
     body = world.add_body(start, outline_of(robot), silhouettes, robot.drive.turn_scale)
     body.bumper_segments = robot.bumpers.segments
     body.tape = robot.tape if robot.tape.worn else None
-    return RobotRig(name, world, body, t, watchdog=watchdog, truth=robot)
+    return RobotRig(name, world, body, t, watchdog=watchdog, truth=robot, laser_start=laser_start)

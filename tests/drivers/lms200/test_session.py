@@ -453,6 +453,66 @@ def test_dazzled_scans_have_specials_instead_of_ranges(line: Any) -> None:
     assert np.isfinite(wire.scans[-1].ranges).any()
 
 
+def test_rate_in_the_status_is_ordered_where_the_line_has_none(line: Any) -> None:
+    emulator = Lms200Emulator(scan_source=Corner(), paced=False)
+    wire = line(laser(), emulator)
+    wire.line_has_rate = False
+    wire.connect()
+    wire.run_until(STREAMING, limit=3.0)
+    assert sent_codes(wire)[:5] == ["2025", "3a", "31", "2040", "3a"]
+    assert emulator.state.baud == 38400
+    wire.run(2.0)
+    assert len(wire.scans) == pytest.approx(18.8, abs=2)
+
+
+def test_rate_that_the_laser_does_not_keep_is_ordered_once(line: Any) -> None:
+    class Stubborn(Lms200Emulator):
+        def feed(self, data: bytes, t: float) -> None:
+            super().feed(data, t)
+            self.state.baud = 9600
+
+    wire = line(laser(), Stubborn(scan_source=Corner(), paced=False))
+    wire.line_has_rate = False
+    wire.connect()
+    wire.run_until(STREAMING, limit=3.0)
+    assert sent_codes(wire).count("2040") == 1
+
+
+@pytest.mark.parametrize("left", ["fresh", "streaming"])
+def test_laser_slow_by_the_book_is_set_up_without_a_retry(line: Any, left: str) -> None:
+    emulator = Lms200Emulator(scan_source=Corner(), baud=38400)
+    if left == "streaming":
+        emulator.feed(encode_telegram(b"\x20\x24"), 0.0)
+        emulator.pop_output(1.05)
+    emulator.slow = True
+    wire = line(laser(), emulator)
+    wire.t = 1.05  # a scan is on its way, if any
+    wire.connect()
+    taken = wire.run_until(STREAMING, limit=30.0)
+    assert taken == pytest.approx(3 * 2.8 + 2 * 6.0, abs=0.6)
+    assert wire.session.counters.timeouts == 0
+    assert wire.session.counters.searches == 1
+    assert wire.session.trouble is None
+
+
+def test_laser_without_acknowledgements_is_set_up(line: Any) -> None:
+    emulator = Lms200Emulator(scan_source=Corner())
+    emulator.acknowledges = False
+    wire = streaming(line, emulator)
+    wire.run(1.0)
+    assert wire.session.counters.timeouts == 2  # at 38400, where it is not
+    assert len(wire.scans) >= 8
+
+
+def test_laser_at_an_address_and_at_500000_baud_is_found_streaming(line: Any) -> None:
+    emulator = Lms200Emulator(scan_source=Corner(), baud=500000)
+    emulator.state.address = 1
+    emulator.feed(encode_telegram(b"\x20\x24"), 0.0)
+    wire = streaming(line, emulator)
+    wire.run(1.0)
+    assert len(wire.scans) >= 8
+
+
 def test_partial_scans_have_offset_and_time_of_their_turn(line: Any) -> None:
     scene = Corner()
     wire = streaming(
