@@ -10,12 +10,12 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session
 from drivers.p2os.base_state import BaseState
 from drivers.p2os.model import RobotModel
 from drivers.p2os.motor_watch import MotorState
 from drivers.p2os.session import P2osSession
+from drivers.scan import Scan
 from localization.health import Health
 from localization.localizer import Localizer
 from localization.settings import MotionNoise

@@ -19,11 +19,12 @@ from drivers.lms200.framing import encode_telegram as encode
 from drivers.lms200.health import LaserHealth
 from drivers.lms200.health_watch import HealthWatch
 from drivers.lms200.measurement import MEASURING_MODES, decode_measurement
-from drivers.lms200.mounting import as_mounted
-from drivers.lms200.scan import Scan, scan_of
+from drivers.lms200.scan import scan_of
 from drivers.lms200.settings import LaserSettings
 from drivers.lms200.telegrams import Configuration, DeviceStatus, VariantReply
+from drivers.mounting import as_mounted
 from drivers.requests import Request, SetBaud, Write
+from drivers.scan import Scan
 
 COMMON_BAUDS = (38400, 9600, 19200, 500000)
 

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session
 from drivers.p2os.model import RobotModel
 from drivers.p2os.session import P2osSession
+from drivers.scan import Scan
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.messages.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Tick

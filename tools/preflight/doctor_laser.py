@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 from drivers.lms200.health import LaserHealth, health_of
 from drivers.lms200.measurement import TURN
-from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session, SessionState
 from drivers.lms200.settings import LaserSettings
+from drivers.scan import Scan
 from tools.preflight.device_trial import DeviceTrial
 from tools.preflight.doctor_port import describe_line, examine_line, examine_opening, examine_port
 from tools.preflight.finding import Finding, failed, ok, warning

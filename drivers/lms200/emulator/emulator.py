@@ -38,7 +38,6 @@ from drivers.lms200.measurement import (
     MEASURING_MODES,
     UNIT_CM,
     UNIT_MM,
-    Special,
     encode_measurement,
 )
 from drivers.lms200.telegrams import (
@@ -51,6 +50,7 @@ from drivers.lms200.telegrams import (
     Variant,
     VariantReply,
 )
+from drivers.scan import Special
 
 POWER_ON_BAUD = 9600
 RESET_TIME = 0.01  # s from the confirmation of a reset to the power-on telegram
