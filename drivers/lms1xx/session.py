@@ -23,7 +23,7 @@ from drivers.lms1xx.measurement import decode_measurement
 from drivers.lms1xx.scan import scan_of
 from drivers.lms1xx.settings import LaserSettings
 from drivers.lms1xx.telegrams import OutputRange, ScanContent, Scanning
-from drivers.mounting import as_mounted
+from drivers.mounting import Mounting, as_mounted
 from drivers.requests import Request, Write
 from drivers.scan import Scan
 
@@ -33,6 +33,7 @@ SETTING_LIMIT = 10.0  # s: another frequency changes the motor's speed
 RUN_UP = 20.0  # s from the start to the first scan: the motor may have stood
 INNER_SILENCE = 0.5  # s without a byte inside a telegram: its end is lost
 RESTART_PAUSE = 0.5  # s
+REQUEST_PAUSE = 0.02  # s after a scan: one that is asked answers at once, with the scan it has
 REQUEST_LIMIT = 0.5  # s for a scan asked for, then it is asked for again
 MAX_WRITES = 2  # of each setting; then the scanner is used as it is
 
@@ -85,6 +86,7 @@ class Lms1xxSession:
         self.counters = LaserCounters()
         self.framer = TelegramFramer()
         self._settings = settings
+        self._mounting: Mounting = settings
         self._exchange = Exchange()
         self._watch = HealthWatch()
         self._requests: list[Request] = []
@@ -131,9 +133,9 @@ class Lms1xxSession:
         self._requests.clear()
         self.framer.reset()
 
-    def remount(self, settings: LaserSettings) -> None:
-        """Take another mounting; the other settings are those of before."""
-        self._settings = settings
+    def remount(self, mounting: Mounting) -> None:
+        """Take another mounting."""
+        self._mounting = mounting
 
     def shut_down(self, t: float) -> None:
         """Stop the stream and end; ``link_up`` starts again."""
@@ -190,14 +192,14 @@ class Lms1xxSession:
             return []
         self.state = SessionState.STREAMING
         self._exchange.deadline = t + self._settings.silence
-        self._asks_at = t + self._settings.scan_period
+        self._asks_at = t + REQUEST_PAUSE
         self._watch.on_scan_status(scan.status)
         counted = measurement.scans, measurement.counted
         if counted == self._last_scan:
             return []  # asked for again before the next one was measured
         self._last_scan = counted
         self.counters.scans += 1
-        return [as_mounted(scan, self._settings)]
+        return [as_mounted(scan, self._mounting)]
 
     # Time
 

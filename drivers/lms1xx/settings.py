@@ -13,6 +13,7 @@ from drivers.mounting import Sectors, check_mounting, in_laser_frame, in_own_deg
 
 _AHEAD_DEG = 90.0  # the scanner's own degrees straight ahead
 _WIDEST_DEG = 270.0
+_REQUEST_PERIOD = 0.05  # s
 _OWN_DEGREES = (_AHEAD_DEG - _WIDEST_DEG / 2, _AHEAD_DEG + _WIDEST_DEG / 2)
 """Where the scanner's own degrees begin and end."""
 RESOLUTIONS = (0.1667, 0.25, 0.3333, 0.5, 0.6667, 1.0)
@@ -123,8 +124,9 @@ class LaserSettings(
 
     @property
     def scan_period(self) -> float:
-        """Time between two scans, s."""
-        return 1.0 / self.frequency
+        """Time between two scans, s; by request they are asked for at the agent's ticks."""
+        turn_time = 1.0 / self.frequency
+        return max(turn_time, _REQUEST_PERIOD) if self.by_request else turn_time
 
     @property
     def ignored(self) -> Sectors:

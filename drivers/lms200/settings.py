@@ -18,7 +18,14 @@ _OWN_DEGREES = (0.0, 180.0)  # where the scanner's own degrees begin and end
 _UNIT_CODES = {"cm": UNIT_CM, "mm": UNIT_MM}
 
 
-class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class LaserSettings(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    forbid_unknown_fields=True,
+    tag_field="kind",
+    tag="lms200",
+):
     """Address, mounting and operating mode of the laser.
 
     A laser behind the base controller's auxiliary port is not supported: TTY2 and SERAUX carry at

@@ -61,7 +61,7 @@ class Lms1xxEmulator:
         self.content = ScanContent()
         self.contamination = Contamination.NONE
         self.failing = False
-        self.settings_written = 0
+        self.configuration_writes = 0
         self._source = scan_source
         self._boot_time = boot_time
         self._password = password
@@ -277,7 +277,7 @@ class Lms1xxEmulator:
             return self._fault(Fault.INVALID_DATA if self._logged_in else Fault.ACCESS_DENIED)
         accepted = (wanted.frequency, wanted.resolution) in _PAIRS
         if accepted:
-            self.settings_written += 1
+            self.configuration_writes += 1
             self.scanning = Scanning(wanted.frequency, wanted.resolution, *_SECTOR)
             frequency = wanted.frequency / telegrams.PER_HERTZ
             self._mirror = EmulatedMirror(frequency, wanted.resolution / telegrams.PER_DEGREE)
@@ -315,7 +315,7 @@ class Lms1xxEmulator:
         return b""
 
     def _written(self, telegram: Telegram) -> bytes:
-        self.settings_written += 1
+        self.configuration_writes += 1
         return self._done(telegram).payload
 
     def _start_measuring(self, telegram: Telegram, t: float) -> bytes:

@@ -56,7 +56,7 @@ def test_what_is_as_set_is_not_written(network: MakeNetwork) -> None:
     net = network()
     net.connect()
     net.run_until(STREAMING, 2.0)
-    assert net.emulator.settings_written == 0
+    assert net.emulator.configuration_writes == 0
     assert net.session.counters.configuration_writes == 0
     assert net.commands == [
         telegrams.STREAM,
@@ -114,7 +114,7 @@ def test_a_setting_that_is_not_kept_is_written_twice_and_told(network: MakeNetwo
     net.run_until(STREAMING, 2.0)
     net.run(0.2)
     assert net.session.trouble == "laser does not keep its field of view"
-    assert net.emulator.settings_written == 2
+    assert net.emulator.configuration_writes == 2
     assert net.scans
 
 

@@ -123,7 +123,7 @@ def test_settings_are_written_after_a_login_only(
     assert client.fault(payload) in (Fault.ACCESS_DENIED, Fault.WRITE_DENIED)
     client.send(LOGIN)
     assert client.fault(payload) is None
-    assert client.emulator.settings_written == 1
+    assert client.emulator.configuration_writes == 1
     client.send(telegrams.bare(telegrams.LOGOUT, Dialect.A))
     assert client.fault(payload) in (Fault.ACCESS_DENIED, Fault.WRITE_DENIED)
 
