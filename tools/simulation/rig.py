@@ -8,13 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.lms200.emulator.emulator import Lms200Emulator
-from drivers.lms200.emulator.mirror import beam_delays
 from drivers.p2os.base_state import ChargeState
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.emulator.make import BaseMake
 from maps.pose import Pose, wrap_angle
+from tools.simulation.emulated_laser import beam_delays, make_laser
 from tools.simulation.fan import Fan, Returns, laser_fan
 from tools.simulation.laser_unit import LaserUnit
 from tools.simulation.robot_body import Outline, RobotBody
@@ -61,8 +60,8 @@ class RobotRig:
         self.base.base.braking = self.truth.drive.braking
         if charging:
             self.base.battery.charge_state = ChargeState.BULK
-        self.laser = Lms200Emulator(
-            scan_source=self._scan, reflector_source=lambda: self._measured.reflectors
+        self.laser = make_laser(
+            self.truth.laser.kind, self._scan, lambda: self._measured.reflectors
         )
         self._unit = LaserUnit(self.truth.laser, t, world.rng.spawn(1)[0])
         self.stuck = False
@@ -150,7 +149,7 @@ class RobotRig:
         step = self._t - self._previous_t
         turn = math.remainder(self.body.pose.theta - self._previous_pose.theta, math.tau)
         rate = turn / step if step > 0 else 0.0
-        offsets = beam_delays(n, increment)
+        offsets = beam_delays(self.laser, n, increment)
         laser = self.truth.laser
         # Mirrored data come in the reverse order of their measurement.
         swept = rate * (offsets[::-1] if laser.mirrored else offsets)
