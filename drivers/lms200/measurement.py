@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivers.lms200.framing import Telegram
 from drivers.lms200.telegrams import MEASURED_VALUES, Variant
+from drivers.scan import Special
 
 TURN = 13.32e-3  # s, one mirror turn; half of it faces the scene
 
@@ -25,19 +25,6 @@ _COUNT_MASK = 0x03FF
 _PARTIAL = 0x2000
 _QUARTER_SHIFT = 11
 _FLAG_SHIFT = 13  # the lowest bit that is a flag in any mode
-
-
-class Special(IntEnum):
-    """Meaning of a value that is no range; counts up from the mode's smallest special value."""
-
-    RANGE = 0  # not special
-    BEYOND_MAXIMUM = 1
-    READ_ERROR = 4  # of channel 1
-    LOW_SIGNAL = 5  # against the noise
-    OVERFLOW = 7  # of the laser's calculation
-    DAZZLED = 8
-    NO_RETURN = 9
-    IGNORED = 255  # never sent: in a sector of laser.ignore
 
 
 @dataclass(frozen=True, slots=True)

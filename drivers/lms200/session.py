@@ -19,11 +19,12 @@ from drivers.lms200.framing import encode_telegram as encode
 from drivers.lms200.health import LaserHealth
 from drivers.lms200.health_watch import HealthWatch
 from drivers.lms200.measurement import MEASURING_MODES, decode_measurement
-from drivers.lms200.mounting import as_mounted
-from drivers.lms200.scan import Scan, scan_of
+from drivers.lms200.scan import scan_of
 from drivers.lms200.settings import LaserSettings
 from drivers.lms200.telegrams import Configuration, DeviceStatus, VariantReply
+from drivers.mounting import Mounting, as_mounted
 from drivers.requests import Request, SetBaud, Write
+from drivers.scan import Scan
 
 COMMON_BAUDS = (38400, 9600, 19200, 500000)
 
@@ -85,6 +86,7 @@ class Lms200Session:
         self.counters = LaserCounters()
         self.framer = TelegramFramer()
         self._settings = settings
+        self._mounting: Mounting = settings
         self._mode = MEASURING_MODES[settings.measuring_mode]
         self._exchange = Exchange(self.framer)
         self._watch = HealthWatch()
@@ -115,6 +117,11 @@ class Lms200Session:
         """The laser's condition as it reports it; None until the first report."""
         return self._watch.health
 
+    @property
+    def manner(self) -> str:
+        """How it is spoken to, for people."""
+        return f"at {self.baud} baud"
+
     # Called by the owner of the link
 
     def link_up(self, t: float) -> None:
@@ -127,9 +134,9 @@ class Lms200Session:
         self._requests.clear()
         self.framer.reset()
 
-    def remount(self, settings: LaserSettings) -> None:
-        """Take another mounting; the other settings are those of before."""
-        self._settings = settings
+    def remount(self, mounting: Mounting) -> None:
+        """Take another mounting."""
+        self._mounting = mounting
 
     def shut_down(self, t: float) -> None:
         """Stop the stream and end; ``link_up`` starts again."""
@@ -214,7 +221,7 @@ class Lms200Session:
         byte_time = _BITS_PER_BYTE / self.baud
         arrival = t - telegram.bytes_after * byte_time
         scan = scan_of(measurement, arrival, telegram.wire_length * byte_time)
-        return [as_mounted(scan, self._settings)]
+        return [as_mounted(scan, self._mounting)]
 
     # Time
 

@@ -10,16 +10,22 @@ import msgspec
 
 from drivers.lms200.measurement import MEASURING_MODES, MODE_32_M, TURN, UNIT_CM, UNIT_MM
 from drivers.lms200.telegrams import VARIANTS, Variant
+from drivers.mounting import check_mounting, in_laser_frame, in_own_degrees
 
 _FRAME_BYTES = 10  # of a telegram of measured values, besides two per value
 _BITS_PER_BYTE = 10
-_AHEAD_DEG = 90.0  # the scanner's own degrees straight ahead
-_HALF_TURN_DEG = 180.0  # the scanner's own degrees end there
-_FARTHEST_MOUNT = 1.0  # m from the axle, either way
+_OWN_DEGREES = (0.0, 180.0)  # where the scanner's own degrees begin and end
 _UNIT_CODES = {"cm": UNIT_CM, "mm": UNIT_MM}
 
 
-class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class LaserSettings(
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    forbid_unknown_fields=True,
+    tag_field="kind",
+    tag="lms200",
+):
     """Address, mounting and operating mode of the laser.
 
     A laser behind the base controller's auxiliary port is not supported: TTY2 and SERAUX carry at
@@ -104,14 +110,7 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
                 "resolution_deg is 1.0 or 0.5, or 0.25 with a field_of_view_deg of 100, "
                 f"not {self.resolution_deg:g} with {self.field_of_view_deg}"
             )
-        if self.mount is not None:
-            _check_mount(*self.mount)
-        for first, last in self.ignore:
-            if not 0.0 <= first < last <= _HALF_TURN_DEG:
-                raise ValueError(
-                    f"ignore has [{first:g}, {last:g}]: write [from, to], 0 to 180 degrees, from"
-                    " the scanner's right"
-                )
+        check_mounting(self.mount, self.ignore, _OWN_DEGREES)
         if self.measuring_mode not in MEASURING_MODES:
             modes = ", ".join(map(str, MEASURING_MODES))
             raise ValueError(f"measuring_mode is one of {modes}, not {self.measuring_mode}")
@@ -135,22 +134,11 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     @property
     def ignored(self) -> tuple[tuple[float, float], ...]:
         """The sectors of ``ignore`` in the laser frame: first and last direction, rad."""
-        sectors = [
-            (math.radians(first - _AHEAD_DEG), math.radians(last - _AHEAD_DEG))
-            for first, last in self.ignore
-        ]
-        return tuple((-b, -a) if self.upside_down else (a, b) for a, b in sectors)
+        return in_laser_frame(self.ignore, upside_down=bool(self.upside_down))
 
     def degrees_of(self, sectors: Iterable[tuple[float, float]]) -> list[list[float]]:
         """Return sectors of the laser frame, rad, as ``ignore`` has them, in whole degrees."""
-        turned = [(-b, -a) if self.upside_down else (a, b) for a, b in sectors]
-        return sorted(
-            [
-                max(math.floor(math.degrees(first) + _AHEAD_DEG), 0),
-                min(math.ceil(math.degrees(last) + _AHEAD_DEG), round(_HALF_TURN_DEG)),
-            ]
-            for first, last in turned
-        )
+        return in_own_degrees(sectors, _OWN_DEGREES, upside_down=bool(self.upside_down))
 
     @property
     def scan_period(self) -> float:
@@ -170,13 +158,3 @@ class LaserSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     def unit_code(self) -> int:
         """Code of the units in the laser's configuration."""
         return _UNIT_CODES[self.units]
-
-
-def _check_mount(x: float, y: float, theta: float) -> None:
-    """Raise ValueError for a mount that no robot has: likely in other units."""
-    if max(abs(x), abs(y)) > _FARTHEST_MOUNT:
-        raise ValueError(
-            f"mount is {x:g}, {y:g} m from the axle, no robot is as large: millimetres? write m"
-        )
-    if abs(theta) > math.pi:
-        raise ValueError(f"mount has theta {theta:g}, beyond half a turn: degrees? write rad")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from drivers.lms200.session import SessionState as LaserState
 from drivers.p2os.session import SessionState
+from drivers.scanner import STREAMING
 from localization.health import Health
 from robot_agent.motion.gate_hold import STOPPING
 from robot_agent.report.agent_state import AgentState
@@ -38,7 +38,7 @@ class HealthSummary:
             return "base: no model known to be this robot's"
         if state.base.state is not SessionState.READY:
             return f"base {state.base.state}"
-        if state.laser.state is not LaserState.STREAMING:
+        if state.laser.state != STREAMING:
             return f"laser {state.laser.state}"
         if state.pose_tracker.travel.fault is not None:
             return f"laser.mount: {state.pose_tracker.travel.fault}"

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from drivers.lms200.scan import Scan
 from drivers.p2os.base_state import BaseState
+from drivers.scan import Scan
 from localization.health import Health
 from maps.border import Border
 from maps.pose import Pose

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from drivers.lms200.settings import LaserSettings
 from drivers.p2os.model import RobotModel
+from drivers.scanner import ScannerSettings
 from maps.pose import Pose
 from robot_agent.motion.field_of_view import are_covered, views_without
 from robot_agent.motion.gate_limits import GateLimits
@@ -17,7 +17,7 @@ from tools.preflight.finding import Finding, failed, ok, warning
 _REMEDY = "mount the scanner to look ahead, and check laser.mount (x, y in m, theta in rad)"
 
 
-def examine_sight(laser: LaserSettings, model: RobotModel, limits: GateLimits) -> Finding:
+def examine_sight(laser: ScannerSettings, model: RobotModel, limits: GateLimits) -> Finding:
     """Check that laser or front sonars cover the way ahead, as the gate requires for driving."""
     mount = laser.mount or model.laser_mount
     half = math.radians(laser.field_of_view_deg / 2)

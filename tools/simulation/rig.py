@@ -8,12 +8,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.lms200.emulator.mirror import beam_delays
 from drivers.p2os.base_state import ChargeState
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.emulator.make import BaseMake
 from maps.pose import Pose, wrap_angle
+from tools.simulation.emulated_laser import beam_delays, make_laser
 from tools.simulation.fan import Fan, Returns, laser_fan
 from tools.simulation.laser_start import LaserStart
 from tools.simulation.laser_unit import LaserUnit
@@ -64,7 +64,9 @@ class RobotRig:
         self.base.base.braking = self.truth.drive.braking
         if charging:
             self.base.battery.charge_state = ChargeState.BULK
-        self.laser = laser_start.make(self._scan, lambda: self._measured.reflectors, t)
+        self.laser = make_laser(
+            self.truth.laser.kind, self._scan, lambda: self._measured.reflectors, laser_start, t
+        )
         self._unit = LaserUnit(self.truth.laser, t, world.rng.spawn(1)[0])
         self.stuck = False
         """Whether the body cannot move while the wheels turn."""
@@ -151,7 +153,7 @@ class RobotRig:
         step = self._t - self._previous_t
         turn = math.remainder(self.body.pose.theta - self._previous_pose.theta, math.tau)
         rate = turn / step if step > 0 else 0.0
-        offsets = beam_delays(n, increment)
+        offsets = beam_delays(self.laser, n, increment)
         laser = self.truth.laser
         # Mirrored data come in the reverse order of their measurement.
         swept = rate * (offsets[::-1] if laser.mirrored else offsets)

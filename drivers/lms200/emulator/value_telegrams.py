@@ -19,11 +19,11 @@ from drivers.lms200.emulator.mirror import Sweep
 from drivers.lms200.measurement import (
     MEASURING_MODES,
     MeasuringMode,
-    Special,
     count_word,
     encode_ranges,
 )
 from drivers.lms200.telegrams import ACCEPTED, Command
+from drivers.scan import Special
 
 MODE_REFLECTIVITY_ONLY = 0x3F  # reflectivity in place of ranges
 

@@ -55,11 +55,13 @@ class LaserWire:
         if not self._sent or not self._sent[-1].measured or self._sent[-1].end <= t:
             return
         cut = self._sent.pop()
+        if cut.begin >= t:  # its sweep has not ended yet
+            self.free = self._sent[-1].end if self._sent else t
+            return
         sent_bytes = math.ceil((t - cut.begin) / self._byte_time - _ROUNDING)
         self.free = cut.begin + sent_bytes * self._byte_time
-        if sent_bytes:
-            kept = cut.data[:sent_bytes]
-            self._sent.append(_Outgoing(cut.begin, self.free, kept, measured=False))
+        kept = cut.data[:sent_bytes]
+        self._sent.append(_Outgoing(cut.begin, self.free, kept, measured=False))
 
     def pop(self, t: float) -> list[TimedBytes]:
         """Return what has wholly left by ``t``, in order; one call returns bytes of one rate."""

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import pytest
 
 from drivers.lms200.emulator.emulator import Lms200Emulator
-from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session, SessionState
 from drivers.requests import SetBaud, Write
+from drivers.scan import Scan
 
 STEP = 0.002  # s
 TICK = 0.05  # s

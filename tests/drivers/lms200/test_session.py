@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.lms200.errors import ErrorEntry, Severity
 from drivers.lms200.framing import encode_telegram
-from drivers.lms200.measurement import Special
 from drivers.lms200.session import Lms200Session, SessionState
 from drivers.lms200.settings import LaserSettings
 from drivers.lms200.telegrams import Configuration, Mode, Variant, VariantReply
 from drivers.requests import SetBaud, Write
+from drivers.scan import Special
 
 STREAMING = SessionState.STREAMING
 

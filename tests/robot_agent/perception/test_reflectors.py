@@ -14,7 +14,8 @@ from drivers.lms200.measurement import (
     UNIT_MM,
     decode_measurement,
 )
-from drivers.lms200.scan import Scan, scan_of
+from drivers.lms200.scan import scan_of
+from drivers.scan import Scan
 from maps.pose import Pose
 from robot_agent.perception.identity import Kind
 from robot_agent.perception.scan_points import ScanProjector, hits

@@ -13,7 +13,6 @@ import numpy as np
 from drivers.emulation.port import PtyPort
 from drivers.emulation.timed_bytes import TimedBytes
 from drivers.lms200.emulator.emulator import Lms200Emulator
-from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session
 from drivers.lms200.settings import LaserSettings
 from drivers.lms200.telegrams import Mode
@@ -22,6 +21,7 @@ from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.session import P2osSession
 from drivers.p2os.settings import BaseSettings
+from drivers.scan import Scan
 from tools.preflight.device_trial import DeviceTrial, run_trials
 
 LIMIT = 20.0  # s; not reached in a passing test

@@ -44,3 +44,13 @@ def test_line_without_a_rate_takes_no_time_until_one_is_ordered() -> None:
     wire.send(bytes(384), 2.0)
     assert wire.pop(3.0)[0].t == pytest.approx(2.1)
     assert wire.baud == 38400
+
+
+@pytest.mark.parametrize("paced", [True, False])
+def test_measured_values_that_are_still_to_begin_are_dropped(*, paced: bool) -> None:
+    wire = LaserWire(9600, paced=paced)
+    wire.send(bytes(100), 1.005, measured=True)
+    wire.break_off(1.0)
+    wire.send(b"\x06", 1.0)
+    (ack,) = wire.pop(2.0)
+    assert ack.t <= 1.0 + 10 / 9600
