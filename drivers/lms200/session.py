@@ -363,6 +363,9 @@ class Lms200Session:
         if present == wanted:
             self._start(present, t)
         elif self._configuration_attempts >= MAX_WRITES:
+            if present.measuring_mode not in MEASURING_MODES:
+                self._start_over(f"laser keeps mode {present.measuring_mode:02X}: no ranges", t)
+                return
             self.trouble = "laser does not keep its measuring mode and units"
             self._start(present, t)
         else:
@@ -385,7 +388,7 @@ class Lms200Session:
         self._start(self._wanted_configuration, t)
 
     def _start(self, configuration: Configuration, t: float) -> None:
-        self._mode = MEASURING_MODES.get(configuration.measuring_mode, self._mode)
+        self._mode = MEASURING_MODES[configuration.measuring_mode]
         self._request(SessionState.STARTING, self._stream_command, t, MODE_LIMIT)
 
     @property

@@ -31,7 +31,8 @@ def _set_variant(state: LaserState, data: bytes) -> Answer | None:
         state.variant = wanted
         state.variant_writes += 1
     reply = VariantReply(accepted, state.variant).encode()[:-1]
-    enter = Mode.ON_REQUEST if is_stream(state.mode) else None
+    # What is being measured ends: a stream, or a request.
+    enter = Mode.ON_REQUEST if is_stream(state.mode) else state.mode
     return Answer(reply, takes=EEPROM_WRITE if accepted else 0.0, enter=enter)
 
 

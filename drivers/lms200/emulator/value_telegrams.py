@@ -92,7 +92,9 @@ def _selected(
     if output.content is Content.SEGMENT_MINIMA:
         return _minima(values, beams_per_degree)
     if output.content is Content.DEPTH_MINIMA:
-        depths = sweep.ranges * np.sin(np.radians(degrees_of(sweep, state)))
+        sines = np.sin(np.radians(degrees_of(sweep, state)))
+        with np.errstate(invalid="ignore"):  # no return, at either end of the baseline
+            depths = sweep.ranges * sines
         return _minima(_values(replace(sweep, ranges=depths), state), beams_per_degree)
     if output.content is Content.PART_MINIMA:
         return np.array([values[a - 1 : b].min() for a, b in output.parts], dtype="<u2")

@@ -286,6 +286,17 @@ def test_changed_password_is_reported_and_scans_resume(line: Any) -> None:
     np.testing.assert_allclose(wire.scans[-1].ranges[0], 1.5, atol=0.001)
 
 
+def test_laser_that_keeps_sending_reflectivity_gives_no_ranges(line: Any) -> None:
+    emulator = Lms200Emulator(scan_source=Corner(), baud=38400)
+    emulator.state.password = b"OTHERPAS"
+    emulator.state.configuration = emulator.state.configuration.changed(0x3F, 1)
+    wire = line(laser(), emulator)
+    wire.connect()
+    wire.run(3.0)
+    assert wire.session.trouble == "laser keeps mode 3F: no ranges"
+    assert wire.scans == []
+
+
 def test_shut_down_stops_the_stream(line: Any) -> None:
     emulator = Lms200Emulator(scan_source=Corner(), baud=38400)
     wire = line(laser(), emulator)
