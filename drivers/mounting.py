@@ -113,4 +113,5 @@ def _turned_over(scan: Scan) -> Scan:
         flags=scan.flags[::-1],
         reflectors=None if scan.reflectors is None else scan.reflectors[::-1],
         clockwise=not scan.clockwise,
+        remission=None if scan.remission is None else scan.remission[::-1],
     )

@@ -39,6 +39,7 @@ class Scan:
     flags: uint8, bits 0 to 2 as the measuring mode defines them (fields, dazzle, reflector level).
     reflectors: bool, beams that hit a reflector; None where the scanner does not report it.
     clockwise: whether the beams were measured in the reverse order, by a scanner upside down.
+    remission: uint16, what each beam's end reflected, as the scanner scales it; None if not sent.
     """
 
     t: float
@@ -52,6 +53,7 @@ class Scan:
     flags: NDArray[np.uint8]
     reflectors: NDArray[np.bool_] | None
     clockwise: bool = False
+    remission: NDArray[np.uint16] | None = None
 
     @property
     def angles(self) -> NDArray[np.float64]:

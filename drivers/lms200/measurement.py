@@ -59,6 +59,7 @@ MEASURING_MODES: dict[int, MeasuringMode] = {
     0x0F: MeasuringMode(0xFFFF, 0x7FFF),  # 32 m sent at once, no flags
 }
 MODE_32_M = 0x05
+MODE_REFLECTIVITY = 0x0E
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,7 +69,8 @@ class Measurement:
     ranges: float64 m, inf where there is none. specials: uint8, a ``Special`` each (numbers in
     between are reserved). flags: uint8, the mode's flags in bits 0 to 2. reflectors: bool, or None
     where the mode has no reflector bits. The first beam is the rightmost, at ``first_deg``
-    (0 right, 90 ahead, 180 left), the next ``step_deg`` to its left.
+    (0 right, 90 ahead, 180 left), the next ``step_deg`` to its left. scans: number averaged.
+    remission: uint16, what the beam's end reflected, up to some 13000; None where it is not sent.
     """
 
     ranges: NDArray[np.float64]
@@ -79,6 +81,8 @@ class Measurement:
     step_deg: float
     mirror_turns: int
     status: int
+    scans: int = 1
+    remission: NDArray[np.uint16] | None = None
 
 
 _VARIANT_BY_COUNT = {
@@ -106,6 +110,18 @@ def decode_measurement(telegram: Telegram, mode: MeasuringMode) -> Measurement |
     if len(payload) not in (without_indices, without_indices + 2):
         return None
     raw = np.frombuffer(payload, "<u2", count, offset=3)
+    values = decode_values(raw, mode, metres)
+    return Measurement(*values, *geometry, status=payload[-1])
+
+
+DecodedValues = tuple[
+    NDArray[np.float64], NDArray[np.uint8], NDArray[np.uint8], NDArray[np.bool_] | None
+]
+"""Ranges, specials, flags and reflectors of a ``Measurement``."""
+
+
+def decode_values(raw: NDArray[np.uint16], mode: MeasuringMode, metres: float) -> DecodedValues:
+    """Return what values (n,) as they are sent mean; metres: the unit."""
     values = raw & mode.mask
     largest = mode.limit - 1
     specials = (np.clip(values, largest, largest + 255) - largest).astype(np.uint8)
@@ -113,7 +129,13 @@ def decode_measurement(telegram: Telegram, mode: MeasuringMode) -> Measurement |
     ranges[specials != Special.RANGE] = np.inf
     flags = (raw >> _FLAG_SHIFT).astype(np.uint8) & np.uint8(mode.flag_bits)
     reflectors = (flags & mode.reflector_bits) != 0 if mode.reflector_bits else None
-    return Measurement(ranges, specials, flags, reflectors, *geometry, status=payload[-1])
+    return ranges, specials, flags, reflectors
+
+
+def read_count_word(payload: bytes, at: int) -> tuple[int, float | None]:
+    """Return the number of values and their unit, m; None for no unit."""
+    word = payload[at] | payload[at + 1] << 8
+    return word & _COUNT_MASK, _METRES.get(word >> 14)
 
 
 def _geometry(count: int, word: int) -> tuple[float, float, int] | None:

@@ -12,10 +12,10 @@ def scan_of(measurement: Measurement, arrival: float, wire_time: float) -> Scan:
     """Return the scan of a measurement whose telegram's last byte arrived at ``arrival`` (s).
 
     Sending took ``wire_time`` (s) and began when the last mirror turn ended; the middle of the
-    sweep lies half of all its turns before that.
+    sweep lies half of all its turns before that, those of all scans averaged.
     """
     return Scan(
-        t=arrival - wire_time - measurement.mirror_turns * TURN / 2,
+        t=arrival - wire_time - measurement.scans * measurement.mirror_turns * TURN / 2,
         angle_min=math.radians(measurement.first_deg - 90.0),
         angle_increment=math.radians(measurement.step_deg),
         ranges=measurement.ranges,
@@ -25,4 +25,5 @@ def scan_of(measurement: Measurement, arrival: float, wire_time: float) -> Scan:
         specials=measurement.specials,
         flags=measurement.flags,
         reflectors=measurement.reflectors,
+        remission=measurement.remission,
     )

@@ -18,7 +18,8 @@ from drivers.lms200.framing import REPLY_BIT, Ack, Nak, Telegram, TelegramFramer
 from drivers.lms200.framing import encode_telegram as encode
 from drivers.lms200.health import LaserHealth
 from drivers.lms200.health_watch import HealthWatch
-from drivers.lms200.measurement import MEASURING_MODES, decode_measurement
+from drivers.lms200.measured_parts import OUTPUT_CODES, decode_output, stream_command
+from drivers.lms200.measurement import MEASURING_MODES
 from drivers.lms200.scan import scan_of
 from drivers.lms200.settings import LaserSettings
 from drivers.lms200.telegrams import Configuration, DeviceStatus, VariantReply
@@ -87,13 +88,14 @@ class Lms200Session:
         self.framer = TelegramFramer()
         self._settings = settings
         self._mounting: Mounting = settings
-        self._mode = MEASURING_MODES[settings.measuring_mode]
+        self._mode = MEASURING_MODES[settings.mode_code]
         self._exchange = Exchange(self.framer)
         self._watch = HealthWatch()
         self._requests: list[Request] = []
         self._rates: list[int] = []
         self._streamed_at: int | None = None  # the rate at which scans last came
         self._status: DeviceStatus | None = None
+        self._variant = settings.variant  # of the laser: sub-ranges count its beams
         self._last_received = 0.0
         self._awaits_reply = False
         self._rate_ordered = False  # in this search: once, also if the laser keeps another
@@ -192,7 +194,7 @@ class Lms200Session:
         return []
 
     def _on_telegram(self, telegram: Telegram, t: float) -> list[Scan]:
-        if telegram.code == telegrams.MEASURED_VALUES:
+        if telegram.code in OUTPUT_CODES:
             return self._on_measurement(telegram, t)
         self._awaits_reply = False
         self._watch.on_telegram(telegram)
@@ -209,7 +211,7 @@ class Lms200Session:
     def _on_measurement(self, telegram: Telegram, t: float) -> list[Scan]:
         if self.state not in (SessionState.STARTING, SessionState.STREAMING):
             return []  # from a stream about to be stopped, of unknown geometry
-        measurement = decode_measurement(telegram, self._mode)
+        measurement = decode_output(telegram, self._mode, self._variant)
         if measurement is None:
             self.counters.unusable += 1
             return []
@@ -333,6 +335,8 @@ class Lms200Session:
             self._request(SessionState.READING_ERRORS, telegrams.READ_ERRORS, t)
 
     def _errors_read(self, _reply: Telegram, t: float) -> None:
+        if self._status is not None and self._status.variant in telegrams.VARIANTS:
+            self._variant = self._status.variant
         if self._status is not None and self._status.variant == self._settings.variant:
             self._read_configuration(t)
         elif self.counters.variant_writes >= MAX_WRITES:
@@ -349,6 +353,7 @@ class Lms200Session:
             field, step = self._settings.field_of_view_deg, self._settings.resolution_deg
             self._start_over(f"laser refused a field of {field} degrees in steps of {step:g}", t)
         else:
+            self._variant = self._settings.variant
             self._read_configuration(t)
 
     def _read_configuration(self, t: float) -> None:
@@ -359,7 +364,7 @@ class Lms200Session:
         if present is None:
             self._start_over("laser sent an unreadable configuration", t)
             return
-        wanted = present.changed(self._settings.measuring_mode, self._settings.unit_code)
+        wanted = present.changed(self._settings.mode_code, self._settings.unit_code)
         if present == wanted:
             self._start(present, t)
         elif self._configuration_attempts >= MAX_WRITES:
@@ -393,9 +398,14 @@ class Lms200Session:
 
     @property
     def _stream_command(self) -> bytes:
-        if self._settings.partial_scans:
-            return telegrams.SELECT_CONTINUOUS_TURNS
-        return telegrams.SELECT_CONTINUOUS
+        settings = self._settings
+        return stream_command(
+            mean_of=settings.mean_of,
+            part=settings.part,
+            remission=settings.remission,
+            turns=settings.partial_scans,
+            count=settings.variant.count,
+        )
 
     def _started(self, reply: Telegram, t: float) -> None:
         if telegrams.first_data_byte(reply) != telegrams.MODE_SELECTED:

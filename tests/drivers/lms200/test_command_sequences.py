@@ -23,7 +23,7 @@ COMMANDS = [
 ]
 LENGTH = 60  # commands in a sequence
 SEQUENCES = 60
-LONG_RUN = 5000
+LONG_RUN = 3000
 SPOILT_SHARE = 0.2
 TOGETHER_SHARE = 0.1  # sent in one write
 LONGEST_PAUSE = 0.3  # s
