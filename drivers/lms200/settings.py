@@ -205,6 +205,14 @@ class LaserSettings(
         """The sectors of ``ignore`` in the laser frame: first and last direction, rad."""
         return in_laser_frame(self.ignore, upside_down=bool(self.upside_down))
 
+    @property
+    def seen(self) -> tuple[float, float]:
+        """First and last direction of the beams that are sent, rad, laser frame."""
+        (ends,) = in_laser_frame(
+            (self.sector or self.view_deg,), upside_down=bool(self.upside_down)
+        )
+        return ends
+
     def degrees_of(self, sectors: Iterable[tuple[float, float]]) -> list[list[float]]:
         """Return sectors of the laser frame, rad, as ``ignore`` has them, in whole degrees."""
         return in_own_degrees(sectors, _OWN_DEGREES, upside_down=bool(self.upside_down))

@@ -114,9 +114,10 @@ class LaserExamination:
 
     def _best_rate(self, last: Scan) -> float:
         """Return the scan rate, 1/s, that line and settings allow."""
+        wanted = 1.0 / max(last.turn_time, self._settings.scan_period)
         if isinstance(self._session, Lms200Session):
-            return best_rate(last.ranges.size, last.turns, self._session.baud)
-        return 1.0 / max(last.turn_time, self._settings.scan_period)
+            return min(best_rate(last.ranges.size, last.turns, self._session.baud), wanted)
+        return wanted
 
     def _line(self) -> Finding:
         assert self.trial is not None
