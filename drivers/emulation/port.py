@@ -18,7 +18,7 @@ from drivers.emulation.timed_bytes import TimedBytes
 
 READ_SIZE = 4096
 MAX_WAITING = 65536  # bytes a TCP client may leave unread before it is cut off
-RATE_CHANGE = 0.1  # s after a rate change in which bytes read may have been sent before it
+RATE_DOUBT = 0.1  # s after a client's change of rate in which bytes read may be older than it
 
 _GARBLE_TABLE = bytes((167 * octet + 71) & 0xFF for octet in range(256))
 _BAUD_BY_CODE = {
@@ -47,28 +47,12 @@ class EmulatedDevice(Protocol):
         """Return what has left the wire by ``t``."""
 
 
-class _Rate:
-    """A rate, and for a while after a change the one before it."""
-
-    def __init__(self) -> None:
-        self._now: int | None = None
-        self._before: int | None = None
-        self._changed_at = -math.inf
-
-    def update(self, rate: int | None, t: float) -> set[int]:
-        """Take the rate at ``t``; return the rates that bytes read now may have been sent at."""
-        if rate != self._now:
-            self._now, self._before, self._changed_at = rate, self._now, t
-        rates = (rate, self._before) if t - self._changed_at < RATE_CHANGE else (rate,)
-        return {known for known in rates if known is not None}
-
-
 class PtyPort:
     """Serves an emulator on a pseudo-terminal; clients open ``url``, one after another.
 
     A pty carries bytes at any rate; a line does not. So while the client's rate is not the
-    device's, bytes arrive garbled both ways. What a client sent just before either rate changed may
-    be read after it, so for RATE_CHANGE it is understood at the old rate too. Without a client
+    device's, bytes arrive garbled both ways; but what a client wrote before it changed its rate may
+    be read after it, so for RATE_DOUBT its bytes count as sent at either rate. Without a client
     output is lost. ``name`` is a symbolic link to make: a device name that stays the same over
     unplugging.
     """
@@ -77,7 +61,9 @@ class PtyPort:
         self._emulator = emulator
         self._name = name
         self._master = -1
-        self._client_rate, self._device_rate = _Rate(), _Rate()
+        self._client_baud: int | None = None
+        self._former_baud: int | None = None
+        self._doubt_until = -math.inf
         self.plug_in()
 
     @property
@@ -112,8 +98,11 @@ class PtyPort:
 
     def pump(self, t: float) -> None:
         """Move bytes both ways at ``t``, without waiting."""
-        if self._master >= 0:
-            self._hear(t)
+        has_sent = self._poll_client()
+        self._watch_rate(t)
+        if has_sent:
+            data = os.read(self._master, READ_SIZE)
+            self._emulator.feed(data if self._may_be_understood(t) else garbled(data), t)
         while True:
             baud = self._emulator.baud
             output = self._emulator.pop_output(t)
@@ -121,27 +110,22 @@ class PtyPort:
                 return
             data = b"".join(item.data for item in output)
             if self._client_there:
-                self._write(data if self._client_baud() == baud else garbled(data))
+                self._write(data if self._client_baud == baud else garbled(data))
 
     def close(self) -> None:
         """Remove the port."""
         self.unplug()
 
-    def _hear(self, t: float) -> None:
-        """Pass on what the client has sent."""
-        sent = self._poll_client()
-        client_rates = self._client_rate.update(self._client_baud(), t)
-        device_rates = self._device_rate.update(self._emulator.baud, t)
-        if sent:
-            data = os.read(self._master, READ_SIZE)
-            self._emulator.feed(data if client_rates & device_rates else garbled(data), t)
-
     def _poll_client(self) -> bool:
         """Update whether a client is connected; return whether it has sent bytes."""
+        if self._master < 0:
+            return False
         events = dict(self._poll.poll(0)).get(self._master, 0)
         client_there = not events & select.POLLHUP
         if self._client_there and not client_there:
             self._discard_unread()
+        if client_there and not self._client_there:
+            self._client_baud = None  # what it opens with is no change
         self._client_there = client_there
         return bool(events & select.POLLIN)
 
@@ -151,8 +135,19 @@ class PtyPort:
         termios.tcflush(slave, termios.TCIFLUSH)
         os.close(slave)
 
-    def _client_baud(self) -> int | None:
-        return _BAUD_BY_CODE.get(termios.tcgetattr(self._master)[5])
+    def _watch_rate(self, t: float) -> None:
+        """Notice a change of the client's rate, of which a pty tells nothing."""
+        if self._master < 0:
+            return
+        baud = _BAUD_BY_CODE.get(termios.tcgetattr(self._master)[5])
+        if baud != self._client_baud and self._client_baud is not None:
+            self._former_baud, self._doubt_until = self._client_baud, t + RATE_DOUBT
+        self._client_baud = baud
+
+    def _may_be_understood(self, t: float) -> bool:
+        """Whether what is read at ``t`` may have been sent at the device's rate."""
+        possible = (self._client_baud, self._former_baud if t < self._doubt_until else None)
+        return self._emulator.baud in possible
 
     def _write(self, data: bytes) -> None:
         try:
@@ -182,7 +177,7 @@ class TcpPort:
 
     def unplug(self) -> None:
         """Disconnect the client and stop listening."""
-        self._hang_up()
+        self.hang_up()
         self._listener.close()
 
     def pump(self, t: float) -> None:
@@ -224,7 +219,7 @@ class TcpPort:
         except OSError:
             data = b""
         if not data:
-            self._hang_up()
+            self.hang_up()
         return data
 
     def _flush(self) -> None:
@@ -235,13 +230,14 @@ class TcpPort:
         except BlockingIOError:
             sent = 0
         except OSError:
-            self._hang_up()
+            self.hang_up()
             return
         del self._unsent[:sent]
         if len(self._unsent) > MAX_WAITING:
-            self._hang_up()
+            self.hang_up()
 
-    def _hang_up(self) -> None:
+    def hang_up(self) -> None:
+        """Disconnect the client, if there is one."""
         if self._client is not None:
             self._client.close()
             self._client = None

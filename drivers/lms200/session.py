@@ -124,6 +124,13 @@ class Lms200Session:
         """How it is spoken to, for people."""
         return f"at {self.baud} baud"
 
+    @property
+    def answers(self) -> bool:
+        """Whether the laser answers, if slowly: it is being set up, or sends scans."""
+        if self.state is SessionState.SEARCHING:
+            return self._exchange.is_acknowledged
+        return self.state not in (SessionState.DOWN, SessionState.PAUSING)
+
     # Called by the owner of the link
 
     def link_up(self, t: float) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from drivers.lms200.health import health_of
 from drivers.lms200.measurement import TURN
-from drivers.lms200.session import Lms200Session
+from drivers.lms200.session import Lms200Session, SessionState
 from drivers.lms200.settings import LaserSettings as Lms200Settings
 from drivers.scan import Scan
 from drivers.scanner import ScannerHealth, ScannerSettings, scanner_session
@@ -17,8 +17,11 @@ from tools.preflight.finding import Finding, failed, ok, warning
 
 LISTENING_S = 1.0
 MIN_SHARE = 0.8  # of the scan rate the line can carry
+SLOW_S = 10.0
+"""A laser that took longer until its first scan is called slow; usual are 1 to 4 s."""
 MIN_RETURNS = 0.1  # share of a scan's beams; fewer: covered, or nothing in range
 
+_WRITING = (SessionState.SETTING_VARIANT, SessionState.WRITING_CONFIGURATION)
 _DOWN = "down"  # state of a session before its line is open
 _BITS_PER_BYTE = 10
 _SCAN_OVERHEAD = 10  # bytes of a scan's telegram besides its values
@@ -44,12 +47,18 @@ class LaserExamination:
         self._port = examine_port("laser port", settings.url)
         self.trial: DeviceTrial[Scan] | None = None
         if not self._port.remedy:
-            self.trial = DeviceTrial(settings.url, settings.baud, self._session, self._enough)
+            self.trial = DeviceTrial(
+                settings.url, settings.baud, self._session, self._enough, self._answers
+            )
 
     def _enough(self, scans: Sequence[tuple[float, Scan]]) -> bool:
         """Return whether scans were received for LISTENING_S."""
         self._state = self._session.state
         return len(scans) > 2 and scans[-1][0] - scans[0][0] >= LISTENING_S
+
+    def _answers(self) -> bool:
+        """Return whether an LMS 200 answers, if slowly."""
+        return isinstance(self._session, Lms200Session) and self._session.answers
 
     def findings(self) -> list[Finding]:
         """Return the findings; call it after the trial."""
@@ -79,6 +88,12 @@ class LaserExamination:
                 f"no scans: {self._session.trouble}",
                 "switch the laser off and on; if that does not help, have it mended",
             )
+        if self._state in _WRITING:
+            return failed(
+                "laser",
+                f"no scans: it is slow and may still be writing its memory, at «{self._state}»",
+                "leave it switched on for a minute, then run doctor again",
+            )
         where = "" if self._state == _DOWN else f", stuck at «{self._state}»"
         remedy = _NETWORK_REMEDY
         if isinstance(self._settings, Lms200Settings):
@@ -89,7 +104,13 @@ class LaserExamination:
         text = f"{self._session.identity}, {self._session.manner}"
         if self._session.trouble:
             return warning("laser", f"{text}; {self._session.trouble}", "see the laser's manual")
-        return ok("laser", text)
+        took = self._setting_up()
+        return ok("laser", text if took < SLOW_S else f"{text}; slow: set up in {took:.0f} s")
+
+    def _setting_up(self) -> float:
+        """Return the time from opening the port to the first scan, s."""
+        assert self.trial is not None
+        return self.trial.measurements[0][0] - self.trial.line.opened_at
 
     def _scans(self, last: Scan) -> Finding:
         assert self.trial is not None
