@@ -71,6 +71,8 @@ class Emulation:
         laser_start = replace(
             parse_laser_start(options.lms200_start), paced=not options.lms200.startswith("tcp:")
         )
+        if options.lms200_start and robot.laser.kind != "lms200":
+            raise EmulateError("--lms200-start: this truth's robot has no LMS 200; leave it out")
         try:
             self.rig = make_rig(
                 "Emulated",

@@ -1,7 +1,7 @@
 """The commands of an emulated LMS 200, by group: reading, settings, fields, measured values, modes.
 
-Source: SICK telegram listing 8007954/Q501; ``listing.toml`` has each command with its reply and
-where the layout is known from.
+Source: SICK telegram listing 8007954/Q501; ``listing.toml`` beside the tests has each command with
+its reply and where the layout is known from.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """What measured values an LMS 200 is told to send: by an operating mode, or once on request.
 
 Source: SICK telegram listing 8007954/Q501, operating modes 20h to 2Eh and 50h and the requests with
-the same content; where a reply is known by no client, it is ours (``listing.toml`` says which).
+the same content; where a reply is known by no client, it is ours (``listing.toml`` beside the tests
+says which).
 """
 
 from __future__ import annotations

@@ -10,14 +10,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-import drivers.lms200.emulator
 from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.lms200.framing import encode_telegram
 from drivers.lms200.session import Lms200Session, SessionState
 from drivers.lms200.settings import LaserSettings
 from drivers.lms200.telegrams import VARIANTS, Command
 
-LISTING = Path(drivers.lms200.emulator.__file__).with_name("listing.toml")
+LISTING = Path(__file__).parent / "emulator" / "listing.toml"
 COMMANDS = [
     bytes.fromhex(entry["command"]) for entry in tomllib.loads(LISTING.read_text())["telegram"]
 ]

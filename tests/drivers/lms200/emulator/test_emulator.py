@@ -293,7 +293,7 @@ def test_arbitrary_bytes_do_not_raise(chunks: list[bytes]) -> None:
 def test_any_command_is_answered(payload: bytes) -> None:
     emulator = Lms200Emulator(scan_source=flat)
     emulator.feed(encode_telegram(payload), 0.0)
-    found = TelegramFramer().feed(b"".join(item.data for item in emulator.pop_output(2.0)))
+    found = TelegramFramer().feed(b"".join(item.data for item in emulator.pop_output(9.0)))
     assert found[0] == Ack()
     assert len(found) >= 2
     assert Nak() not in found

@@ -10,12 +10,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-import drivers.lms200.emulator
 from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.lms200.framing import Ack, Nak, Telegram, TelegramFramer, encode_telegram
 from drivers.lms200.telegrams import Command, Mode, Variant
 
-LISTING = Path(drivers.lms200.emulator.__file__).with_name("listing.toml")
+LISTING = Path(__file__).with_name("listing.toml")
 TELEGRAMS: list[dict[str, Any]] = tomllib.loads(LISTING.read_text())["telegram"]
 INSTALL = b"\x20\x00SICK_LMS"
 NEEDS_INSTALLATION = [entry for entry in TELEGRAMS if "needs" in entry]
