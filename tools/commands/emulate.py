@@ -27,7 +27,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "  silence=5:8,cut=12:15,reset=20     from:to, from:to (the port goes away), at\n\n"
         "STATE, all of it optional:\n"
         "  baud=500000,variant=100:0.25       rate it is switched on at; degrees and step\n"
-        "  streaming,address=1                left so by a client; replies come as 81h\n"
+        "  streaming,address=0x81             left so by a client; the address of its replies\n"
         "  polluted,error=fatal:57            or info, warning, error and the listing's number\n"
         "  no-ack,slow                        no ACK; mode changes take 2.8 s, its EEPROM 6 s\n\n"
         "on a TCP port the laser has no rate until the client orders one or baud= gives it"

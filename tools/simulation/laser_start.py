@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -10,7 +11,7 @@ from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.lms200.emulator.laser_state import POWER_ON_BAUD
 from drivers.lms200.emulator.mirror import ReflectorSource, ScanSource
 from drivers.lms200.errors import ErrorEntry, Severity
-from drivers.lms200.framing import encode_telegram
+from drivers.lms200.framing import REPLY_BIT, encode_telegram
 from drivers.lms200.telegrams import BAUD_MODES, SELECT_CONTINUOUS, VARIANTS, Variant
 
 _EXAMPLE = "use e.g. baud=500000,variant=100:0.25,streaming,address=1,polluted,error=fatal:57,slow"
@@ -95,9 +96,11 @@ def _baud(value: str, part: str) -> dict[str, Any]:
 
 
 def _address(value: str, part: str) -> dict[str, Any]:
-    if not value.isdecimal() or int(value) not in _ADDRESSES:
-        raise LaserStartError(f"laser state '{part}': an address is 1 to 127")
-    return {"address": int(value)}
+    number = int(value, 0) if re.fullmatch(r"[1-9]\d*|0x[0-9a-f]+", value.lower()) else 0
+    address = number & ~REPLY_BIT  # as in its replies will do
+    if address not in _ADDRESSES:
+        raise LaserStartError(f"laser state '{part}': an address is 1 to 127, or 0x81 to 0xFF")
+    return {"address": address}
 
 
 def _variant(value: str, part: str) -> dict[str, Any]:

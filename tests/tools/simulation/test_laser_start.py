@@ -32,13 +32,20 @@ def test_every_state_is_parsed() -> None:
     assert parse_laser_start("") == LaserStart()
 
 
+def test_address_may_be_written_as_its_replies_have_it() -> None:
+    assert parse_laser_start("address=0x81") == parse_laser_start("address=1")
+
+
 @pytest.mark.parametrize(
     ("spec", "words"),
     [
         ("baud=57600", "9600, 19200, 38400, 500000"),
         ("baud", "no such state"),
         ("variant=180:0.25", "180:1, 180:0.5, 100:1"),
-        ("address=129", "1 to 127"),
+        ("address=0", "1 to 127"),
+        ("address=0x80", "1 to 127"),
+        ("address=081", "1 to 127"),
+        ("address=300", "1 to 127"),
         ("error=17", "SEVERITY:NUMBER"),
         ("error=bad:17", "info, warning, error, fatal"),
         ("slow=3", "no such state"),
