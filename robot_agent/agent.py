@@ -10,12 +10,12 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.lms200.scan import Scan
-from drivers.lms200.session import Lms200Session
 from drivers.p2os.base_state import BaseState
 from drivers.p2os.model import RobotModel
 from drivers.p2os.motor_watch import MotorState
 from drivers.p2os.session import P2osSession
+from drivers.scan import Scan
+from drivers.scanner import ScannerSession, scanner_session
 from localization.health import Health
 from localization.localizer import Localizer
 from localization.settings import MotionNoise
@@ -111,7 +111,7 @@ class Agent:
         )
         # Devices.
         self.base = P2osSession(config.base)
-        self.laser = Lms200Session(config.laser)
+        self.laser = scanner_session(config.laser)
         # State estimation.
         self.freshness = SensorFreshness()
         self.localizer = Localizer(config.localization, folder.map, rng)
@@ -537,7 +537,7 @@ class Agent:
             self._session(link).link_down(t)
         self.outbox.add(Notice(t, link, reason, LogLevel.ERROR))
 
-    def _session(self, link: LinkName) -> P2osSession | Lms200Session:
+    def _session(self, link: LinkName) -> P2osSession | ScannerSession:
         return self.base if link == "base" else self.laser
 
     def _shut_down(self, t: float) -> None:

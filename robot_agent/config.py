@@ -15,6 +15,7 @@ from drivers.camera_source import CameraSettings
 from drivers.lms200.settings import LaserSettings
 from drivers.p2os.model import ModelFileError, UnknownModelError, load_model, load_model_file
 from drivers.p2os.settings import BaseSettings
+from drivers.scanner import DEFAULT_KIND, ScannerSettings
 from localization.settings import LocalizationSettings
 from maps.map_folder import MapFolder, load_map_folder
 from robot_agent.motion.gate_settings import GateSettings
@@ -128,7 +129,7 @@ class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
     remembered: RememberedPose | None = None
     """Content of the file of ``memory`` at the start: filled in by ``patrol agent``."""
     base: BaseSettings = BaseSettings()
-    laser: LaserSettings = LaserSettings()
+    laser: ScannerSettings = LaserSettings()
     camera: CameraSettings = CameraSettings()
     localization: LocalizationSettings = LocalizationSettings()
     perception: PerceptionSettings = PerceptionSettings()
@@ -165,6 +166,8 @@ def parse_config(content: bytes, source: str) -> AgentConfig:
         table = tomllib.loads(content.decode())
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{source}: is not TOML: {error}; correct that line") from error
+    if isinstance(table.get("laser"), dict):
+        table["laser"].setdefault("kind", DEFAULT_KIND)
     try:
         return msgspec.convert(table, AgentConfig)
     except msgspec.ValidationError as error:

@@ -15,12 +15,16 @@ _BITS_PER_BYTE = 10
 
 
 class Exchange:
-    """A command in progress. The owner writes what ``send`` returns and acts at ``deadline``."""
+    """A command in progress. The owner writes what ``send`` returns and acts at ``deadline``.
+
+    ``is_acknowledged`` by the laser: its reply is due.
+    """
 
     def __init__(self, framer: TelegramFramer) -> None:
         self.command = b""
         self.deadline = 0.0
         self.tries_left = 0
+        self.is_acknowledged = False
         self._framer = framer
         self._reply_limit = 0.0
         self._latest_ack = 0.0
@@ -36,6 +40,7 @@ class Exchange:
     def send(self, t: float, baud: int) -> bytes:
         """Return the frame to write now."""
         self.tries_left -= 1
+        self.is_acknowledged = False
         self._good_before = self._framer.counters.good
         self._noise_before = self._framer.counters.discarded_bytes
         self.deadline = t + ACK_LIMIT
@@ -49,6 +54,7 @@ class Exchange:
 
     def acknowledged(self, t: float) -> None:
         """Set the deadline for the reply after an ACK."""
+        self.is_acknowledged = True
         self.deadline = t + self._reply_limit
 
     def refused(self, t: float) -> None:

@@ -22,6 +22,7 @@ OVERHEAD = 6  # STX, address, two length bytes, two CRC bytes
 MAX_PAYLOAD = 808  # 401 values with both indices, status: 814 bytes on the wire
 
 _POLYNOMIAL = 0x8005
+_ACK_AND_STX = bytes((ACK, STX))
 
 
 def _crc_contributions() -> NDArray[np.uint16]:
@@ -144,6 +145,24 @@ class TelegramFramer:
         """Discard the bytes of an unfinished frame."""
         self.counters.discarded_bytes += len(self._buffer)
         self._buffer.clear()
+
+    def break_off(self, *, silent: bool = False) -> list[Telegram | Ack | Nak]:
+        """Return what stands in an unfinished frame that the laser broke off to answer a command.
+
+        That is an ACK and a whole telegram behind it; after a silence an ACK at the end also does.
+        Nothing is changed where there is none. The frame's own bytes are not counted as discarded.
+        """
+        buffer = self._buffer
+        at = buffer.find(_ACK_AND_STX, 1)
+        while at >= 0:
+            if self._frame_length(at + 1):
+                del buffer[:at]
+                return self._search()
+            at = buffer.find(_ACK_AND_STX, at + 1)
+        if silent and len(buffer) > 1 and buffer[-1] == ACK:
+            buffer.clear()
+            return [Ack()]
+        return []
 
     def _search(self) -> list[Telegram | Ack | Nak]:
         buffer = self._buffer

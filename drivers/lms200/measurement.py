@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
-from enum import IntEnum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from drivers.lms200.framing import Telegram
-from drivers.lms200.telegrams import MEASURED_VALUES, STATUS_OK, Variant
+from drivers.lms200.telegrams import MEASURED_VALUES, Variant
+from drivers.scan import Special
 
 TURN = 13.32e-3  # s, one mirror turn; half of it faces the scene
 
@@ -25,19 +25,6 @@ _COUNT_MASK = 0x03FF
 _PARTIAL = 0x2000
 _QUARTER_SHIFT = 11
 _FLAG_SHIFT = 13  # the lowest bit that is a flag in any mode
-
-
-class Special(IntEnum):
-    """Meaning of a value that is no range; counts up from the mode's smallest special value."""
-
-    RANGE = 0  # not special
-    BEYOND_MAXIMUM = 1
-    READ_ERROR = 4  # of channel 1
-    LOW_SIGNAL = 5  # against the noise
-    OVERFLOW = 7  # of the laser's calculation
-    DAZZLED = 8
-    NO_RETURN = 9
-    IGNORED = 255  # never sent: in a sector of laser.ignore
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,9 +54,12 @@ MEASURING_MODES: dict[int, MeasuringMode] = {
     0x04: MeasuringMode(0x3FFF, 0x3FFF),  # flags: fields A, B
     0x05: MeasuringMode(0x7FFF, 0x7FFF, 0b100),  # 32 m; flag: reflector
     0x06: MeasuringMode(0x7FFF, 0x7FFF),  # flag: field A
+    0x0D: MeasuringMode(0xFFFF, 0x7FFF),  # 32 m, no flags; reflectivity in 2B normalized
+    0x0E: MeasuringMode(0xFFFF, 0x7FFF),  # the same, reflectivity as measured
     0x0F: MeasuringMode(0xFFFF, 0x7FFF),  # 32 m sent at once, no flags
 }
 MODE_32_M = 0x05
+MODE_REFLECTIVITY = 0x0E
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,7 +69,8 @@ class Measurement:
     ranges: float64 m, inf where there is none. specials: uint8, a ``Special`` each (numbers in
     between are reserved). flags: uint8, the mode's flags in bits 0 to 2. reflectors: bool, or None
     where the mode has no reflector bits. The first beam is the rightmost, at ``first_deg``
-    (0 right, 90 ahead, 180 left), the next ``step_deg`` to its left.
+    (0 right, 90 ahead, 180 left), the next ``step_deg`` to its left. scans: number averaged.
+    remission: uint16, what the beam's end reflected, up to some 13000; None where it is not sent.
     """
 
     ranges: NDArray[np.float64]
@@ -90,6 +81,8 @@ class Measurement:
     step_deg: float
     mirror_turns: int
     status: int
+    scans: int = 1
+    remission: NDArray[np.uint16] | None = None
 
 
 _VARIANT_BY_COUNT = {
@@ -99,7 +92,7 @@ _VARIANT_BY_COUNT = {
     201: Variant(100, 50),
     401: Variant(100, 25),
 }
-_PARTIAL_COUNTS = {181: 180, 180: 180, 101: 100, 100: 100}  # one turn: count -> field of view
+_PARTIAL_COUNTS = (181, 180)  # one turn, always the whole 180 degrees: at .00, at the others
 
 
 def decode_measurement(telegram: Telegram, mode: MeasuringMode) -> Measurement | None:
@@ -117,6 +110,18 @@ def decode_measurement(telegram: Telegram, mode: MeasuringMode) -> Measurement |
     if len(payload) not in (without_indices, without_indices + 2):
         return None
     raw = np.frombuffer(payload, "<u2", count, offset=3)
+    values = decode_values(raw, mode, metres)
+    return Measurement(*values, *geometry, status=payload[-1])
+
+
+DecodedValues = tuple[
+    NDArray[np.float64], NDArray[np.uint8], NDArray[np.uint8], NDArray[np.bool_] | None
+]
+"""Ranges, specials, flags and reflectors of a ``Measurement``."""
+
+
+def decode_values(raw: NDArray[np.uint16], mode: MeasuringMode, metres: float) -> DecodedValues:
+    """Return what values (n,) as they are sent mean; metres: the unit."""
     values = raw & mode.mask
     largest = mode.limit - 1
     specials = (np.clip(values, largest, largest + 255) - largest).astype(np.uint8)
@@ -124,15 +129,20 @@ def decode_measurement(telegram: Telegram, mode: MeasuringMode) -> Measurement |
     ranges[specials != Special.RANGE] = np.inf
     flags = (raw >> _FLAG_SHIFT).astype(np.uint8) & np.uint8(mode.flag_bits)
     reflectors = (flags & mode.reflector_bits) != 0 if mode.reflector_bits else None
-    return Measurement(ranges, specials, flags, reflectors, *geometry, status=payload[-1])
+    return ranges, specials, flags, reflectors
+
+
+def read_count_word(payload: bytes, at: int) -> tuple[int, float | None]:
+    """Return the number of values and their unit, m; None for no unit."""
+    word = payload[at] | payload[at + 1] << 8
+    return word & _COUNT_MASK, _METRES.get(word >> 14)
 
 
 def _geometry(count: int, word: int) -> tuple[float, float, int] | None:
     """Return first beam (deg), step (deg) and mirror turns; None if no scan has this count."""
     if word & _PARTIAL:
-        angle = _PARTIAL_COUNTS.get(count)
         quarter_deg = 0.25 * (word >> _QUARTER_SHIFT & 0b11)
-        return None if angle is None else (90.0 - angle / 2 + quarter_deg, 1.0, 1)
+        return (quarter_deg, 1.0, 1) if count in _PARTIAL_COUNTS else None
     variant = _VARIANT_BY_COUNT.get(count)
     if variant is None:
         return None
@@ -140,22 +150,22 @@ def _geometry(count: int, word: int) -> tuple[float, float, int] | None:
     return first_deg, variant.resolution_cdeg / 100, variant.mirror_turns
 
 
-def encode_measurement(
+def count_word(count: int, units: int, quarter: int | None = None) -> bytes:
+    """Return the word before measured values: their number, the unit, a partial scan's offset."""
+    partial = 0 if quarter is None else _PARTIAL | quarter << _QUARTER_SHIFT
+    return struct.pack("<H", count | partial | units << 14)
+
+
+def encode_ranges(
     ranges: NDArray[np.float64],
     mode: MeasuringMode,
     units: int,
-    *,
     reflectors: NDArray[np.bool_] | None = None,
-    quarter: int | None = None,
     inf_means: Special = Special.NO_RETURN,
-    indices: bytes = b"",
-    status: int = STATUS_OK,
-) -> bytes:
-    """Return the B0 payload for ranges (n,), m; ranges above the mode's limit are "beyond maximum".
+) -> NDArray[np.uint16]:
+    """Return ranges (n,), m, as they are sent, (n,); inf and nan become ``inf_means``.
 
-    reflectors: (n,) beams that ended on one, at the highest level of a mode that reports them. inf
-    and nan become ``inf_means``. ``quarter``: a partial scan's offset in quarters of a degree, None
-    for a whole scan. ``indices``: scan and telegram index, where enabled.
+    reflectors: (n,) beams that ended on one, at the highest level of a mode that reports them.
     """
     missing = mode.limit - Special.BEYOND_MAXIMUM + inf_means
     values = np.full(ranges.shape, missing, dtype="<u2")
@@ -164,6 +174,4 @@ def encode_measurement(
     values[finite] = np.clip(counts, 0, mode.limit).astype("<u2")
     if reflectors is not None:
         values[reflectors & (values < mode.limit)] |= mode.reflector_bits << _FLAG_SHIFT
-    partial = 0 if quarter is None else _PARTIAL | quarter << _QUARTER_SHIFT
-    head = struct.pack("<BH", MEASURED_VALUES, ranges.size | partial | units << 14)
-    return head + values.tobytes() + indices + bytes((status,))
+    return values

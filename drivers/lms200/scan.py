@@ -1,85 +1,29 @@
-"""One laser scan in SI units, with the time of its measurement."""
+"""The scan of one telegram of measured values of the LMS 200."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import lru_cache
-
-import numpy as np
-from numpy.typing import NDArray
 
 from drivers.lms200.measurement import TURN, Measurement
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Scan:
-    """One sweep of the laser, or several interlaced ones; arrays are by beam, (n,).
-
-    t: time of measurement, the middle of the sweep; of an interlaced scan the mean over its turns.
-    angle_min, angle_increment: rad in the laser frame (x forward, y left); the first beam is the
-    rightmost, beams follow counter-clockwise.
-    ranges: float64 m; inf where there is no usable return, never nan.
-    status: the telegram's status byte; 0x10 is healthy.
-    turns: mirror turns; beams i, i + turns, i + 2 turns... come from the same one.
-    specials: uint8, why a beam has no range, as ``Special``; 0 where it has one.
-    flags: uint8, bits 0 to 2 as the measuring mode defines them (fields, dazzle, reflector level).
-    reflectors: bool, beams that hit a reflector; None where the mode does not report it.
-    clockwise: whether the beams were measured in the reverse order, by a scanner upside down.
-    """
-
-    t: float
-    angle_min: float
-    angle_increment: float
-    ranges: NDArray[np.float64]
-    status: int
-    turns: int
-    specials: NDArray[np.uint8]
-    flags: NDArray[np.uint8]
-    reflectors: NDArray[np.bool_] | None
-    clockwise: bool = False
-
-    @property
-    def angles(self) -> NDArray[np.float64]:
-        """Beam directions (n,) in rad, laser frame."""
-        beams = np.arange(self.ranges.size, dtype=np.float64)
-        return self.angle_min + self.angle_increment * beams
-
-
-@lru_cache(maxsize=8)
-def beam_time_offsets(
-    count: int, angle_min: float, angle_increment: float, turns: int, clockwise: bool = False
-) -> NDArray[np.float64]:
-    """Return each beam's time relative to the scan's, (count,) s, read-only.
-
-    The mirror passes straight ahead in the middle of its turn and sweeps 180 degrees in half a
-    turn, counter-clockwise; beam i belongs to turn i modulo ``turns``. clockwise: as in ``Scan``.
-    """
-    if clockwise:
-        own_first = -(angle_min + angle_increment * (count - 1))
-        return beam_time_offsets(count, own_first, angle_increment, turns)[::-1]
-    beams = np.arange(count)
-    turn = beams % turns - (turns - 1) / 2
-    place = (angle_min + angle_increment * beams) / math.tau
-    offsets: NDArray[np.float64] = (turn + place) * TURN
-    offsets.setflags(write=False)
-    return offsets
+from drivers.scan import Scan
 
 
 def scan_of(measurement: Measurement, arrival: float, wire_time: float) -> Scan:
     """Return the scan of a measurement whose telegram's last byte arrived at ``arrival`` (s).
 
     Sending took ``wire_time`` (s) and began when the last mirror turn ended; the middle of the
-    sweep lies half of all its turns before that.
+    sweep lies half of all its turns before that, those of all scans averaged.
     """
     return Scan(
-        t=arrival - wire_time - measurement.mirror_turns * TURN / 2,
+        t=arrival - wire_time - measurement.scans * measurement.mirror_turns * TURN / 2,
         angle_min=math.radians(measurement.first_deg - 90.0),
         angle_increment=math.radians(measurement.step_deg),
         ranges=measurement.ranges,
         status=measurement.status,
         turns=measurement.mirror_turns,
+        turn_time=TURN,
         specials=measurement.specials,
         flags=measurement.flags,
         reflectors=measurement.reflectors,
+        remission=measurement.remission,
     )

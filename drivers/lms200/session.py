@@ -18,12 +18,14 @@ from drivers.lms200.framing import REPLY_BIT, Ack, Nak, Telegram, TelegramFramer
 from drivers.lms200.framing import encode_telegram as encode
 from drivers.lms200.health import LaserHealth
 from drivers.lms200.health_watch import HealthWatch
-from drivers.lms200.measurement import MEASURING_MODES, decode_measurement
-from drivers.lms200.mounting import as_mounted
-from drivers.lms200.scan import Scan, scan_of
+from drivers.lms200.measured_parts import OUTPUT_CODES, decode_output, stream_command
+from drivers.lms200.measurement import MEASURING_MODES
+from drivers.lms200.scan import scan_of
 from drivers.lms200.settings import LaserSettings
 from drivers.lms200.telegrams import Configuration, DeviceStatus, VariantReply
+from drivers.mounting import Mounting, as_mounted
 from drivers.requests import Request, SetBaud, Write
+from drivers.scan import Scan
 
 COMMON_BAUDS = (38400, 9600, 19200, 500000)
 
@@ -85,14 +87,18 @@ class Lms200Session:
         self.counters = LaserCounters()
         self.framer = TelegramFramer()
         self._settings = settings
-        self._mode = MEASURING_MODES[settings.measuring_mode]
+        self._mounting: Mounting = settings
+        self._mode = MEASURING_MODES[settings.mode_code]
         self._exchange = Exchange(self.framer)
         self._watch = HealthWatch()
         self._requests: list[Request] = []
         self._rates: list[int] = []
         self._streamed_at: int | None = None  # the rate at which scans last came
         self._status: DeviceStatus | None = None
+        self._variant = settings.variant  # of the laser: sub-ranges count its beams
         self._last_received = 0.0
+        self._awaits_reply = False
+        self._rate_ordered = False  # in this search: once, also if the laser keeps another
         self._configuration_attempts = 0
         self._wanted_configuration = telegrams.STANDARD_CONFIGURATION
         self._on_reply: dict[SessionState, Callable[[Telegram, float], None]] = {
@@ -113,6 +119,18 @@ class Lms200Session:
         """The laser's condition as it reports it; None until the first report."""
         return self._watch.health
 
+    @property
+    def manner(self) -> str:
+        """How it is spoken to, for people."""
+        return f"at {self.baud} baud"
+
+    @property
+    def answers(self) -> bool:
+        """Whether the laser answers, if slowly: it is being set up, or sends scans."""
+        if self.state is SessionState.SEARCHING:
+            return self._exchange.is_acknowledged
+        return self.state not in (SessionState.DOWN, SessionState.PAUSING)
+
     # Called by the owner of the link
 
     def link_up(self, t: float) -> None:
@@ -125,9 +143,9 @@ class Lms200Session:
         self._requests.clear()
         self.framer.reset()
 
-    def remount(self, settings: LaserSettings) -> None:
-        """Take another mounting; the other settings are those of before."""
-        self._settings = settings
+    def remount(self, mounting: Mounting) -> None:
+        """Take another mounting."""
+        self._mounting = mounting
 
     def shut_down(self, t: float) -> None:
         """Stop the stream and end; ``link_up`` starts again."""
@@ -153,12 +171,18 @@ class Lms200Session:
                 scans += self._on_item(item, self._last_received)
         for item in self.framer.feed(data):
             scans += self._on_item(item, t)
+        if self._awaits_reply and self.framer.pending:
+            for item in self.framer.break_off():
+                scans += self._on_item(item, t)
         self._last_received = t
         self._query_health(t)
         return scans
 
     def tick(self, t: float) -> None:
         """Handle timeouts: repeat the request, try the next rate, start over."""
+        if self._awaits_reply and t - self._last_received >= INNER_SILENCE:
+            for item in self.framer.break_off(silent=True):
+                self._on_item(item, self._last_received)
         if self.state is not SessionState.DOWN and t >= self._exchange.deadline:
             self._out_of_time(t)
         self._query_health(t)
@@ -177,8 +201,9 @@ class Lms200Session:
         return []
 
     def _on_telegram(self, telegram: Telegram, t: float) -> list[Scan]:
-        if telegram.code == telegrams.MEASURED_VALUES:
+        if telegram.code in OUTPUT_CODES:
             return self._on_measurement(telegram, t)
+        self._awaits_reply = False
         self._watch.on_telegram(telegram)
         if telegram.code == telegrams.POWER_ON:
             self._search(self.baud, t)
@@ -193,7 +218,7 @@ class Lms200Session:
     def _on_measurement(self, telegram: Telegram, t: float) -> list[Scan]:
         if self.state not in (SessionState.STARTING, SessionState.STREAMING):
             return []  # from a stream about to be stopped, of unknown geometry
-        measurement = decode_measurement(telegram, self._mode)
+        measurement = decode_output(telegram, self._mode, self._variant)
         if measurement is None:
             self.counters.unusable += 1
             return []
@@ -205,7 +230,7 @@ class Lms200Session:
         byte_time = _BITS_PER_BYTE / self.baud
         arrival = t - telegram.bytes_after * byte_time
         scan = scan_of(measurement, arrival, telegram.wire_length * byte_time)
-        return [as_mounted(scan, self._settings)]
+        return [as_mounted(scan, self._mounting)]
 
     # Time
 
@@ -242,6 +267,7 @@ class Lms200Session:
         self._send(t)
 
     def _send(self, t: float) -> None:
+        self._awaits_reply = True
         self._requests.append(Write(self._exchange.send(t, self.baud)))
 
     def _query_health(self, t: float) -> None:
@@ -251,6 +277,7 @@ class Lms200Session:
             if command is not None:
                 if command == telegrams.SELECT_CONTINUOUS:
                     command = self._stream_command
+                self._awaits_reply = True
                 self._requests.append(Write(encode(command)))
 
     # Finding the laser
@@ -264,6 +291,7 @@ class Lms200Session:
         self.counters.searches += 1
         self._rates = rates_to_try(first_baud, self._settings.baud, self._streamed_at)
         self._watch.restart()
+        self._rate_ordered = False
         self._try_next_rate(t)
 
     def _try_next_rate(self, t: float) -> None:
@@ -284,8 +312,12 @@ class Lms200Session:
         if self.baud == self._settings.baud:
             self._request(SessionState.IDENTIFYING, telegrams.READ_TYPE, t)
         else:
-            command = telegrams.select_baud(self._settings.baud)
-            self._request(SessionState.CHANGING_RATE, command, t, MODE_LIMIT)
+            self._order_rate(t)
+
+    def _order_rate(self, t: float) -> None:
+        self._rate_ordered = True
+        command = telegrams.select_baud(self._settings.baud)
+        self._request(SessionState.CHANGING_RATE, command, t, MODE_LIMIT)
 
     def _rate_changed(self, reply: Telegram, t: float) -> None:
         if telegrams.first_data_byte(reply) == telegrams.MODE_SELECTED:
@@ -303,9 +335,15 @@ class Lms200Session:
 
     def _status_read(self, reply: Telegram, t: float) -> None:
         self._status = DeviceStatus.decode(reply)
-        self._request(SessionState.READING_ERRORS, telegrams.READ_ERRORS, t)
+        told = None if self._status is None else self._status.baud
+        if told not in (None, self._settings.baud) and not self._rate_ordered:
+            self._order_rate(t)  # a line without a rate, as TCP: the laser has another all the same
+        else:
+            self._request(SessionState.READING_ERRORS, telegrams.READ_ERRORS, t)
 
     def _errors_read(self, _reply: Telegram, t: float) -> None:
+        if self._status is not None and self._status.variant in telegrams.VARIANTS:
+            self._variant = self._status.variant
         if self._status is not None and self._status.variant == self._settings.variant:
             self._read_configuration(t)
         elif self.counters.variant_writes >= MAX_WRITES:
@@ -322,6 +360,7 @@ class Lms200Session:
             field, step = self._settings.field_of_view_deg, self._settings.resolution_deg
             self._start_over(f"laser refused a field of {field} degrees in steps of {step:g}", t)
         else:
+            self._variant = self._settings.variant
             self._read_configuration(t)
 
     def _read_configuration(self, t: float) -> None:
@@ -332,10 +371,13 @@ class Lms200Session:
         if present is None:
             self._start_over("laser sent an unreadable configuration", t)
             return
-        wanted = present.changed(self._settings.measuring_mode, self._settings.unit_code)
+        wanted = present.changed(self._settings.mode_code, self._settings.unit_code)
         if present == wanted:
             self._start(present, t)
         elif self._configuration_attempts >= MAX_WRITES:
+            if present.measuring_mode not in MEASURING_MODES:
+                self._start_over(f"laser keeps mode {present.measuring_mode:02X}: no ranges", t)
+                return
             self.trouble = "laser does not keep its measuring mode and units"
             self._start(present, t)
         else:
@@ -358,14 +400,19 @@ class Lms200Session:
         self._start(self._wanted_configuration, t)
 
     def _start(self, configuration: Configuration, t: float) -> None:
-        self._mode = MEASURING_MODES.get(configuration.measuring_mode, self._mode)
+        self._mode = MEASURING_MODES[configuration.measuring_mode]
         self._request(SessionState.STARTING, self._stream_command, t, MODE_LIMIT)
 
     @property
     def _stream_command(self) -> bytes:
-        if self._settings.partial_scans:
-            return telegrams.SELECT_CONTINUOUS_TURNS
-        return telegrams.SELECT_CONTINUOUS
+        settings = self._settings
+        return stream_command(
+            mean_of=settings.mean_of,
+            part=settings.part,
+            remission=settings.remission,
+            turns=settings.partial_scans,
+            count=settings.variant.count,
+        )
 
     def _started(self, reply: Telegram, t: float) -> None:
         if telegrams.first_data_byte(reply) != telegrams.MODE_SELECTED:

@@ -29,11 +29,29 @@ class Command(IntEnum):
     REQUEST = 0x30
     STATUS = 0x31
     ERRORS = 0x32
+    OPERATING_HOURS = 0x35
+    MEAN_VALUES = 0x36
+    SUB_RANGE = 0x37
     TYPE = 0x3A
     VARIANT = 0x3B
+    FIELD_VALUES = 0x3E  # of a sub-range
+    MEAN_SUB_RANGE = 0x3F
+    WRITE_FIELD = 0x40
+    FIELD_SET = 0x41
+    PASSWORD = 0x42
+    RANGES_AND_REFLECTIVITY = 0x44  # reflectivity of a sub-range
+    READ_FIELD = 0x45
+    TEACH_FIELD = 0x46
+    FIELD_OUTPUTS = 0x4A
     PERMANENT_BAUD = 0x66
+    POSITIONING_AID = 0x69
+    POSITIONING_RANGE = 0x6A
     READ_CONFIGURATION = 0x74
+    REFLECTIVITY_PARTS = 0x75  # pairs of range and reflectivity, of several sub-ranges
+    CARTESIAN = 0x76
     WRITE_CONFIGURATION = 0x77
+    WRITE_EXTENDED = 0x7B
+    READ_EXTENDED = 0x7C
 
     @property
     def reply(self) -> int:
@@ -52,10 +70,22 @@ class Mode(IntEnum):
 
     INSTALLATION = 0x00
     DIAGNOSTIC = 0x10
+    SEGMENTS = 0x20  # the smallest value of each segment
+    SEGMENTS_INFRINGED = 0x21  # the same, while a field is infringed
+    DEPTHS = 0x22  # the smallest distance from the laser's baseline
+    DEPTHS_INFRINGED = 0x23
     CONTINUOUS = 0x24
     ON_REQUEST = 0x25
+    MEANS = 0x26
+    SUB_RANGE = 0x27
+    MEANS_OF_SUB_RANGE = 0x28
+    FIELD_VALUES = 0x29
     CONTINUOUS_TURNS = 0x2A  # each mirror turn by itself: partial scans
+    REFLECTIVITY_PARTS = 0x2B  # range and reflectivity of several sub-ranges
+    SUB_RANGE_MINIMA = 0x2C
+    NAVIGATION = 0x2E
     TEST_PASSWORD = 0x30
+    RANGES_AND_REFLECTIVITY = 0x50
 
 
 BAUD_MODES = {38400: 0x40, 19200: 0x41, 9600: 0x42, 500000: 0x48}
@@ -224,6 +254,11 @@ class Configuration:
     def units(self) -> int:
         """Code of the units: 0 cm, 1 mm."""
         return self.block[6]
+
+    @property
+    def evaluations(self) -> int:
+        """Scans in a row that must find a field infringed."""
+        return self.block[9] if len(self.block) > 9 else 1
 
     @property
     def sends_indices(self) -> bool:

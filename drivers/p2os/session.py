@@ -112,6 +112,11 @@ class P2osSession:
         return self.handshake.baud
 
     @property
+    def manner(self) -> str:
+        """How it is spoken to, for people."""
+        return f"at {self.baud} baud"
+
+    @property
     def config(self) -> ConfigPacket | None:
         """The controller's latest CONFIG of this session; None if it has sent none."""
         return self._set_up.config

@@ -7,8 +7,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from drivers.lms200.scan import Scan
 from drivers.p2os.base_state import BaseState
+from drivers.scan import Scan
 from robot_agent.messages.events import TICK_S
 from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.notice import Notice

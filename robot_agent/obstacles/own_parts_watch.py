@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.lms200.scan import Scan
+from drivers.scan import Scan
 from maps.pose import Pose
 
 Sectors = tuple[tuple[float, float], ...]

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.lms200.scan import Scan
 from drivers.p2os.base_state import BaseState
 from drivers.p2os.model import RobotModel
+from drivers.scan import Scan
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
 from robot_agent.motion.field_of_view import FieldOfView

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.camera_source import CameraSettings
-from drivers.lms200.scan import Scan
+from drivers.scan import Scan
 from localization.estimate import Estimate
 from localization.health import Health
 from maps.map_folder import MapFolder

@@ -8,9 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.lms200.measurement import Special
-from drivers.lms200.mounting import without
-from drivers.lms200.scan import Scan, beam_time_offsets
+from drivers.mounting import without
+from drivers.scan import Scan, Special, beam_time_offsets
 from maps.pose import Pose
 from robot_agent.motion.field_of_view import FieldOfView, views_without
 from robot_agent.motion.footprint import Footprint
@@ -42,7 +41,7 @@ class ScanProjector:
         self._body_reach = reach + math.hypot(base_from_laser.x, base_from_laser.y)
         self.views: tuple[FieldOfView, ...] = ()
         """Fields of view of the latest scan in base_link; none before the first."""
-        self._geometry: tuple[int, float, float, int, bool] | None = None
+        self._geometry: tuple[int, float, float, int, float, bool] | None = None
         self._directions = np.empty((0, 2))
         self._delays = np.empty(0)
 
@@ -83,7 +82,7 @@ class ScanProjector:
     def _look_along(self, scan: Scan) -> None:
         """Compute directions, delays and fields of view if the scan's geometry is a new one."""
         n, angle_min, increment = scan.ranges.size, scan.angle_min, scan.angle_increment
-        geometry = (n, angle_min, increment, scan.turns, scan.clockwise)
+        geometry = (n, angle_min, increment, scan.turns, scan.turn_time, scan.clockwise)
         if geometry == self._geometry:
             return
         self._geometry = geometry

@@ -45,9 +45,9 @@ def _settings_of(shape: type[msgspec.Struct], place: str) -> Iterator[Setting]:
         if place + field.name in INTERNAL_SECTIONS:
             continue
         hint = hints[field.name]
-        section = _section_in(hint)
-        if section is not None:
-            yield from _settings_of(section, f"{place}{field.name}.")
+        sections = _sections_in(hint)
+        if sections:
+            yield from _settings_of_kinds(sections, f"{place}{field.name}.")
             continue
         notes = _notes_in(hint)
         yield Setting(
@@ -58,13 +58,42 @@ def _settings_of(shape: type[msgspec.Struct], place: str) -> Iterator[Setting]:
         )
 
 
-def _section_in(hint: Any) -> type[msgspec.Struct] | None:
-    """Return the settings struct in a field's type, also in ``Struct | None``; None without one."""
+def _settings_of_kinds(sections: list[type[msgspec.Struct]], place: str) -> Iterator[Setting]:
+    """Yield the settings of a section, which may be of several kinds: each key once."""
+    first, *others = sections
+    if not others:
+        yield from _settings_of(first, place)
+        return
+    config = first.__struct_config__
+    kinds = [str(section.__struct_config__.tag) for section in sections]
+    yield Setting(f"{place}{config.tag_field}", f'"{kinds[0]}"', "", " or ".join(kinds))
+    listed = {setting.key: setting for setting in _settings_of(first, place)}
+    for section, kind in zip(others, kinds[1:], strict=True):
+        for setting in _settings_of(section, place):
+            known = listed.get(setting.key)
+            if known is None:
+                listed[setting.key] = setting._replace(meaning=f"{kind}: {setting.meaning}")
+            else:
+                listed[setting.key] = known._replace(meaning=_joined(known, setting, kind))
+    yield from listed.values()
+
+
+def _joined(known: Setting, other: Setting, kind: str) -> str:
+    """Return the meaning of a key with what is different in another kind of its section."""
+    different = [other.default] if other.default != known.default else []
+    if other.meaning != known.meaning:
+        different.append(other.meaning)
+    return f"{known.meaning}; {kind}: {', '.join(different)}" if different else known.meaning
+
+
+def _sections_in(hint: Any) -> list[type[msgspec.Struct]]:
+    """Return the settings structs in a field's type, also in ``Struct | None``; [] without one."""
     choices = get_args(hint) if isinstance(hint, UnionType) else (hint,)
-    for candidate in choices:
-        if isinstance(candidate, type) and issubclass(candidate, msgspec.Struct):
-            return candidate
-    return None
+    return [
+        candidate
+        for candidate in choices
+        if isinstance(candidate, type) and issubclass(candidate, msgspec.Struct)
+    ]
 
 
 def _notes_in(hint: Any) -> list[msgspec.Meta]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from drivers.lms200.session import Lms200Session
 from drivers.p2os.session import P2osSession
+from drivers.scanner import ScannerSession
 from maps.pose import Pose
 from robot_agent.motion.gate import GateDecision
 from robot_agent.motion.teleop import Teleop
@@ -26,7 +26,7 @@ class AgentState(Protocol):
         """base_from_laser, as configured or by the robot's model."""
 
     @property
-    def laser(self) -> Lms200Session:
+    def laser(self) -> ScannerSession:
         """Session with the laser."""
 
     @property

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
-from enum import StrEnum
 from typing import Any, Protocol
 
+from drivers.scanner import Framer
 from robot_agent.messages.events import LinkName
 from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.notice import Notice
@@ -33,9 +33,10 @@ COUNTED: Mapping[LinkName, Mapping[str, str]] = {
     "laser": {
         "unusable": "sends values that are no whole scan: end its other clients",
         "timeouts": "answers late or not at all and is asked again",
+        "refusals": "refused a command or a setting",
         "naks": "did not understand a telegram (NAK): look at its cable",
         "variant_writes": "had another field of view or step, which was set",
-        "configuration_writes": "had another configuration, which was written to its EEPROM",
+        "configuration_writes": "had another configuration, which was written to it",
         "bad_checksum": "sends garbled telegrams: look at cable and plugs, off the motors",
     },
 }
@@ -49,27 +50,11 @@ _LONG_WAYS: Mapping[str, str] = {
 }
 
 
-class LineCounters(Protocol):
-    """Counters of a line's framer."""
-
-    @property
-    def bad_checksum(self) -> int:
-        """Frames whose checksum was wrong."""
-
-
-class Framer(Protocol):
-    """Cuts a line's bytes into frames."""
-
-    @property
-    def counters(self) -> LineCounters:
-        """Counts since the start."""
-
-
 class DeviceSession(Protocol):
     """Common interface of the sessions with base and laser."""
 
     @property
-    def state(self) -> StrEnum:
+    def state(self) -> str:
         """Step of the session."""
 
     @property
@@ -77,8 +62,8 @@ class DeviceSession(Protocol):
         """A line with the present trouble and its remedy; None if there is none."""
 
     @property
-    def baud(self) -> int:
-        """Present rate of the line."""
+    def manner(self) -> str:
+        """How the device is spoken to, for people: at which rate, in which dialect."""
 
     @property
     def counters(self) -> Any:
@@ -136,10 +121,10 @@ class DeviceWatch:
             yield Notice(t, self._link, trouble, level)
         elif serving:
             yield Notice(
-                t, self._link, f"{state}: {name or 'unnamed'} at {session.baud} baud", LogLevel.INFO
+                t, self._link, f"{state}: {name or 'unnamed'} {session.manner}", LogLevel.INFO
             )
         elif t - told.since >= PATIENCE_S:
-            words = f"still {state} at {session.baud} baud{_LONG_WAYS.get(state, '')}"
+            words = f"still {state} {session.manner}{_LONG_WAYS.get(state, '')}"
             yield Notice(t, self._link, words, LogLevel.INFO)
 
     def _of_counters(self, t: float, session: DeviceSession) -> Iterator[Notice]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from drivers.lms200.session import SessionState as LaserState
 from drivers.p2os.session import SessionState
+from drivers.scanner import DOWN, STREAMING
 from localization.health import Health
 from robot_agent.motion.gate_hold import STOPPING
 from robot_agent.report.agent_state import AgentState
@@ -36,7 +36,7 @@ class HealthSummary:
         seen = state.scan_seen_at if ready else state.scan_heard_at
         if seen is not None:
             return t - seen > _LASER_BLIND
-        without_port = state.laser.state is LaserState.DOWN and t > _LASER_BLIND
+        without_port = state.laser.state == DOWN and t > _LASER_BLIND
         return without_port or state.laser.trouble is not None
 
     def health(self) -> str:
@@ -50,7 +50,7 @@ class HealthSummary:
             return "base: no model known to be this robot's"
         if state.base.state is not SessionState.READY:
             return _device_words("base", state.base.state, state.base.trouble)
-        if state.laser.state is not LaserState.STREAMING:
+        if state.laser.state != STREAMING:
             return _device_words("laser", state.laser.state, state.laser.trouble)
         if state.pose_tracker.travel.fault is not None:
             return f"laser.mount: {state.pose_tracker.travel.fault}"

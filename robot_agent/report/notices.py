@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from drivers.lms200.health import LaserHealth
-from drivers.lms200.settings import LaserSettings
+from drivers.scanner import ScannerHealth, ScannerSettings
 from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.notice import Notice
 from robot_agent.motion.gate import GateDecision
@@ -117,7 +116,7 @@ def travel_notice(t: float, watch: TravelWatch, *, held: bool, warned: bool) -> 
 
 
 def own_parts_notice(
-    t: float, laser: LaserSettings, sectors: Sequence[tuple[float, float]], *, stand_out: bool
+    t: float, laser: ScannerSettings, sectors: Sequence[tuple[float, float]], *, stand_out: bool
 ) -> Notice | None:
     """Return a notice of the robot's own parts in the laser's view; None if there are none.
 
@@ -135,7 +134,7 @@ def own_parts_notice(
     return Notice(t, "laser.ignore", words, LogLevel.ERROR)
 
 
-def laser_health_notice(t: float, health: LaserHealth | None, *, warned: bool) -> Notice | None:
+def laser_health_notice(t: float, health: ScannerHealth | None, *, warned: bool) -> Notice | None:
     """Return a notice of what the laser reports of itself; None if it is well and was.
 
     warned: whether the last notice was a warning.

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from drivers.lms200.scan import Scan
-from drivers.lms200.session import SessionState as LaserState
 from drivers.p2os.base_state import BaseState
 from drivers.p2os.session import SessionState
+from drivers.scan import Scan
+from drivers.scanner import DOWN, STREAMING
 from localization.health import Health
 from maps.border import Border
 from maps.pose import Pose
@@ -128,7 +128,7 @@ class TelemetryBuilder:
         self.links: dict[LinkName, LinkReport] = {"base": LinkReport(), "laser": LinkReport()}
         self.devices: dict[LinkName, DeviceWatch] = {
             "base": DeviceWatch("base", SessionState.READY, SessionState.DOWN),
-            "laser": DeviceWatch("laser", LaserState.STREAMING, LaserState.DOWN),
+            "laser": DeviceWatch("laser", STREAMING, DOWN),
         }
         self._intruder_rate = RateLimit(INTRUDER_PERIOD_S)
         self._last_words: dict[str, str] = {}

@@ -22,9 +22,11 @@ from drivers.lms200.framing import (
     TelegramFramer,
     encode_telegram,
 )
-from drivers.lms200.measurement import MEASURING_MODES, decode_measurement
+from drivers.lms200.measured_parts import decode_output
+from drivers.lms200.measurement import MEASURING_MODES
 from drivers.lms200.session import Lms200Session
 from drivers.lms200.settings import LaserSettings
+from drivers.lms200.telegrams import VARIANTS
 from drivers.p2os.commands import Command, decode_command
 from drivers.p2os.config_packet import ConfigPacket
 from drivers.p2os.emulator.emulator import P2osEmulator
@@ -101,7 +103,7 @@ def decode_client_packet(data: bytes) -> None:
 
 def decode_telegram(telegram: Telegram) -> None:
     for mode in MEASURING_MODES.values():
-        measurement = decode_measurement(telegram, mode)
+        measurement = decode_output(telegram, mode, VARIANTS[0])
         assert measurement is None or not np.isnan(measurement.ranges).any()
     telegrams.decode_text(telegram)
     telegrams.DeviceStatus.decode(telegram)

@@ -20,11 +20,11 @@ from drivers.emulation.port import PtyPort, TcpPort
 from drivers.link import LONGEST_PAUSE, Link, LinkState
 from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.lms200.framing import Telegram, TelegramFramer, encode_telegram
-from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session
 from drivers.lms200.settings import LaserSettings
 from drivers.port_error import PortTrouble
 from drivers.requests import SetBaud
+from drivers.scan import Scan
 
 LIMIT = 10.0  # s, generous: nothing waits that long when it works
 READ_TYPE = encode_telegram(b"\x3a")

@@ -25,6 +25,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "  duplicate=0.01,split=0.1           per piece of traffic\n"
         "  delay=0.05:0.2                     that share comes 0.2 s late\n"
         "  silence=5:8,cut=12:15,reset=20     from:to, from:to (the port goes away), at\n\n"
+        "STATE, all of it optional:\n"
+        "  baud=500000,variant=100:0.25       rate it is switched on at; degrees and step\n"
+        "  streaming,address=0x81             left so by a client; the address of its replies\n"
+        "  polluted,error=fatal:57            or info, warning, error and the listing's number\n"
+        "  no-ack,slow                        no ACK; mode changes take 2.8 s, its EEPROM 6 s\n\n"
+        "on a TCP port the laser has no rate until the client orders one or baud= gives it\n\n"
         "A client that is killed while its robot drives leaves it driving until the base's\n"
         "watchdog stops it, 2 s later. Its session stays open, and the next packet of any client\n"
         "resumes the motion, as on a real robot: also the SYNC0 with which ARIA connects again,\n"
@@ -45,6 +51,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(
             f"--{name}-faults", default="", metavar="SPEC", help=f"faults of the {device}'s line"
         )
+    parser.add_argument(
+        "--lms200-start", default="", metavar="STATE", help="how the laser is found"
+    )
     parser.add_argument("--camera", type=int, metavar="PORT", help="serve its view as MJPEG there")
     parser.add_argument("--map", default="paper_lab", metavar="DIR", help="map folder or name")
     parser.add_argument("--pose", metavar="X,Y,DEG", help="start; default a free place")
@@ -60,6 +69,7 @@ def run(options: argparse.Namespace) -> int:
         lms200=options.lms200,
         p2os_faults=options.p2os_faults,
         lms200_faults=options.lms200_faults,
+        lms200_start=options.lms200_start,
         camera=options.camera,
         pose=None if options.pose is None else parse_pose(options.pose),
         base=chosen_base(options),

@@ -16,6 +16,7 @@ from typing import Annotated
 
 import msgspec
 
+from drivers.lms200.settings import LaserSettings
 from robot_agent.config import AgentConfig, RobotSettings, format_config
 from robot_agent.messages.effects import ChangeBaud, Send
 from robot_agent.messages.events import BytesReceived, LinkName, LinkUp, Tick
@@ -146,7 +147,7 @@ def _configuration(lines: list[CaptureLine], default: str, name: str) -> AgentCo
         if rate:
             rates.setdefault(line.device or default, rate)
     base = msgspec.structs.replace(config.base, baud=rates.get("robot", config.base.baud))
-    laser = msgspec.structs.replace(config.laser, baud=rates.get("laser", config.laser.baud))
+    laser = msgspec.structs.replace(LaserSettings(), baud=rates.get("laser", config.laser.baud))
     return msgspec.structs.replace(config, base=base, laser=laser)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.lms200.scan import Scan
+from drivers.scan import Scan
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.messages.effects import Publish

@@ -118,15 +118,21 @@ def _remove(table: dict[str, Any], key: str) -> None:
         _remove(table, section)
 
 
-def _known(table: dict[str, Any], shape: type, place: str, left_out: list[str]) -> dict[str, Any]:
+def _known(
+    table: dict[str, Any], shape: type[msgspec.Struct], place: str, left_out: list[str]
+) -> dict[str, Any]:
     """Return the part of a table for which a settings struct has fields."""
     hints = get_type_hints(shape)
+    tag_field = shape.__struct_config__.tag_field
     kept: dict[str, Any] = {}
     for key, value in table.items():
+        if key == tag_field:
+            kept[key] = value
+            continue
         if key not in hints:
             left_out.append(place + key)
             continue
-        inner = _struct_of(hints[key])
+        inner = _struct_of(hints[key], value)
         if inner is not None and isinstance(value, dict):
             kept[key] = _known(value, inner, f"{place}{key}.", left_out)
         else:
@@ -134,9 +140,18 @@ def _known(table: dict[str, Any], shape: type, place: str, left_out: list[str]) 
     return kept
 
 
-def _struct_of(hint: Any) -> type | None:
-    """Return the settings struct of a field's type, None if it is none."""
-    for candidate in (hint, *get_args(hint)):
-        if isinstance(candidate, type) and issubclass(candidate, msgspec.Struct):
-            return candidate
-    return None
+def _struct_of(hint: Any, value: Any) -> type[msgspec.Struct] | None:
+    """Return the settings struct of a field's type, None if it is none.
+
+    Of several, told apart by a tag in their tables, the one of ``value``, by default the first.
+    """
+    structs = [
+        candidate
+        for candidate in (hint, *get_args(hint))
+        if isinstance(candidate, type) and issubclass(candidate, msgspec.Struct)
+    ]
+    for struct in structs:
+        config = struct.__struct_config__
+        if isinstance(value, dict) and value.get(config.tag_field) == config.tag:
+            return struct
+    return structs[0] if structs else None

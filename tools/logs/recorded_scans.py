@@ -7,10 +7,10 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.lms200.scan import Scan
-from drivers.lms200.session import Lms200Session
 from drivers.p2os.model import RobotModel
 from drivers.p2os.session import P2osSession
+from drivers.scan import Scan
+from drivers.scanner import ScannerSession, scanner_session
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.messages.events import BytesReceived, Event, LinkDown, LinkName, LinkUp, Tick
@@ -54,7 +54,7 @@ class ScanDecoder:
 
     def __init__(self, config: AgentConfig, *, whole: bool = False) -> None:
         """Prepare for a robot. whole: keep returns from inside its own footprint."""
-        self._base, self._laser = P2osSession(config.base), Lms200Session(config.laser)
+        self._base, self._laser = P2osSession(config.base), scanner_session(config.laser)
         self._odometry = OdometryHistory()
         self._config, self._whole = config, whole
         self._projector = self._projector_of_model()
@@ -123,7 +123,7 @@ class ScanDecoder:
         located = [(scan, self._odometry.at(scan.t)) for scan in outside]
         return [(scan, odometry) for scan, odometry in located if odometry is not None]
 
-    def _session(self, link: LinkName) -> P2osSession | Lms200Session:
+    def _session(self, link: LinkName) -> P2osSession | ScannerSession:
         return self._base if link == "base" else self._laser
 
 

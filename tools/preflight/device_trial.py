@@ -15,6 +15,8 @@ TICK_S = 0.05
 POLL_S = 0.01
 CLOSING_S = 0.3
 """Time for the last commands to be sent in order."""
+LONGEST_S = 60.0
+"""Longest trial of a device that answers slowly."""
 
 T_co = TypeVar("T_co", covariant=True)
 T = TypeVar("T")
@@ -54,6 +56,8 @@ class LineRecord:
     """Record of the line during a trial."""
 
     opened: bool = False
+    opened_at: float = 0.0
+    """Monotonic time, s."""
     lost: str = ""
     """Reason why the port could not be opened or was lost; empty: it was not."""
     bauds_tried: list[int] = field(default_factory=list)
@@ -67,7 +71,7 @@ class DeviceTrial(Generic[T]):
     """Runs one device's session until ``enough(measurements)`` is true.
 
     ``measurements`` holds (monotonic time of arrival, measurement). The session can be read
-    afterwards.
+    afterwards. ``answers()``: whether the device answers, if slowly, and measurements may come.
     """
 
     def __init__(
@@ -76,11 +80,13 @@ class DeviceTrial(Generic[T]):
         baud: int,
         session: Session[T],
         enough: Callable[[Sequence[tuple[float, T]]], bool],
+        answers: Callable[[], bool] = lambda: False,
     ) -> None:
         self.line = LineRecord()
         self.measurements: list[tuple[float, T]] = []
         self._session = session
         self._enough = enough
+        self._answers = answers
         self._inbox: SimpleQueue[_LineEvent] = SimpleQueue()
         self._link = Link(url, baud, self, time.monotonic)
         self._baud = baud
@@ -91,6 +97,11 @@ class DeviceTrial(Generic[T]):
     def done(self) -> bool:
         """Whether the port was lost or there are enough measurements."""
         return bool(self.line.lost) or self._enough(self.measurements)
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether more time may bring what is missing."""
+        return not self.done and self._answers()
 
     # Called on the link's thread
 
@@ -141,7 +152,7 @@ class DeviceTrial(Generic[T]):
         if self._ended and not isinstance(event.content, bytes):
             return
         if event.content is None:
-            line.opened = True
+            line.opened, line.opened_at = True, event.t
             self._session.link_up(event.t)
         elif isinstance(event.content, str):
             line.lost = event.content
@@ -171,6 +182,10 @@ class AnyTrial(Protocol):
     def done(self) -> bool:
         """Whether the trial is over."""
 
+    @property
+    def goes_on(self) -> bool:
+        """Whether more time may bring what is missing."""
+
     def start(self) -> None:
         """Open the port."""
 
@@ -189,15 +204,17 @@ def run_trials(
 ) -> None:
     """Run trials concurrently until all are done, at most ``limit`` s; close sessions and ports.
 
-    progress: called with the elapsed time, s.
+    Devices that answer slowly have LONGEST_S. progress: called with the elapsed time, s.
     """
     started = time.monotonic()
     try:
         for trial in trials:
             trial.start()
-        while (elapsed := time.monotonic() - started) < limit and not all(
-            trial.done for trial in trials
-        ):
+        while not all(trial.done for trial in trials):
+            elapsed = time.monotonic() - started
+            slow = elapsed < LONGEST_S and any(trial.goes_on for trial in trials)
+            if elapsed >= limit and not slow:
+                break
             _serve(trials)
             progress(elapsed)
         for trial in trials:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from drivers.lms200.settings import LaserSettings
 from drivers.p2os.settings import BaseSettings
+from drivers.scanner import ScannerSettings
 from tools.preflight.finding import Finding, ok, warning
 
 _REMEDY = (
@@ -12,7 +12,7 @@ _REMEDY = (
 )
 
 
-def examine_geometry(base: BaseSettings, laser: LaserSettings) -> Finding:
+def examine_geometry(base: BaseSettings, laser: ScannerSettings) -> Finding:
     """Check that the laser's mount or the wheels are set, as calibration does."""
     mount = "set" if laser.mount is not None else "the model's"
     wheels = "set" if base.wheel_scale is not None else "as the base counts"

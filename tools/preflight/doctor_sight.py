@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
-from drivers.lms200.settings import LaserSettings
+from drivers.lms200.settings import LaserSettings as Lms200Settings
 from drivers.p2os.model import RobotModel
+from drivers.scanner import ScannerSettings
 from maps.pose import Pose
 from robot_agent.motion.field_of_view import are_covered, views_without
 from robot_agent.motion.gate_limits import GateLimits
@@ -17,12 +18,13 @@ from tools.preflight.finding import Finding, failed, ok, warning
 _REMEDY = "mount the scanner to look ahead, and check laser.mount (x, y in m, theta in rad)"
 
 
-def examine_sight(laser: LaserSettings, model: RobotModel, limits: GateLimits) -> Finding:
+def examine_sight(laser: ScannerSettings, model: RobotModel, limits: GateLimits) -> Finding:
     """Check that laser or front sonars cover the way ahead, as the gate requires for driving."""
     mount = laser.mount or model.laser_mount
-    half = math.radians(laser.field_of_view_deg / 2)
     mounted = laser.mounted(upside_down=model.laser.upside_down, ignore=model.laser.ignore)
-    scanner = views_without(Pose(*mount), -half, half, mounted.ignored)
+    half = math.radians(laser.field_of_view_deg / 2)
+    first, last = mounted.seen if isinstance(mounted, Lms200Settings) else (-half, half)
+    scanner = views_without(Pose(*mount), first, last, mounted.ignored)
     stop = stopping_way(limits.max_speed, limits.braking, limits.reaction_delay)
     edge = SweptFootprint(limits).front_edge(stop, 0.0)
     if are_covered(edge, scanner):

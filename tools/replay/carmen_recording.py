@@ -9,6 +9,7 @@ from pathlib import Path
 
 import msgspec
 
+from drivers.lms200.settings import LaserSettings
 from maps.map_folder import MapFolder
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, MapSettings, RobotSettings
@@ -101,7 +102,7 @@ def configuration_for(log: CarmenLog, folder: MapFolder) -> AgentConfig:
         start=StartPose(x=first.reference.x, y=first.reference.y, theta=first.reference.theta),
         base=msgspec.structs.replace(defaults.base, baud=BASE_BAUD),
         laser=msgspec.structs.replace(
-            defaults.laser,
+            LaserSettings(),
             baud=LASER_BAUD,
             resolution_deg=1.0 if first.ranges.size <= 181 else 0.5,
             mount=(0.0, 0.0, 0.0),  # a log's poses are of the laser

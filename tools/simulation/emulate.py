@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -20,6 +20,7 @@ from maps.pose import Pose
 from tools.simulation.base_options import BaseOptions
 from tools.simulation.emulate_error import EmulateError
 from tools.simulation.emulated_camera import CameraServer, EmulatedCamera
+from tools.simulation.laser_start import parse_laser_start
 from tools.simulation.real_time_rig import Pumped, RealTimeRig
 from tools.simulation.rig import make_rig, outline_of
 from tools.simulation.robot_body import RobotBody
@@ -41,6 +42,8 @@ class EmulateOptions:
     p2os_faults: str = ""
     """Faults of the base's line, in the syntax of ``parse_faults``."""
     lms200_faults: str = ""
+    lms200_start: str = ""
+    """How the laser is found, in the syntax of ``parse_laser_start``."""
     camera: int | None = None
     """TCP port of an MJPEG stream; 0 takes any free one, None serves none."""
     pose: Pose | None = None
@@ -53,7 +56,7 @@ class EmulateOptions:
 class Emulation:
     """An emulated robot served on its ports until ``close``.
 
-    Raises EmulateError or FaultSpecError when it cannot be set up.
+    Raises EmulateError, FaultSpecError or LaserStartError when it cannot be set up.
     """
 
     def __init__(self, folder: MapFolder, options: EmulateOptions) -> None:
@@ -62,6 +65,11 @@ class Emulation:
         reach = outline_of(options.truth.robot).reach
         pose = options.pose or _free_pose(folder, world, rng, reach)
         robot = options.base.applied(options.truth.drawn(rng.spawn(1)[0]).robot)
+        laser_start = replace(
+            parse_laser_start(options.lms200_start), paced=not options.lms200.startswith("tcp:")
+        )
+        if options.lms200_start and robot.laser.kind != "lms200":
+            raise EmulateError("--lms200-start: this truth's robot has no LMS 200; leave it out")
         self._base = options.base
         self._started_at = time.monotonic()
         try:
@@ -69,6 +77,7 @@ class Emulation:
                 *("Emulated", world, pose, self._started_at, robot),
                 baud=options.base.baud,
                 watchdog=options.base.watchdog,
+                laser_start=laser_start,
             )
         except ValueError as error:
             raise EmulateError(f"--pose: {error}") from error

@@ -15,6 +15,7 @@ from tools.simulation.truth.robot_truth import LaserTruth
 _DAZZLED_FOR = (0.3, 2.0)  # s; ours
 _DAZZLED_SECTOR = (math.radians(5.0), math.radians(25.0))  # rad; sun or a lamp; ours
 _OWN_PARTS_WITHIN = 2.0  # m
+_FARTHEST = 32.0  # m, within which the world has returns
 
 
 class LaserUnit:
@@ -52,6 +53,8 @@ class LaserUnit:
             ranges = np.maximum(ranges * (1.0 + truth.stretch) + truth.offset, 0.0)
         if truth.quantum:
             ranges = np.rint(ranges / truth.quantum) * truth.quantum
+        if truth.reach < _FARTHEST:
+            ranges = np.where(ranges > truth.reach, np.inf, ranges)
         if t >= self._next_dazzle:
             self._dazzle(t)
         if t < self._dazzled_until:

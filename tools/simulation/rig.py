@@ -8,15 +8,15 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.lms200.emulator.emulator import Lms200Emulator
-from drivers.lms200.emulator.mirror import beam_delays
 from drivers.p2os.base_state import ChargeState
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.emulator.firmware import Firmware
 from drivers.p2os.emulator.make import BaseMake
 from maps.pose import Pose, wrap_angle
+from tools.simulation.emulated_laser import beam_delays, make_laser
 from tools.simulation.fan import Fan, Returns, laser_fan
+from tools.simulation.laser_start import LaserStart
 from tools.simulation.laser_unit import LaserUnit
 from tools.simulation.robot_body import Outline, RobotBody
 from tools.simulation.silhouette import silhouette_of
@@ -25,6 +25,7 @@ from tools.simulation.truth.truth import Truth, load_truth
 from tools.simulation.world import World
 
 SONAR_PERIOD_S = 0.1
+_AS_BOUGHT = LaserStart()
 _OPEN_INPUTS = 0x7F  # all segments of a bumper byte above the stall bit: FE
 
 
@@ -42,12 +43,13 @@ class RobotRig:
         baud: int = 9600,
         watchdog: float = FACTORY_WATCHDOG,
         truth: RobotTruth | None = None,
+        laser_start: LaserStart = _AS_BOUGHT,
     ) -> None:
         """Make the devices of a body in the world, powered on at ``t``.
 
         truth: how the robot really is, by default as the shipped ``plain``.
         firmware: of the base's controller, by default the truth's. baud: rate at which its line
-        starts. watchdog: value in the base's FLASH, s.
+        starts. watchdog: value in the base's FLASH, s. laser_start: how the laser is found.
         """
         self.name = name
         self.world = world
@@ -64,8 +66,8 @@ class RobotRig:
         self.base.base.braking = self.truth.drive.braking
         if charging:
             self.base.battery.charge_state = ChargeState.BULK
-        self.laser = Lms200Emulator(
-            scan_source=self._scan, reflector_source=lambda: self._measured.reflectors
+        self.laser = make_laser(
+            self.truth.laser.kind, self._scan, lambda: self._measured.reflectors, laser_start, t
         )
         self._unit = LaserUnit(self.truth.laser, t, world.rng.spawn(1)[0])
         self.stuck = False
@@ -153,7 +155,7 @@ class RobotRig:
         step = self._t - self._previous_t
         turn = math.remainder(self.body.pose.theta - self._previous_pose.theta, math.tau)
         rate = turn / step if step > 0 else 0.0
-        offsets = beam_delays(n, increment)
+        offsets = beam_delays(self.laser, n, increment)
         laser = self.truth.laser
         # Mirrored data come in the reverse order of their measurement.
         swept = rate * (offsets[::-1] if laser.mirrored else offsets)
@@ -254,6 +256,7 @@ def make_rig(
     firmware: Firmware | None = None,
     baud: int = 9600,
     watchdog: float = FACTORY_WATCHDOG,
+    laser_start: LaserStart = _AS_BOUGHT,
 ) -> RobotRig:
     """Add one robot to the world; raises ValueError where there is no room.
 
@@ -264,5 +267,10 @@ def make_rig(
     body.bumper_segments = robot.bumpers.segments
     body.tape = robot.tape if robot.tape.worn else None
     return RobotRig(
-        name, world, body, t, firmware=firmware, baud=baud, watchdog=watchdog, truth=robot
+        *(name, world, body, t),
+        firmware=firmware,
+        baud=baud,
+        watchdog=watchdog,
+        truth=robot,
+        laser_start=laser_start,
     )

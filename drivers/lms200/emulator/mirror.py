@@ -18,6 +18,8 @@ from drivers.lms200.telegrams import Variant
 
 TURN = 13.32e-3
 """s, one turn of this device's mirror (75 a second); the driver has a value of its own."""
+PARTIAL_ANGLE_DEG = 180
+"""Field of view of a partial scan, whatever that of the variant."""
 ScanSource = Callable[[float, int, float], NDArray[np.float64]]
 """(t, n, increment) -> ranges (n,) m at time t, rightmost beam first, inf for no return."""
 ReflectorSource = Callable[[], NDArray[np.bool_] | None]
@@ -36,6 +38,11 @@ class Sweep:
     end: float
     quarter: int | None
     reflectors: NDArray[np.bool_] | None = None
+
+    @property
+    def turn(self) -> int:
+        """Number of its last mirror turn since time 0."""
+        return round(self.end / TURN)
 
 
 class Turn(NamedTuple):
@@ -106,7 +113,11 @@ class EmulatedMirror:
         if middle > t:
             self._idle_until = middle
             return None
-        return Turn(middle, variant.count, math.radians(variant.resolution_cdeg / 100), end)
+        resolution_cdeg = variant.resolution_cdeg
+        beams = (
+            variant.count if not self._partial else PARTIAL_ANGLE_DEG * 100 // resolution_cdeg + 1
+        )
+        return Turn(middle, beams, math.radians(resolution_cdeg / 100), end)
 
     def _turns(self, variant: Variant) -> int:
         return 1 if self._partial else variant.mirror_turns

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import pytest
 
 from drivers.lms200.emulator.emulator import Lms200Emulator
-from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session, SessionState
 from drivers.requests import SetBaud, Write
+from drivers.scan import Scan
 
 STEP = 0.002  # s
 TICK = 0.05  # s
@@ -27,6 +27,7 @@ class Line:
         self.to_laser: list[bytes] = []
         self.from_laser: list[bytes] = []
         self.spoil: Callable[[bytes], bytes] = lambda data: data
+        self.line_has_rate = True
         self._on_wire: list[tuple[float, int, bytes]] = []
         self._wire_free = 0.0
         self._next_tick = 0.0
@@ -65,7 +66,7 @@ class Line:
             self._carry_out()
 
     def _received(self, data: bytes, sent_at: int, read_at: int | None = None) -> bytes:
-        matching = sent_at == (read_at or self.emulator.baud)
+        matching = not self.line_has_rate or sent_at == (read_at or self.emulator.baud)
         return data if matching else bytes(octet ^ 0x5A for octet in data)
 
     def _carry_out(self) -> None:

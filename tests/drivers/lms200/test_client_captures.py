@@ -48,7 +48,8 @@ def replies_between(emulator: Lms200Emulator, begin: float, end: float) -> list[
     while t < end:
         t = min(t + POLL, end)
         for item in emulator.pop_output(t):
-            found += [i for i in framer.feed(item.data) if isinstance(i, Telegram)]
+            items = framer.feed(item.data) + framer.break_off()
+            found += [i for i in items if isinstance(i, Telegram)]
     return found
 
 
@@ -113,7 +114,7 @@ def test_recorded_client_gets_replies_in_the_recorded_order(data_folder: Path, n
         while now < command.t:
             now = min(now + POLL, command.t)
             for item in emulator.pop_output(now):
-                found = framer.feed(item.data)
+                found = framer.feed(item.data) + framer.break_off()
                 ours += ["ack" if isinstance(i, Ack) else f"{i.code:02x}" for i in found]  # type: ignore[union-attr]
         emulator.feed(command.data, command.t)
     assert in_short(ours) == in_short(recorded)
@@ -138,4 +139,4 @@ def test_streaming_laser_answers_the_client_that_starts_without_stopping_it() ->
     replies_between(emulator, 0.0, 1.0)
     emulator.feed(bytes.fromhex("02 00 05 00 3b b4 00 64 00 97 49"), 1.0)
     codes = [reply.code for reply in replies_between(emulator, 1.0, 2.0)]
-    assert codes == [0xB0, 0xBB]
+    assert codes == [0xBB]  # the scan being sent is broken off

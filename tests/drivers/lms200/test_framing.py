@@ -193,3 +193,46 @@ def test_frame_is_decoded_fast() -> None:
     framer = TelegramFramer()
     seconds = min(timeit.repeat(lambda: framer.feed(frame), number=50, repeat=5)) / 50
     assert seconds < 1e-3  # measured: some 5 us
+
+
+SCAN = encode_telegram(b"\xb0\xb5\x40" + b"\xe8\x03" * 181 + b"\x10", 0x80)
+REPLY = encode_telegram(b"\xa0\x00\x10", 0x80)
+
+
+@pytest.mark.parametrize("sent", [4, 5, 100, len(SCAN) - 20])
+def test_reply_is_found_in_the_frame_that_was_broken_off_for_it(sent: int) -> None:
+    framer = TelegramFramer()
+    assert framer.feed(SCAN[:sent] + b"\x06" + REPLY[:-1]) in ([], [Ack()])
+    assert framer.break_off() == []
+    items = framer.feed(REPLY[-1:]) + framer.break_off()
+    assert [i.payload for i in items if isinstance(i, Telegram)] == [b"\xa0\x00\x10"]
+    assert not framer.pending
+    assert framer.counters.discarded_bytes == 0
+
+
+def test_ack_alone_counts_after_a_silence_only() -> None:
+    framer = TelegramFramer()
+    framer.feed(SCAN[:100] + b"\x06")
+    assert framer.break_off() == []
+    assert framer.break_off(silent=True) == [Ack()]
+    assert not framer.pending
+
+
+def test_frame_that_is_only_slow_is_not_broken_off() -> None:
+    framer = TelegramFramer()
+    framer.feed(SCAN[:100])
+    assert framer.break_off() == framer.break_off(silent=True) == []
+    (whole,) = framer.feed(SCAN[100:])
+    assert isinstance(whole, Telegram)
+
+
+@given(
+    st.lists(st.one_of(st.binary(max_size=60), st.just(SCAN[:40] + b"\x06" + REPLY)), max_size=20)
+)
+def test_breaking_off_never_raises_nor_invents_bytes(chunks: list[bytes]) -> None:
+    framer = TelegramFramer()
+    items = []
+    for number, chunk in enumerate(chunks):
+        items += framer.feed(chunk) + framer.break_off(silent=number % 3 == 0)
+    taken = sum(i.wire_length if isinstance(i, Telegram) else 1 for i in items)
+    assert taken + framer.counters.discarded_bytes <= sum(map(len, chunks))

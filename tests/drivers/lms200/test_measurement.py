@@ -17,9 +17,9 @@ from drivers.lms200.measurement import (
     UNIT_CM,
     UNIT_MM,
     decode_measurement,
-    encode_measurement,
 )
 from drivers.lms200.scan import scan_of
+from tests.drivers.lms200.measured_telegram import encode_measurement
 
 MODE_32 = MEASURING_MODES[5]
 

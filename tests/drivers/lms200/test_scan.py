@@ -7,9 +7,10 @@ import pytest
 from numpy.typing import NDArray
 
 from drivers.lms200.framing import Telegram
-from drivers.lms200.measurement import MEASURING_MODES, TURN, UNIT_MM, Special, decode_measurement
-from drivers.lms200.measurement import encode_measurement as encode
-from drivers.lms200.scan import Scan, beam_time_offsets, scan_of
+from drivers.lms200.measurement import MEASURING_MODES, TURN, UNIT_MM, decode_measurement
+from drivers.lms200.scan import scan_of
+from drivers.scan import Scan, Special, beam_time_offsets
+from tests.drivers.lms200.measured_telegram import encode_measurement as encode
 
 MODE = MEASURING_MODES[5]
 
@@ -21,7 +22,7 @@ def scan(payload: bytes, arrival: float = 10.0, wire_time: float = 0.1) -> Scan:
 
 
 def beam_times(whole: Scan) -> NDArray[np.float64]:
-    geometry = (whole.ranges.size, whole.angle_min, whole.angle_increment, whole.turns)
+    geometry = (whole.ranges.size, whole.angle_min, whole.angle_increment, whole.turns, TURN)
     return whole.t + beam_time_offsets(*geometry)
 
 
@@ -47,8 +48,8 @@ def test_halves_of_an_interlaced_scan_are_a_turn_apart() -> None:
 
 
 def test_offsets_are_cached_and_read_only() -> None:
-    offsets = beam_time_offsets(181, -math.pi / 2, math.pi / 180, 1)
-    assert offsets is beam_time_offsets(181, -math.pi / 2, math.pi / 180, 1)
+    offsets = beam_time_offsets(181, -math.pi / 2, math.pi / 180, 1, TURN)
+    assert offsets is beam_time_offsets(181, -math.pi / 2, math.pi / 180, 1, TURN)
     with pytest.raises(ValueError, match="read-only"):
         offsets[0] = 1.0
 

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from drivers.lms200.emulator.emulator import Lms200Emulator
 from drivers.lms200.errors import ErrorEntry, Severity
 from drivers.lms200.framing import encode_telegram
-from drivers.lms200.measurement import Special
 from drivers.lms200.session import Lms200Session, SessionState
 from drivers.lms200.settings import LaserSettings
 from drivers.lms200.telegrams import Configuration, Mode, Variant, VariantReply
 from drivers.requests import SetBaud, Write
+from drivers.scan import Special
 
 STREAMING = SessionState.STREAMING
 
@@ -61,9 +61,12 @@ def test_fresh_laser_is_found_at_9600_and_set_up_in_order(line: Any) -> None:
         + ["2025", "2040", "3a", "31", "32", "3b", "74", "2000", "77", "2024"]
     )
     assert wire.host_baud == emulator.baud == 38400
-    assert emulator.variant == Variant(180, 100)
-    assert (emulator.configuration.measuring_mode, emulator.configuration.units) == (5, 1)
-    assert wire.session.identity == "LMS200;30106;V02.10"
+    assert emulator.state.variant == Variant(180, 100)
+    assert (emulator.state.configuration.measuring_mode, emulator.state.configuration.units) == (
+        5,
+        1,
+    )
+    assert wire.session.identity == "LMS200;301061;V02.10"
     assert wire.session.trouble is None
 
 
@@ -72,14 +75,14 @@ def test_laser_set_up_before_is_not_written_again(line: Any) -> None:
     first = line(laser(), emulator)
     first.connect()
     first.run_until(STREAMING, limit=6.0)
-    assert (emulator.variant_writes, emulator.configuration_writes) == (1, 1)
+    assert (emulator.state.variant_writes, emulator.state.configuration_writes) == (1, 1)
 
     emulator.power_on(first.t)
     second = line(laser(), emulator)
     second.t = first.t
     second.connect()
     second.run_until(STREAMING, limit=6.0)
-    assert (emulator.variant_writes, emulator.configuration_writes) == (1, 1)
+    assert (emulator.state.variant_writes, emulator.state.configuration_writes) == (1, 1)
     assert not {"3b", "77", "2000"} & set(sent_codes(second))
 
 
@@ -106,12 +109,12 @@ def test_laser_left_streaming_is_stopped_first(line: Any, left_at: int) -> None:
 def test_other_configuration_is_changed_only_where_it_must(line: Any) -> None:
     emulator = Lms200Emulator(scan_source=Corner(), variant=Variant(100, 25))
     odd = bytes.fromhex("0500 70 01 06 03 00 00 00 05 02 07 01") + bytes(range(21))
-    emulator.configuration = Configuration(odd)
+    emulator.state.configuration = Configuration(odd)
     wire = line(laser(resolution_deg=0.5), emulator)
     wire.connect()
     wire.run_until(STREAMING, limit=6.0)
-    assert emulator.configuration.block == odd[:5] + b"\x05\x01" + odd[7:]
-    assert emulator.variant == Variant(180, 50)
+    assert emulator.state.configuration.block == odd[:5] + b"\x05\x01" + odd[7:]
+    assert emulator.state.variant == Variant(180, 50)
     wire.run(1.0)  # it sends scan and telegram index, as its configuration says
     assert {scan.ranges.size for scan in wire.scans} == {361}
     assert wire.session.counters.unusable == 0
@@ -250,9 +253,9 @@ class Forgetful(Lms200Emulator):
     """A laser that acknowledges a configuration and does not keep it."""
 
     def feed(self, data: bytes, t: float) -> None:
-        before = self.configuration
+        before = self.state.configuration
         super().feed(data, t)
-        self.configuration = before
+        self.state.configuration = before
 
 
 def test_writes_are_limited_if_the_laser_keeps_no_setting(line: Any) -> None:
@@ -264,7 +267,7 @@ def test_writes_are_limited_if_the_laser_keeps_no_setting(line: Any) -> None:
         emulator.power_on(wire.t)
         wire.run(3.0)
     wire.run_until(STREAMING, limit=5.0)
-    assert emulator.configuration_writes == 2
+    assert emulator.state.configuration_writes == 2
     assert wire.session.trouble == "laser does not keep its measuring mode and units"
 
 
@@ -281,6 +284,17 @@ def test_changed_password_is_reported_and_scans_resume(line: Any) -> None:
     wire.run_until(STREAMING, limit=5.0)
     wire.run(1.0)
     np.testing.assert_allclose(wire.scans[-1].ranges[0], 1.5, atol=0.001)
+
+
+def test_laser_that_keeps_sending_reflectivity_gives_no_ranges(line: Any) -> None:
+    emulator = Lms200Emulator(scan_source=Corner(), baud=38400)
+    emulator.state.password = b"OTHERPAS"
+    emulator.state.configuration = emulator.state.configuration.changed(0x3F, 1)
+    wire = line(laser(), emulator)
+    wire.connect()
+    wire.run(3.0)
+    assert wire.session.trouble == "laser keeps mode 3F: no ranges"
+    assert wire.scans == []
 
 
 def test_shut_down_stops_the_stream(line: Any) -> None:
@@ -448,6 +462,66 @@ def test_dazzled_scans_have_specials_instead_of_ranges(line: Any) -> None:
     assert wire.session.health.implausible
     wire.run(3.0)
     assert np.isfinite(wire.scans[-1].ranges).any()
+
+
+def test_rate_in_the_status_is_ordered_where_the_line_has_none(line: Any) -> None:
+    emulator = Lms200Emulator(scan_source=Corner(), paced=False)
+    wire = line(laser(), emulator)
+    wire.line_has_rate = False
+    wire.connect()
+    wire.run_until(STREAMING, limit=3.0)
+    assert sent_codes(wire)[:5] == ["2025", "3a", "31", "2040", "3a"]
+    assert emulator.state.baud == 38400
+    wire.run(2.0)
+    assert len(wire.scans) == pytest.approx(18.8, abs=2)
+
+
+def test_rate_that_the_laser_does_not_keep_is_ordered_once(line: Any) -> None:
+    class Stubborn(Lms200Emulator):
+        def feed(self, data: bytes, t: float) -> None:
+            super().feed(data, t)
+            self.state.baud = 9600
+
+    wire = line(laser(), Stubborn(scan_source=Corner(), paced=False))
+    wire.line_has_rate = False
+    wire.connect()
+    wire.run_until(STREAMING, limit=3.0)
+    assert sent_codes(wire).count("2040") == 1
+
+
+@pytest.mark.parametrize("left", ["fresh", "streaming"])
+def test_laser_slow_by_the_book_is_set_up_without_a_retry(line: Any, left: str) -> None:
+    emulator = Lms200Emulator(scan_source=Corner(), baud=38400)
+    if left == "streaming":
+        emulator.feed(encode_telegram(b"\x20\x24"), 0.0)
+        emulator.pop_output(1.05)
+    emulator.slow = True
+    wire = line(laser(), emulator)
+    wire.t = 1.05  # a scan is on its way, if any
+    wire.connect()
+    taken = wire.run_until(STREAMING, limit=30.0)
+    assert taken == pytest.approx(3 * 2.8 + 2 * 6.0, abs=0.6)
+    assert wire.session.counters.timeouts == 0
+    assert wire.session.counters.searches == 1
+    assert wire.session.trouble is None
+
+
+def test_laser_without_acknowledgements_is_set_up(line: Any) -> None:
+    emulator = Lms200Emulator(scan_source=Corner())
+    emulator.acknowledges = False
+    wire = streaming(line, emulator)
+    wire.run(1.0)
+    assert wire.session.counters.timeouts == 2  # at 38400, where it is not
+    assert len(wire.scans) >= 8
+
+
+def test_laser_at_an_address_and_at_500000_baud_is_found_streaming(line: Any) -> None:
+    emulator = Lms200Emulator(scan_source=Corner(), baud=500000)
+    emulator.state.address = 1
+    emulator.feed(encode_telegram(b"\x20\x24"), 0.0)
+    wire = streaming(line, emulator)
+    wire.run(1.0)
+    assert len(wire.scans) >= 8
 
 
 def test_partial_scans_have_offset_and_time_of_their_turn(line: Any) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from drivers.lms200.framing import REPLY_BIT, encode_telegram
-from drivers.lms200.measurement import MEASURING_MODES, MODE_32_M, UNIT_MM, encode_measurement
+from drivers.lms200.measurement import MEASURING_MODES, MODE_32_M, UNIT_MM
 from drivers.lms200.settings import LaserSettings
 from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import decode_command
@@ -21,6 +21,7 @@ from robot_agent.agent import Agent
 from robot_agent.config import find_map
 from robot_agent.messages.effects import Effect, Send
 from robot_agent.messages.events import BytesReceived, Event, LinkDown, LinkName
+from tests.drivers.lms200.measured_telegram import encode_measurement
 from tools.bench.fleet import Fleet
 
 DRIVING_S = 15.0

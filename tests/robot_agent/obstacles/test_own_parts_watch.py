@@ -7,7 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.lms200.scan import Scan
+from drivers.lms200.measurement import TURN
+from drivers.scan import Scan
 from maps.pose import Pose
 from robot_agent.obstacles.own_parts_watch import OwnPartsWatch
 
@@ -24,7 +25,7 @@ def room(heading: float, wall: float = 0.6) -> NDArray[np.float64]:
 
 def scan(t: float, ranges: NDArray[np.float64]) -> Scan:
     none = np.zeros(len(ranges), dtype=np.uint8)
-    return Scan(t, float(BEAMS[0]), math.radians(1.0), ranges, 0x10, 1, none, none, None)
+    return Scan(t, float(BEAMS[0]), math.radians(1.0), ranges, 0x10, 1, TURN, none, none, None)
 
 
 def turn(

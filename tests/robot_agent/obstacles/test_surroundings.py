@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from drivers.lms200.scan import Scan
+from drivers.lms200.measurement import TURN
 from drivers.p2os.model import load_model
+from drivers.scan import Scan
 from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
@@ -41,6 +42,7 @@ def looked(surroundings: Surroundings, heading: float) -> None:
         ranges=np.full(181, np.inf),
         status=0x10,
         turns=1,
+        turn_time=TURN,
         specials=np.zeros(181, dtype=np.uint8),
         flags=np.zeros(181, dtype=np.uint8),
         reflectors=None,

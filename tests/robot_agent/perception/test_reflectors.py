@@ -13,14 +13,15 @@ from drivers.lms200.measurement import (
     MEASURING_MODES,
     UNIT_MM,
     decode_measurement,
-    encode_measurement,
 )
-from drivers.lms200.scan import Scan, scan_of
+from drivers.lms200.scan import scan_of
+from drivers.scan import Scan
 from maps.pose import Pose
 from robot_agent.perception.identity import Kind
 from robot_agent.perception.scan_points import ScanProjector, hits
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.tracker import TeammateTracker
+from tests.drivers.lms200.measured_telegram import encode_measurement
 from tests.robot_agent.perception.simulated_room import SILHOUETTES, Box, Room
 
 HERE = Pose(4.0, 4.0, 0.0)

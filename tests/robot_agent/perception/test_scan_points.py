@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drivers.lms200.measurement import TURN
-from drivers.lms200.scan import Scan, beam_time_offsets
+from drivers.scan import Scan, beam_time_offsets
 from maps.pose import Pose
 from robot_agent.motion.footprint import Footprint
 from robot_agent.motion.gate_limits import GateLimits
@@ -23,6 +23,7 @@ def scan_of(ranges: list[float], increment: float = math.pi / 2) -> Scan:
         ranges=np.array(ranges),
         status=0x10,
         turns=1,
+        turn_time=TURN,
         specials=np.zeros(len(ranges), np.uint8),
         flags=np.zeros(len(ranges), np.uint8),
         reflectors=None,
@@ -88,10 +89,10 @@ def test_view_is_between_the_outermost_beams() -> None:
 
 
 def test_beam_delays_follow_the_mirror() -> None:
-    delays = beam_time_offsets(181, -math.pi / 2, math.radians(1.0), 1)
+    delays = beam_time_offsets(181, -math.pi / 2, math.radians(1.0), 1, TURN)
     assert delays[90] == pytest.approx(0.0, abs=1e-12)
     assert (delays[0], delays[180]) == pytest.approx((-TURN / 4, TURN / 4))
-    interlaced = beam_time_offsets(361, -math.pi / 2, math.radians(0.5), 2)
+    interlaced = beam_time_offsets(361, -math.pi / 2, math.radians(0.5), 2, TURN)
     assert interlaced[1::2].mean() - interlaced[0::2].mean() == pytest.approx(TURN)
     assert interlaced.mean() == pytest.approx(0.0, abs=TURN / 300)
 
@@ -105,7 +106,7 @@ def test_a_wall_seen_while_turning_at_1_rad_per_s_does_not_smear(increment: floa
     bearings = -math.pi / 2 + step * np.arange(n)
     ranges = np.full(n, math.inf)
     turns = round(1.0 / increment)
-    for index, delay in enumerate(beam_time_offsets(n, -math.pi / 2, step, turns)):
+    for index, delay in enumerate(beam_time_offsets(n, -math.pi / 2, step, turns, TURN)):
         turn = w * delay
         travel = v * delay
         moved = Pose(travel * math.cos(turn / 2), travel * math.sin(turn / 2), turn)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from drivers.lms200.session import LaserCounters
+from drivers.lms1xx.session import LaserCounters as Lms1xxCounters
+from drivers.lms200.session import LaserCounters as Lms200Counters
 from drivers.p2os.session import SessionCounters
 from maps.map_folder import MapFolder, load_map_folder
 from robot_agent.config import find_map
@@ -121,8 +123,9 @@ def test_an_agent_that_ends_tells_of_no_silence(robot: OneRobot) -> None:
 
 
 @pytest.mark.parametrize(
-    ("link", "counters"), [("base", SessionCounters), ("laser", LaserCounters)]
+    ("link", "sessions"),
+    [("base", (SessionCounters,)), ("laser", (Lms200Counters, Lms1xxCounters))],
 )
-def test_every_counter_has_words_or_is_told_otherwise(link: str, counters: type) -> None:
-    names = {each.name for each in fields(counters)} | {"bad_checksum"}
+def test_every_counter_has_words_or_is_told_otherwise(link: str, sessions: tuple[Any, ...]) -> None:
+    names = {each.name for session in sessions for each in fields(session)} | {"bad_checksum"}
     assert names - PROGRESS - TOLD_AS_TROUBLE == set(COUNTED[link])  # type: ignore[index]

@@ -13,15 +13,15 @@ import numpy as np
 from drivers.emulation.port import PtyPort, TcpPort
 from drivers.emulation.timed_bytes import TimedBytes
 from drivers.lms200.emulator.emulator import Lms200Emulator
-from drivers.lms200.scan import Scan
 from drivers.lms200.session import Lms200Session
 from drivers.lms200.settings import LaserSettings
-from drivers.lms200.telegrams import Mode
+from drivers.lms200.telegrams import Mode, Variant
 from drivers.p2os.base_state import BaseState
 from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.session import P2osSession
 from drivers.p2os.settings import BaseSettings
+from drivers.scan import Scan
 from tools.preflight.device_trial import DeviceTrial, run_trials
 from tools.simulation.hanging_up_port import HangingUpPort
 
@@ -104,6 +104,22 @@ def test_laser_trial_ends_with_the_stream_stopped() -> None:
         run_trials([trial], LIMIT)
         assert len(trial.measurements) >= 2
         assert emulator.mode == Mode.ON_REQUEST
+
+
+def test_device_that_answers_slowly_has_more_time() -> None:
+    emulator = Lms200Emulator(scan_source=lambda _t, n, _step: np.full(n, 2.0), baud=38400)
+    emulator.state.variant = Variant(180, 100)
+    emulator.state.configuration = emulator.state.configuration.changed(5, 1)
+    emulator.slow = True
+    session = Lms200Session(LaserSettings())
+    with served(PtyPort(emulator)) as url:
+        trial = DeviceTrial(
+            url, 38400, session, lambda scans: len(scans) >= 2, lambda: session.answers
+        )
+        run_trials([trial], 1.0)
+        assert trial.done
+        assert trial.measurements[0][0] - trial.line.opened_at > 5.0
+        assert session.counters.timeouts == 0
 
 
 def test_missing_port_ends_the_trial_with_its_reason(tmp_path: Path) -> None:

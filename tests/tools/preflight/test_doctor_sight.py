@@ -43,3 +43,11 @@ def test_way_in_an_ignored_sector_is_not_covered_by_the_laser() -> None:
 def test_finding_names_the_angle_at_which_the_laser_looks() -> None:
     settings = LaserSettings(mount=(0.0, 0.0, math.pi))
     assert "180 deg" in examine_sight(settings, MODEL, GateLimits()).text
+
+
+def test_way_outside_the_sector_that_is_sent_is_not_covered_by_the_laser() -> None:
+    assert examine_sight(LaserSettings(sector=(30, 150)), MODEL, GateLimits()).verdict is Verdict.OK
+    beside = LaserSettings(sector=(0, 80))
+    assert examine_sight(beside, MODEL, GateLimits()).verdict is Verdict.WARNING
+    over = LaserSettings(sector=(0, 100), upside_down=True)
+    assert examine_sight(over, DEAF, GateLimits()).verdict is Verdict.FAILED

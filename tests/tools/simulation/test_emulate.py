@@ -33,6 +33,7 @@ from tools.simulation.base_options import BaseOptions
 from tools.simulation.camera_view import CameraView
 from tools.simulation.emulate import EmulateOptions, Emulation, parse_pose
 from tools.simulation.emulate_error import EmulateError
+from tools.simulation.laser_start import LaserStartError
 from tools.simulation.truth.truth import load_truth
 from tools.simulation.world import World
 
@@ -367,6 +368,11 @@ def test_fault_plan_resets_the_base(folder: MapFolder) -> None:
                 continue
 
 
+def test_invalid_laser_start_is_refused(folder: MapFolder) -> None:
+    with pytest.raises(LaserStartError, match="melting"):
+        Emulation(folder, EmulateOptions(lms200_start="melting"))
+
+
 def test_invalid_faults_are_refused(folder: MapFolder) -> None:
     with pytest.raises(FaultSpecError, match="melt"):
         Emulation(folder, EmulateOptions(lms200_faults="melt=1"))
@@ -470,6 +476,40 @@ def test_laser_client_gets_scans_on_the_pty(folder: MapFolder) -> None:
             assert count & 0x3FFF == 181
             ahead = struct.unpack_from("<H", scan, 7 + 2 * 90)[0] & 0x1FFF
             assert ahead > 300, "the corridor lies ahead"
+
+
+def scans_per_second(line: serial.Serial) -> float:
+    line.reset_input_buffer()
+    begin, count = time.monotonic(), 0
+    while time.monotonic() - begin < 1.0:
+        count += line.read(4096).count(b"\x02\x80\x6e\x01\xb0")
+    return count / (time.monotonic() - begin)
+
+
+def test_laser_on_tcp_has_no_rate_until_one_is_ordered(folder: MapFolder) -> None:
+    options = EmulateOptions(lms200="tcp:0", lms200_start="variant=180:1", pose=OPEN_PLACE)
+    with (
+        emulated(folder, options) as urls,
+        serial.serial_for_url(urls["lms200"], timeout=0.02) as line,
+    ):
+        line.write(telegram(b"\x20\x24"))
+        assert scans_per_second(line) > 12.0, "9600 baud would let through 2.5 of them"
+        line.write(telegram(b"\x20\x25"))
+        line.write(telegram(b"\x20\x40"))
+        line.write(telegram(b"\x20\x24"))
+        time.sleep(0.1)
+        assert 5.0 < scans_per_second(line) < 12.0
+
+
+def test_laser_is_found_as_its_start_says(folder: MapFolder) -> None:
+    start = "baud=38400,streaming,address=1,polluted"
+    with (
+        emulated(folder, EmulateOptions(lms200_start=start, pose=OPEN_PLACE)) as urls,
+        serial.Serial(urls["lms200"], 38400, timeout=LIMIT) as line,
+    ):
+        assert line.read_until(b"\x02\x81\xd6\x02\xb0").endswith(b"\xb0")
+        line.write(telegram(b"\x32"))
+        assert line.read_until(b"\x06\x02\x81\x02\x00\xb2\x92").endswith(b"\x92")
 
 
 def test_command_prints_urls_and_ends_on_a_signal() -> None:

@@ -85,7 +85,7 @@ def test_the_laser_sends_the_bit_in_the_mode_that_has_it() -> None:
     place = Pose(5.0, 13.4, 0.0)
     rigs = make_rigs(world, [place, Pose(place.x + 1.5, place.y, math.pi)], 0.0, truth)
     laser = rigs[0].laser
-    laser.configuration = laser.configuration.changed(MODE_32_M, UNIT_MM)
+    laser.state.configuration = laser.state.configuration.changed(MODE_32_M, UNIT_MM)
     laser.feed(encode_telegram(bytes((Command.MODE, Mode.CONTINUOUS)), 0), 0.0)
     framer, received = TelegramFramer(), []
     for step in range(1, 100):

