@@ -38,12 +38,15 @@ from robot_agent.process.journal import Journal
 from robot_agent.process.pose_file import PoseFile
 from robot_agent.process.process_watch import ProcessWatch
 from robot_agent.process.service_notifier import ServiceNotifier
+from robot_agent.process.side_writer import SideWriter
 from robot_agent.process.telemetry import Telemetry
 from robot_agent.recording.recorder import Recorder
 from robot_agent.recording.recording_writer import Note
 
 FILTERED_S = 10.0
 """s for which a device that is there may be kept out by the service's filter."""
+JOURNAL_LINES = 1000
+"""Lines that may wait for standard error, which a stalled journal blocks."""
 SHUTDOWN_S = 0.3
 """s for the last commands to be sent and take effect before the ports close."""
 
@@ -105,8 +108,11 @@ class Runtime:
         self._clock = clock
         self._recorder = recorder
         self._telemetry = telemetry
-        self._journal = journal
+        self._journal = SideWriter("journal", journal.write, JOURNAL_LINES)
         self._pose_file = pose_file
+        self._pose_writer: SideWriter | None = None
+        if pose_file is not None:  # of the poses that wait only the newest counts
+            self._pose_writer = SideWriter("pose file", pose_file.keep, 1)
         self._notifier = ServiceNotifier()
         self._watch = ProcessWatch(agent.config.robot.name, clock.start_wall_ns)
         self._troubles: dict[str, str] = {}
@@ -143,6 +149,7 @@ class Runtime:
         filter has kept a device out for FILTERED_S.
         """
         with ExitStack() as stack:
+            stack.callback(self._close_writers)
             stack.callback(self._close_links)
             if self._camera is not None:
                 stack.callback(self._camera.close)
@@ -239,7 +246,7 @@ class Runtime:
             stamp = timestamp_at(t, self._clock.start_wall_ns)
             log = Log(timestamp=stamp, level=LogLevel.ERROR, message=trouble, name=part)
             self._note("process_log", "event", encode(log), t)
-            self._journal.write(encode(log))
+            self._journal.put(encode(log))
         self._troubles[part] = trouble
 
     def _note(self, topic: str, stream: str, payload: bytes, t: float) -> None:
@@ -257,12 +264,12 @@ class Runtime:
                 if self._picture_reader is not None:
                     self._picture_reader.request_picture()
             case Remember(payload):
-                if self._pose_file is not None:
-                    self._pose_file.keep(payload)
+                if self._pose_writer is not None:
+                    self._pose_writer.put(payload)
             case Publish(stream, payload):
                 self._telemetry.publish(stream, payload)
                 if stream == "event":
-                    self._journal.write(payload)
+                    self._journal.put(payload)
 
     def _finish(self) -> None:
         """Process events for SHUTDOWN_S more, so that the last commands are sent in order.
@@ -280,6 +287,12 @@ class Runtime:
         for effect in self._agent.handle(Shutdown(self._clock())):
             if isinstance(effect, Send):
                 self._links[effect.link].write(effect.data)
+
+    def _close_writers(self) -> None:
+        self._journal.close()
+        if self._pose_writer is not None and not self._pose_writer.close():
+            assert self._pose_file is not None
+            self._pose_file.failed = "the disk hangs: the last pose was not kept"
 
     def _close_links(self) -> None:
         for link in self._links.values():

@@ -5,6 +5,7 @@ Files are written below a root folder, so that an installation can be inspected 
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 import sys
@@ -19,7 +20,21 @@ DEPLOY = Path(__file__).parent
 UNIT = Path("etc/systemd/system/patrol@.service")
 RULES = Path("etc/udev/rules.d/60-patrol.rules")
 USER = Path("etc/sysusers.d/patrol.conf")
+MODULES = Path("etc/modules-load.d/patrol.conf")
+SERIAL_DRIVERS = ("usbserial", "ftdi_sio", "pl2303", "cp210x", "cdc_acm")
+"""Kernel modules of the usual adapters. Loaded before the service: its device filter knows only the
+kinds of devices whose driver is there when it starts."""
+CAMERA_DRIVERS = ("videodev", "uvcvideo")
 CONFIGS = Path("etc/patrol")
+ACTIVATION = (
+    ("systemd-sysusers",),
+    ("systemctl", "restart", "systemd-modules-load.service"),
+    ("systemctl", "daemon-reload"),
+    ("udevadm", "control", "--reload"),
+    ("udevadm", "trigger", "--subsystem-match=tty"),
+)
+"""Commands by which a running system takes over an installation."""
+RUNNING_SYSTEMD = Path("/run/systemd/system")
 MAX_EXPOSURE = 3.0
 """Largest exposure, of 10, that `systemd-analyze security` may give the unit."""
 
@@ -48,13 +63,14 @@ def deploy(root: Path, configs: Sequence[Path], user: str, program: Path) -> Dep
     Existing udev rules are kept, since they name this robot's adapters. Raises DeploymentError and
     the errors of ``load_config`` and ``load_map``, before anything is written.
     """
-    for config in configs:
-        _check_config(config)
+    cameras = [_check_config(config) for config in configs]
     done = Deployment()
     text = (DEPLOY / UNIT.name).read_text()
     text = text.replace("@PATROL@", str(program)).replace("@USER@", user)
     _write(done, root / UNIT, text)
     _write(done, root / USER, f'u {user} - "Border patrol" /var/lib/patrol\nm {user} dialout\n')
+    modules = (*SERIAL_DRIVERS, *(CAMERA_DRIVERS if any(cameras) else ()))
+    _write(done, root / MODULES, "# For patrol@.service\n" + "".join(f"{m}\n" for m in modules))
     if (root / RULES).exists():
         done.kept.append(root / RULES)
     else:
@@ -71,8 +87,8 @@ def _write(done: Deployment, path: Path, text: str) -> None:
     done.written.append(path)
 
 
-def _check_config(path: Path) -> None:
-    """Raise if a configuration would not load from ``CONFIGS``."""
+def _check_config(path: Path) -> bool:
+    """Raise if a configuration would not load from ``CONFIGS``; return whether it has a camera."""
     config = load_config(path)
     load_map(config, path.parent)
     folder = find_map(config.map.folder, path.parent)
@@ -82,6 +98,7 @@ def _check_config(path: Path) -> None:
             f"{path}: map.folder: {config.map.folder!r} is relative to this file, which will be "
             f"elsewhere; write {str(folder.resolve())!r}"
         )
+    return config.camera.url.startswith("/dev/")
 
 
 def _program(program: Path) -> Finding:
@@ -141,11 +158,32 @@ def this_program() -> Path:
     return Path(sys.executable).with_name("patrol")
 
 
-def next_steps(names: Sequence[str]) -> list[str]:
-    """Return the commands that activate an installation of robots of these names."""
+def activate(root: Path) -> list[Finding]:
+    """Make the user, load the drivers, have systemd and udev read what was written.
+
+    Only on a running system, as root and below /; nothing is done, and said, anywhere else. The
+    service is neither enabled nor started.
+    """
+    if root.resolve() != Path("/") or os.geteuid() != 0 or not RUNNING_SYSTEMD.is_dir():
+        return []
+    return [_activated(*step) for step in ACTIVATION]
+
+
+def _activated(*command: str) -> Finding:
+    words = " ".join(command)
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    except OSError as error:
+        return failed(command[0], f"{words}: {error.strerror}", "run it by hand")
+    if done.returncode:
+        return failed(command[0], f"{words}: {done.stderr.strip()}", "run it by hand")
+    return ok(command[0], words)
+
+
+def next_steps(names: Sequence[str], *, activated: bool) -> list[str]:
+    """Return the commands that remain to be run for robots of these names."""
     return [
-        "systemd-sysusers && systemctl daemon-reload",
-        "udevadm control --reload && udevadm trigger --subsystem-match=tty",
+        *(() if activated else (" ".join(step) for step in ACTIVATION)),
         *(f"patrol doctor /etc/patrol/{name}.toml" for name in names or ["robot1"]),
         *(f"systemctl enable --now patrol@{name}" for name in names or ["robot1"]),
         *(f"journalctl -fu patrol@{name}" for name in names or ["robot1"]),

@@ -165,7 +165,8 @@ def _udev_line(port: SerialPort, *, unique: bool) -> str:
         matches = f'KERNELS=="{port.location}"'
     else:
         matches = f'KERNEL=="{Path(port.device).name}"'
-    return f'SUBSYSTEM=="tty", {matches}, SYMLINK+="patrol/ROLE", GROUP="dialout", MODE="0660"'
+    assignments = 'SYMLINK+="patrol/ROLE", GROUP="dialout", MODE="0660"'
+    return f'SUBSYSTEM=="tty", {matches}, {assignments}, ENV{{ID_MM_DEVICE_IGNORE}}="1"'
 
 
 def _text(path: Path) -> str:

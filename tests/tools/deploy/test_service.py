@@ -7,7 +7,19 @@ import pytest
 
 from robot_agent.config import ConfigError
 from tools.cli import main
-from tools.deploy.service import RULES, UNIT, DeploymentError, check_unit, deploy, this_program
+from tools.deploy.service import (
+    CAMERA_DRIVERS,
+    MODULES,
+    RULES,
+    SERIAL_DRIVERS,
+    UNIT,
+    DeploymentError,
+    activate,
+    check_unit,
+    deploy,
+    next_steps,
+    this_program,
+)
 from tools.preflight.finding import Verdict
 
 needs_systemd = pytest.mark.skipif(
@@ -30,6 +42,7 @@ def test_writes_unit_rules_user_and_configuration(tmp_path: Path, config: Path) 
         "etc/systemd/system/patrol@.service",
         "etc/udev/rules.d/60-patrol.rules",
         "etc/sysusers.d/patrol.conf",
+        "etc/modules-load.d/patrol.conf",
         "etc/patrol/robot1.toml",
     }
     assert {path for path in root.rglob("*") if path.is_file()} == set(done.written)
@@ -40,6 +53,13 @@ def test_writes_unit_rules_user_and_configuration(tmp_path: Path, config: Path) 
     assert "@USER@" not in unit
 
 
+def test_no_example_of_a_serial_number_is_installed_as_this_robots(tmp_path: Path) -> None:
+    deploy(tmp_path, [], "patrol", this_program())
+    lines = (tmp_path / RULES).read_text().splitlines()
+    assert [line for line in lines if line and not line.startswith("#")] == []
+    assert sum('ID_MM_DEVICE_IGNORE}="1"' in line for line in lines) == 6
+
+
 def test_existing_udev_rules_are_kept(tmp_path: Path, config: Path) -> None:
     rules = tmp_path / RULES
     rules.parent.mkdir(parents=True)
@@ -47,6 +67,35 @@ def test_existing_udev_rules_are_kept(tmp_path: Path, config: Path) -> None:
     done = deploy(tmp_path, [config], "patrol", this_program())
     assert rules.read_text() == "# mine\n"
     assert done.kept == [rules]
+
+
+def test_drivers_of_adapters_are_loaded_before_the_service_and_a_cameras_where_there_is_one(
+    tmp_path: Path, config: Path
+) -> None:
+    deploy(tmp_path / "a", [config], "patrol", this_program())
+    loaded = (tmp_path / "a" / MODULES).read_text().split("\n")[1:-1]
+    assert loaded == list(SERIAL_DRIVERS)
+    config.write_text('[camera]\nurl = "/dev/video0"\n')
+    deploy(tmp_path / "b", [config], "patrol", this_program())
+    assert (tmp_path / "b" / MODULES).read_text().split("\n")[1:-1] == [
+        *SERIAL_DRIVERS,
+        *CAMERA_DRIVERS,
+    ]
+    assert "systemd-modules-load.service" in (tmp_path / "a" / UNIT).read_text()
+
+
+def test_an_installation_elsewhere_activates_nothing_and_lists_what_remains(
+    tmp_path: Path,
+) -> None:
+    assert activate(tmp_path) == []
+    remaining = next_steps(["robot7"], activated=False)
+    assert remaining[0] == "systemd-sysusers"
+    assert "systemctl daemon-reload" in remaining
+    assert remaining[-2:] == [
+        "systemctl enable --now patrol@robot7",
+        "journalctl -fu patrol@robot7",
+    ]
+    assert next_steps(["robot7"], activated=True)[0] == "patrol doctor /etc/patrol/robot7.toml"
 
 
 @needs_systemd

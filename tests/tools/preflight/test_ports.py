@@ -20,7 +20,7 @@ from tools.preflight.ports import KernelFiles, SerialPort, holders_of, list_seri
 
 RULES = Path(__file__).resolve().parents[3] / "tools" / "deploy" / "60-patrol.rules"
 MATCH_KEYS = {"SUBSYSTEM", "KERNEL", "KERNELS", "ATTRS"}
-ASSIGNMENT_KEYS = {"SYMLINK", "GROUP", "MODE"}
+ASSIGNMENT_KEYS = {"SYMLINK", "GROUP", "MODE", "ENV"}
 PART = re.compile(r'([A-Z]+)(?:\{([^}]+)\})?(==|\+=|=)"([^"]*)"')
 
 
@@ -161,6 +161,7 @@ def check_rule(line: str) -> None:
     assert ("SUBSYSTEM", "", "==", "tty") in parts
     assert ("GROUP", "", "=", "dialout") in parts
     assert ("MODE", "", "=", "0660") in parts
+    assert ("ENV", "ID_MM_DEVICE_IGNORE", "=", "1") in parts, "ModemManager would probe the robot"
     assert keys.count("SYMLINK") == 1
     assert ("SYMLINK", "+=") in {(key, op) for key, _, op, _ in parts}, "= would drop other links"
     # ATTRS and KERNELS of one line must hold for one and the same parent device.
