@@ -53,6 +53,5 @@ class EmulatedBoard:
         """Stop what a client started; what it set stays until the next reset."""
         self.sonar.stop()
         self.streams.stop()
-        self.gyro.stop()
         for port in self.aux.values():
             port.cancel()

@@ -9,6 +9,7 @@ from drivers.p2os.commands import Command
 from drivers.p2os.emulator.base import EmulatedBase
 from drivers.p2os.emulator.board import EmulatedBoard
 from drivers.p2os.emulator.controller_settings import SETTERS
+from drivers.p2os.emulator.streams import STREAM
 
 _N = CommandNumber
 STREAMED = frozenset(
@@ -109,10 +110,11 @@ class CommandServer:
         self._board.streams.request(command)
 
     def _switch_gyro(self, command: Command, t: float) -> None:
-        if command.integer and self._board.firmware.has_gyro:
+        """GYRO: 1 is a stream already."""
+        on = command.integer != 0 and self._board.firmware.has_gyro
+        self._board.streams.request(Command(_N.GYRO, STREAM * on))
+        if on:
             self._board.gyro.start(t)
-        else:
-            self._board.gyro.stop()
 
     def _set_value(self, command: Command, _t: float) -> None:
         self._board.settings.set(command)

@@ -16,19 +16,23 @@ from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import HOST_BAUDS, Command, decode_command
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG, EmulatedBase
 from drivers.p2os.emulator.battery import EmulatedBattery
-from drivers.p2os.emulator.board import NO_GRIPPER, NO_SMART_BATTERY, EmulatedBoard
+from drivers.p2os.emulator.board import EmulatedBoard
 from drivers.p2os.emulator.command_server import CommandServer
 from drivers.p2os.emulator.config_report import emulated_config
 from drivers.p2os.emulator.firmware import Firmware
 from drivers.p2os.emulator.make import BaseMake
 from drivers.p2os.emulator.paced_output import PacedOutput
-from drivers.p2os.emulator.reports import encoder_report, io_report, sip_report
+from drivers.p2os.emulator.reports import sip_report
+from drivers.p2os.emulator.requested_packets import RequestedPackets
 from drivers.p2os.extended_packets import NOTIFICATION_TYPES, Notification
 from drivers.p2os.framing import CONTROLLER_MAX_COUNT, PacketFramer, encode_packet
 from drivers.p2os.robot_identity import RobotIdentity
 
 PACKET_GAP = 0.1  # s without a byte that ends an unfinished packet
 START_UP_TIME = 1.0  # s after a reset without reception
+FACTORY_CYCLE = 0.1  # s from SIP to SIP
+MOST_BEHIND = 2
+"""Cycles by which the line may be behind for a SIP to be sent still; ours."""
 AWAITING_OPEN = 3  # behind SYNC0, SYNC1, SYNC2
 
 
@@ -57,7 +61,7 @@ class P2osEmulator:
         *,
         baud: int = 9600,
         name: str = "Emulated",
-        sip_period: float | None = 0.1,
+        sip_period: float | None = FACTORY_CYCLE,
         firmware: Firmware = Firmware.P2OS,
         watchdog: float = FACTORY_WATCHDOG,
     ) -> None:
@@ -73,6 +77,7 @@ class P2osEmulator:
         self._start_baud = baud
         self._sip_period = sip_period
         self._next_sip = math.inf
+        self._requested = RequestedPackets(self.base)
         self._starting_until: float | None = None
         self._notifies = False
         self._output = PacedOutput()
@@ -205,26 +210,25 @@ class P2osEmulator:
         return self._output.pop(t)
 
     def emit_sip(self, t: float) -> None:
-        """Send a SIP and the streamed packets now, in the order of the H8-series manual; no effect
-        while no session is open."""
+        """Send a SIP and the requested packets now; no effect while no session is open.
+
+        What the line cannot send before the next SIP is left out: at a low rate requested packets
+        come seldom, a SIP not at all while others are still being sent.
+        """
         if not self.session_open:
             return
-        board, streams = self.board, self.board.streams
-        if streams.pop_due(CommandNumber.JOYINFO):
-            self._send(board.joystick.encode(), t)
-        gyro = board.gyro.pop_packet(t, self.base.velocity[1])
-        if gyro is not None:
-            self._send(gyro.encode(), t)
-        fired = [(n, self._ranges[n]) for n in board.sonar.pop_fired(t)]
-        self._send(sip_report(self.base, board, fired).encode(), t)
-        if streams.pop_due(CommandNumber.IOREQUEST):
-            self._send(io_report(self.base, board).encode(), t)
-        if streams.pop_due(CommandNumber.ENCODER):
-            self._send(encoder_report(self.base).encode(), t)
-        if streams.pop_due(CommandNumber.GRIPREQUEST):
-            self._send(NO_GRIPPER.encode(), t)
-        if streams.pop_due(CommandNumber.BATTERYINFO):
-            self._send(NO_SMART_BATTERY.encode(), t)
+        cycle = self._sip_period or FACTORY_CYCLE
+        fired = [(n, self._ranges[n]) for n in self.board.sonar.pop_fired(t)]
+        sip = encode_packet(sip_report(self.base, self.board, fired).encode())
+        if not self._output.has_room(0, t, self.baud, t + MOST_BEHIND * cycle):
+            return
+
+        def fits(size: int) -> bool:
+            return self._output.has_room(len(sip) + size, t, self.baud, t + cycle)
+
+        before, behind = self._requested.packets(self.board, t, fits)
+        for packet in (*before, sip, *behind):
+            self._output.send(packet, t, self.baud)
 
     def _send_aux(self, t: float) -> None:
         """Send the bytes of auxiliary ports that the client has asked for and that are there."""

@@ -22,6 +22,10 @@ class PacedOutput:
         self._free_at = max(t, self._free_at) + len(data) * BITS_PER_BYTE / baud
         self._queue.append(TimedBytes(self._free_at, data))
 
+    def has_room(self, size: int, t: float, baud: int, limit: float) -> bool:
+        """Whether ``size`` bytes queued at ``t`` would have left by ``limit``."""
+        return max(t, self._free_at) + size * BITS_PER_BYTE / baud <= limit
+
     def pop(self, t: float) -> list[TimedBytes]:
         """Return and remove what has left the wire by ``t``, in order."""
         left = []

@@ -23,9 +23,13 @@ class EmulatedStreams:
         """Clear all requests."""
         self._wanted.clear()
 
-    def pop_due(self, number: CommandNumber) -> bool:
-        """Return whether a packet is sent in this cycle; clears a request for one packet."""
-        wanted = self._wanted.get(number, 0)
-        if 0 < wanted < STREAM:
+    def due(self, cycle: int) -> list[CommandNumber]:
+        """Return the requests for which a packet is due, another one first in each cycle."""
+        wanted = [CommandNumber(number) for number, value in self._wanted.items() if value > 0]
+        first = cycle % len(wanted) if wanted else 0
+        return wanted[first:] + wanted[:first]
+
+    def on_sent(self, number: CommandNumber) -> None:
+        """Note that a packet was sent: a request for one is fulfilled."""
+        if self._wanted[number] < STREAM:
             self._wanted[number] = 0
-        return wanted > 0

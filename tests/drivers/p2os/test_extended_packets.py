@@ -6,14 +6,18 @@ import pytest
 
 from drivers.p2os.extended_packets import (
     AuxPacket,
+    BatteryPacket,
     EncoderPacket,
+    GripperPacket,
     GyroPacket,
     GyroSample,
     IoPacket,
     JoystickPacket,
     Notification,
     decode_aux,
+    decode_battery,
     decode_encoder,
+    decode_gripper,
     decode_gyro,
     decode_io,
     decode_joystick,
@@ -33,6 +37,9 @@ VECTORS: list[tuple[str, Packet]] = [
     ("F0 02 FF 00 01 00 01 00 04", IoPacket(b"\xff\x00", b"\x00", (1024,))),
     ("F0 00 00 00", IoPacket(b"", b"", ())),
     ("F8 01 03 FF 03 00 02 01 00", JoystickPacket(1, 3, 1023, 512, 1)),
+    ("E0 02 84 05", GripperPacket(2, 0x84, 5)),
+    ("FA 02 05 01 02 03 64 63 00 00 00 50 4F", BatteryPacket(5, (b"\1\2\3dc", b"\0\0\0PO"))),
+    ("FA 00 05", BatteryPacket(5, ())),
     ("FE", Notification(0xFE)),
     ("FF 07", Notification(0xFF, b"\x07")),
 ]
@@ -44,6 +51,8 @@ DECODERS: dict[int, Callable[[bytes], object]] = {
     0xC8: decode_aux,
     0xF0: decode_io,
     0xF8: decode_joystick,
+    0xE0: decode_gripper,
+    0xFA: decode_battery,
     0xFE: decode_notification,
     0xFF: decode_notification,
 }

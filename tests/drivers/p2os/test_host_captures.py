@@ -91,8 +91,10 @@ def test_soar_gets_arcos_reports_config_encoders_and_pins(replay: Callable[..., 
     assert [config.subclass for config in configs] == ["p3dx-sh"]
     for packet_type, asked_at in ((0x90, 21.788), (0xF0, 22.046)):
         times = done.times(packet_type)
-        assert times[0] == pytest.approx(asked_at, abs=0.25)
-        assert len(times) == pytest.approx(10.0 * (28.34 - asked_at), abs=2)
+        assert times[0] == pytest.approx(asked_at, abs=0.35)
+        # At 9600 baud the line has no room for both in some cycles.
+        assert 5.0 * (28.34 - asked_at) < len(times) < 10.5 * (28.34 - asked_at)
+    assert len(done.times(0x32)) + len(done.times(0x33)) == pytest.approx(10.0 * 8.26, abs=2)
     pins = [io for _, p in done.packets if p[0] == 0xF0 and (io := decode_io(p)) is not None]
     assert (len(pins[0].inputs), len(pins[0].outputs), len(pins[0].analog_counts)) == (4, 1, 9)
     ticks = [e for _, p in done.packets if p[0] == 0x90 and (e := decode_encoder(p)) is not None]

@@ -9,6 +9,7 @@ from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import Command, command, host_baud
 from drivers.p2os.config_packet import ConfigPacket, decode_config
 from drivers.p2os.emulator.emulator import P2osEmulator
+from drivers.p2os.emulator.firmware import Firmware
 from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.framing import PacketFramer, encode_packet
 from drivers.p2os.robot_identity import decode_sync_reply
@@ -20,8 +21,16 @@ N = CommandNumber
 class Robot:
     """An emulated robot in an ideal world, stepped every 10 ms."""
 
-    def __init__(self, *, baud: int = 9600, sip_period: float | None = 0.1) -> None:
-        self.emulator = P2osEmulator(PIONEER_2DX, baud=baud, sip_period=sip_period)
+    def __init__(
+        self,
+        *,
+        baud: int = 9600,
+        sip_period: float | None = 0.1,
+        firmware: Firmware = Firmware.P2OS,
+    ) -> None:
+        self.emulator = P2osEmulator(
+            PIONEER_2DX, baud=baud, sip_period=sip_period, firmware=firmware
+        )
         self.t = 0.0
         self.distance = self.rotation = 0.0
         self.packets: list[tuple[float, bytes]] = []
@@ -129,6 +138,25 @@ def test_output_never_overlaps_on_the_wire() -> None:
     times = [(t, (len(packet) + 5) * 10 / 9600) for t, packet in robot.packets]
     for (before, _), (after, wire) in itertools.pairwise(times):
         assert after - before >= wire - 1e-9
+
+
+def test_line_that_is_too_slow_for_all_streams_leaves_packets_out_in_turn() -> None:
+    robot = Robot(firmware=Firmware.ARCOS).open()
+    for number in (N.ENCODER, N.IOREQUEST, N.JOYINFO, N.GRIPREQUEST, N.BATTERYINFO, N.GYRO):
+        robot.send(Command(number, 2))
+    robot.run(2.0, PULSE)
+    robot.packets.clear()
+    robot.run(10.0, PULSE)
+    kinds = [packet[0] for _, packet in robot.packets]
+    assert sum(kind in (0x32, 0x33) for kind in kinds) == pytest.approx(100, abs=2)
+    for kind in (0x90, 0xF0, 0xF8, 0xE0, 0xFA, 0x98):
+        assert 10 < kinds.count(kind) < 100, kind
+    last = max(t for t, _ in robot.packets)
+    assert last <= robot.t
+    robot.send(Command(2))
+    robot.packets.clear()
+    robot.run(1.0)
+    assert len(robot.packets) < 8, "nothing had piled up"
 
 
 def test_sonar_fires_one_transducer_per_ring_every_40_ms() -> None:
