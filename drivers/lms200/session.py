@@ -1,9 +1,10 @@
 """The host's session with an LMS 200, from finding its rate to a stream of scans.
 
 Sans-I/O: takes bytes and times, returns requests to the link. Order of steps: find the rate (a
-laser left streaming is stopped by the same command), set the wanted rate, type, status, errors,
-variant, configuration, stream. Variant and configuration are written only where the laser reports
-others: its EEPROM endures few writes. Source: SICK telegram listing 8007954/Q501, timing and modes.
+laser left streaming is stopped by the same command), set the wanted rate, type, status (and the
+rate, where it tells another), errors, variant, configuration, stream. Variant and configuration are
+written only where the laser reports others: its EEPROM endures few writes. Source: SICK telegram
+listing 8007954/Q501, timing and modes.
 """
 
 from __future__ import annotations
