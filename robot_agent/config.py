@@ -103,8 +103,8 @@ class RecorderSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         float,
         msgspec.Meta(
             gt=0.0,
-            description="Space that all runs of this robot in the folder may take; the oldest are"
-            " deleted",
+            description="Space that all runs of this robot in the folder may take; the oldest but"
+            " the last three are deleted",
             extra={"unit": "MB"},
         ),
     ] = 4000.0
@@ -112,7 +112,7 @@ class RecorderSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         float,
         msgspec.Meta(
             ge=0.0,
-            description="Space of the disk never taken: runs are deleted, then recording ends,"
+            description="Space of the disk never taken: runs are deleted, then recording pauses,"
             " before that",
             extra={"unit": "MB"},
         ),

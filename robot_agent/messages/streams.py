@@ -272,8 +272,8 @@ class ProcessPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=Tr
     lateness_max: Annotated[float, Meta(description="s")]
     deadline_misses: Annotated[int, Meta(description="events done more than 50 ms late")] = 0
     longest_pause: Annotated[float, Meta(description="longest time without any event (s)")] = 0.0
-    recorder_lost: Annotated[int, Meta(description="records the disk was too slow for")] = 0
-    recorder_trouble: Annotated[str, Meta(description="why nothing is recorded any more")] = ""
+    recorder_lost: Annotated[int, Meta(description="records the disk had no room or time for")] = 0
+    recorder_trouble: Annotated[str, Meta(description="why nothing is recorded at present")] = ""
     telemetry_dropped: Annotated[int, Meta(description="payloads the network was too slow for")] = 0
     operator: Annotated[
         bool | None, Meta(description="whether the operator is connected; absent without telemetry")

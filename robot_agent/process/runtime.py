@@ -236,7 +236,7 @@ class Runtime:
         )
         self._note("process", "process", report, t)
         if not trouble and lost:
-            trouble = "the disk is too slow: parts of the recording are lost"
+            trouble = "the disk was full or too slow: parts of the recording are lost"
         self._publish_trouble("recorder", trouble, t)
         self._publish_trouble("telemetry", self._telemetry.failed, t)
 

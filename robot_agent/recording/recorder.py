@@ -1,27 +1,35 @@
-"""The flight recorder: writes an agent's events and effects to a file, on its own thread.
+"""The flight recorder: writes an agent's events and effects to files, on its own thread.
 
 The agent's side only appends to a queue. The thread empties the queue ten times a second and every
 0.5 s finishes a chunk and syncs it to the disk, so that a killed process or a power cut costs at
 most the last second. Records that cannot be written are counted and marked as a gap.
+
+Without room recording pauses; after an error of the disk it is tried again, in a new file.
 """
 
 from __future__ import annotations
 
 import os
+import stat
 import threading
 import time
 from collections import deque
-from pathlib import Path
 from typing import BinaryIO
 
 from robot_agent.messages.effects import Effect
 from robot_agent.messages.events import Event
 from robot_agent.recording.recording_retention import RecordingRetention
 from robot_agent.recording.recording_writer import Gap, Note, RecordingWriter
+from robot_agent.recording.run_files import RunFiles
 from robot_agent.recording.run_header import RunHeader
 
 DRAIN_S = 0.1
 FLUSH_S = 0.5
+RETRY_S = 5.0
+"""s after which a failing disk is tried again; doubled each time, up to LONGEST_RETRY_S."""
+LONGEST_RETRY_S = 60.0
+RESUME_MB = 10.0
+"""Room above the bounds from which a paused recording goes on: some minutes of it."""
 CLOSE_S = 5.0
 """s to wait for a hanging disk at the end."""
 CAPACITY = 20_000
@@ -29,44 +37,56 @@ CAPACITY = 20_000
 
 
 class Recorder:
-    """Records one run to an MCAP file without ever blocking the agent.
+    """Records one run to MCAP files without ever blocking the agent.
 
-    ``failed`` is empty, or one line with the error after which nothing more is recorded. ``lost``
+    ``failed`` is empty, or one line with the reason why nothing is recorded at present. ``lost``
     counts the records that were dropped. One thread at a time may call the methods.
     """
 
     def __init__(
         self,
-        path: Path,
+        files: RunFiles,
         header: RunHeader,
         *,
         capacity: int = CAPACITY,
         drain_period: float = DRAIN_S,
         flush_period: float = FLUSH_S,
+        retry_after: float = RETRY_S,
         close_wait: float = CLOSE_S,
         room: RecordingRetention | None = None,
     ) -> None:
         """Start the thread that creates the file with its header.
 
-        capacity: records in the queue. drain_period, flush_period, close_wait: s. room: bounds the
-        use of the disk; None: no bound.
+        capacity: records in the queue. drain_period, flush_period, retry_after, close_wait: s.
+        room: bounds the use of the disk; None: no bound.
         """
-        self.path = path
+        self.files = files
         self.failed = ""
-        self.lost = 0
         self._capacity = capacity
         self._period = drain_period
         self._flush_period = flush_period
+        self._retry_after = retry_after
         self._close_wait = close_wait
         self._room = room
         self._queue: deque[tuple[float, Event | Effect | Gap | Note]] = deque()
-        self._unmarked = 0  # lost since the last gap mark
+        self._dropped = 0
+        self._unmarked = 0  # dropped since the last gap mark
         self._last_t = 0.0
         self._ending = threading.Event()
+        # Of the recorder's thread:
+        self._unwritten = 0  # lost by errors of the disk
+        self._unflushed = 0  # written since the last flush
+        self._gap = 0  # of them, those not marked yet
+        self._written_t = 0.0
         self._thread = threading.Thread(
             target=self._run, args=(header,), name="recorder", daemon=True
         )
         self._thread.start()
+
+    @property
+    def lost(self) -> int:
+        """Records that are in no file."""
+        return self._dropped + self._unwritten
 
     def record_event(self, event: Event) -> None:
         """Queue an event, before the agent handles it."""
@@ -87,12 +107,12 @@ class Recorder:
         self._ending.set()
         self._thread.join(self._close_wait)
         if self._thread.is_alive():
-            self.failed = f"{self.path}: the disk hangs: the recording's end is lost"
+            self.failed = f"{self.files.path}: the disk hangs: the recording's end is lost"
 
     def _put(self, t: float, record: Event | Effect | Note) -> None:
         self._last_t = t
         if self.failed or len(self._queue) >= self._capacity:
-            self.lost += 1
+            self._dropped += 1
             self._unmarked += 1
             return
         if self._unmarked:
@@ -104,34 +124,77 @@ class Recorder:
         self._unmarked = 0
 
     def _run(self, header: RunHeader) -> None:
-        """Write until ``close``; an error of the disk, or of the thread, is set in ``failed``."""
-        trouble = "its thread has died: start the agent again"
+        """Write until ``close``; the thread's own end by an error is set in ``failed``."""
+        whole = False
         try:
-            with self.path.open("wb") as file:
-                trouble = self._write_run(file, header)
-        except (OSError, ValueError) as error:
-            trouble = getattr(error, "strerror", None) or str(error)
+            self._write_files(header)
+            whole = True
         finally:
-            if trouble:
-                self.failed = f"{self.path}: recording stopped: {trouble}"
-                self._queue.clear()
+            if not whole:
+                self._fail("its thread has died: start the agent again")
+            self._unwritten += sum(not isinstance(record, Gap) for _t, record in self._queue)
 
-    def _write_run(self, file: BinaryIO, header: RunHeader) -> str:
-        """Write a whole recording; return why it had to end early, empty if it did not.
+    def _write_files(self, header: RunHeader) -> None:
+        """Write the run to a file, and after an error of the disk to a new one, until ``close``."""
+        wait = self._retry_after
+        ended = False
+        while not ended:
+            try:
+                with self.files.open_next() as file:
+                    self._write_file(file, header)
+                break
+            except (OSError, ValueError) as error:
+                self._fail(getattr(error, "strerror", None) or str(error))
+            self._gap += self._unflushed
+            self._unwritten += self._unflushed
+            self._unflushed = 0
+            ended = self._ending.wait(wait)
+            wait = min(2.0 * wait, LONGEST_RETRY_S)
 
-        Every flush is synced to the disk.
-        """
-        writer = RecordingWriter(file, header)
-        trouble, ending = "", False
-        while not ending and not trouble:
+    def _fail(self, trouble: str) -> None:
+        self.failed = f"{self.files.path}: recording stopped: {trouble}"
+
+    def _write_file(self, file: BinaryIO, header: RunHeader) -> None:
+        """Write a whole file until ``close``; every flush is synced to the disk."""
+        writer = self._begin(file, header)
+        ending = False
+        while not ending:
             next_flush = time.monotonic() + self._flush_period  # however long the disk takes
-            _flush(writer, file)
+            self._flush(writer, file)
             trouble = self._room.free_space() if self._room else ""
-            ending = self._write_until(next_flush, writer)
+            ending = self._pause(trouble) if trouble else self._write_until(next_flush, writer)
+        self._drain(writer)
         writer.finish()
         file.flush()
         os.fdatasync(file.fileno())
-        return trouble
+        self._unflushed = 0
+
+    def _begin(self, file: BinaryIO, header: RunHeader) -> RecordingWriter:
+        """Write the header, and a mark of what an earlier file has lost; without it, no file."""
+        if self._room:
+            self._room.free_space()  # what is too little even so will pause or fail
+        try:
+            writer = RecordingWriter(file, header)
+            if self._gap:
+                writer.write_gap(Gap(self._written_t, self._gap))
+            self._flush(writer, file)
+        except OSError:
+            if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+                self.files.path.unlink(missing_ok=True)
+            raise
+        self._gap = 0
+        self.failed = ""
+        return writer
+
+    def _pause(self, trouble: str) -> bool:
+        """Wait for room; return whether the recording ends before that."""
+        assert self._room is not None
+        self._fail(trouble)
+        while not self._ending.wait(self._flush_period):
+            if not self._room.free_space(RESUME_MB):
+                self.failed = ""
+                return False
+        return True
 
     def _write_until(self, flush_at: float, writer: RecordingWriter) -> bool:
         """Empty the queue repeatedly until ``flush_at``; return whether the recording ends."""
@@ -145,17 +208,20 @@ class Recorder:
         """Write all records queued by now."""
         for _ in range(len(self._queue)):
             t, record = self._queue.popleft()
+            self._written_t = t
             if isinstance(record, Gap):
                 writer.write_gap(record)
-            elif isinstance(record, Note):
+                continue
+            self._unflushed += 1
+            if isinstance(record, Note):
                 writer.write_note(record)
             elif isinstance(record, Event):
                 writer.write_event(record)
             else:
                 writer.write_effect(t, record)
 
-
-def _flush(writer: RecordingWriter, file: BinaryIO) -> None:
-    writer.flush()
-    file.flush()
-    os.fdatasync(file.fileno())
+    def _flush(self, writer: RecordingWriter, file: BinaryIO) -> None:
+        writer.flush()
+        file.flush()
+        os.fdatasync(file.fileno())
+        self._unflushed = 0

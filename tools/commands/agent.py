@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import ctypes
-import datetime
 import sys
 from contextlib import ExitStack
 from pathlib import Path
@@ -23,10 +22,8 @@ from robot_agent.process.settings_list import format_settings, list_settings
 from robot_agent.process.telemetry import Telemetry
 from robot_agent.recording.recorder import Recorder
 from robot_agent.recording.recording_retention import RecordingRetention
+from robot_agent.recording.run_files import NumberedRuns, OneFile, RunFiles, refuse_existing
 from robot_agent.recording.run_header import header_of_run
-
-RUN_STAMP = "[0-9]" * 8 + "T" + "[0-9]" * 6 + "Z"
-"""Pattern of the time in a run's file name."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -84,7 +81,7 @@ def run(options: argparse.Namespace) -> int:
         print(f"patrol agent: {config.robot.name} started", file=sys.stderr, flush=True)
         runtime.run()
     if recorder is not None and (recorder.failed or recorder.lost):
-        trouble = recorder.failed or f"{recorder.lost} records lost, the disk was too slow"
+        trouble = recorder.failed or f"{recorder.lost} records lost, the disk was full or too slow"
         print(f"patrol agent: {trouble}", file=sys.stderr)
     if pose_file is not None and pose_file.failed:
         print(f"patrol agent: {pose_file.failed}", file=sys.stderr)
@@ -112,7 +109,7 @@ def make_recorder(
     """Create and start the flight recorder.
 
     wanted: file of ``--record``; None: a new file in the configured folder. Returns None if neither
-    is given. Raises OSError if the file's folder cannot be made.
+    is given. Raises RecordingExistsError if the wanted file exists.
     """
     if wanted is None and not config.recorder.folder:
         return None
@@ -123,9 +120,8 @@ def make_recorder(
         start_wall_ns=clock.start_wall_ns,
         start_monotonic_ns=clock.start_monotonic_ns,
     )
-    stamp = datetime.datetime.now(datetime.UTC).strftime("%Y%m%dT%H%M%SZ")
-    name = config.robot.name
-    path = wanted or Path(config.recorder.folder) / f"{name}-{stamp}.mcap"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    older = "" if wanted else f"{name}-{RUN_STAMP}.mcap"
-    return Recorder(path, header, room=RecordingRetention(path, config.recorder, older))
+    files: RunFiles = NumberedRuns(Path(config.recorder.folder), config.robot.name)
+    if wanted is not None:
+        refuse_existing(wanted)
+        files = OneFile(wanted)
+    return Recorder(files, header, room=RecordingRetention(files, config.recorder))

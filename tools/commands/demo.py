@@ -12,6 +12,7 @@ from pathlib import Path
 from maps.border import BorderError
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
+from robot_agent.recording.run_files import refuse_existing
 from tools.commands.settings_option import add_set_option, chosen_config
 from tools.commands.truth_option import add_truth_option, chosen_truth
 from tools.demo.demo import Demo, DemoOptions
@@ -50,6 +51,8 @@ def run(options: argparse.Namespace) -> int:
     folder = load_map_folder(path, options.border)
     if folder.border is None:
         raise BorderError(f"{path}: has no border.toml to patrol; add one")
+    for number in range(options.robots if options.record else 0):
+        refuse_existing(options.record / f"robot{number + 1}.mcap")
     with recordings_folder(options.record) as record:
         demo = Demo(
             DemoOptions(

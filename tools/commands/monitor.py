@@ -11,6 +11,7 @@ from pathlib import Path
 
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
+from robot_agent.recording.run_files import refuse_existing
 from tools.monitor.monitor import Monitor, MonitorOptions, PeriodicCall, until
 from tools.monitor.playback import Playback
 from tools.monitor.site import Site
@@ -65,6 +66,8 @@ def run(options: argparse.Namespace) -> int:
     going_on = until(options.duration)
     if options.play:
         return play(options, going_on)
+    if options.record is not None:
+        refuse_existing(options.record)
     site = chosen_site(options.map, options.border)
     http = None if options.text else options.http
     chosen = MonitorOptions(

@@ -16,6 +16,7 @@ from robot_agent.process.journal import Journal
 from robot_agent.process.runtime import Clock, Runtime, end_on_signals
 from robot_agent.process.telemetry import Telemetry
 from robot_agent.recording.recorder import Recorder
+from robot_agent.recording.run_files import OneFile, refuse_existing
 from robot_agent.recording.run_header import header_of_run
 from tools.mapping.blank_map import blank_map
 from tools.teleop.terminal_keys import HELP, terminal_keys
@@ -51,9 +52,9 @@ def run(options: argparse.Namespace) -> int:
         start_wall_ns=clock.start_wall_ns,
         start_monotonic_ns=clock.start_monotonic_ns,
     )
-    options.output.parent.mkdir(parents=True, exist_ok=True)
+    refuse_existing(options.output)
     with ExitStack() as stack:
-        recorder = Recorder(options.output, header)
+        recorder = Recorder(OneFile(options.output), header)
         stack.callback(recorder.close)
         telemetry = Telemetry(config.telemetry, robot=config.robot.name, team=config.robot.team)
         stack.callback(telemetry.close)
@@ -67,7 +68,7 @@ def run(options: argparse.Namespace) -> int:
             print("patrol record: push the robot; Ctrl-C ends", file=sys.stderr, flush=True)
         runtime.run()
     if recorder.failed or recorder.lost:
-        trouble = recorder.failed or f"{recorder.lost} records lost, the disk was too slow"
+        trouble = recorder.failed or f"{recorder.lost} records lost, the disk was full or too slow"
         print(f"patrol record: {trouble}", file=sys.stderr)
         return 1
     print(options.output)

@@ -20,6 +20,7 @@ from mcap.writer import Writer
 from maps.map_folder import MapFolder
 from robot_agent.messages.streams import STREAMS
 from robot_agent.recording.recording_writer import CHUNK_BYTES, MAP_ATTACHMENT_PREFIX, OCTET_STREAM
+from robot_agent.recording.run_files import OneFile
 
 TEAM_METADATA = "team"
 DRAIN_S = 0.1
@@ -63,7 +64,7 @@ class TeamRecorder:
 
     def _run(self) -> None:
         try:
-            with self.path.open("wb") as file:
+            with OneFile(self.path).open_next() as file:
                 self._write(file)
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or str(error)

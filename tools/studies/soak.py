@@ -26,6 +26,7 @@ from robot_agent.messages.events import Event
 from robot_agent.motion.gate_reason import LATCHED, GateReason
 from robot_agent.recording.recorder import Recorder
 from robot_agent.recording.recording_retention import RecordingRetention
+from robot_agent.recording.run_files import NumberedRuns
 from robot_agent.recording.run_header import RunHeader, header_of_run
 from tools.bench.bench_fault import BenchFault, FaultKind
 from tools.bench.fleet import Fleet, FleetRobot
@@ -35,8 +36,8 @@ from tools.simulation.world import Contact
 
 HOUR_S = 3600.0
 SAMPLE_S = 0.5
-KEEP_MB = 120.0
-"""Size of each robot's recordings kept: about two hours, so that old ones are deleted."""
+KEEP_MB = 300.0
+"""Size of each robot's recordings kept: about five hours, so that old ones are deleted."""
 BLIND_DRIVE_S = 4.5
 """Time for which a robot may move after its agent died: the base's watchdog and its ramp."""
 PERSON_COMES_S = 20.0
@@ -98,24 +99,17 @@ class HourlyRecording:
     """The flight recorder of one robot with a new file every hour; old ones are deleted."""
 
     def __init__(self, target: Path, name: str, header: RunHeader) -> None:
-        """Start recording to ``target``/<name>-<time>.mcap."""
+        """Start recording to ``target``/<name>-<number>-<time>.mcap."""
         self._target = target
         self._name = name
         self._header = header
-        self._runs = 0
         self.lost = 0
         self._recorder = self._start()
 
     def _start(self) -> Recorder:
-        self._runs += 1
-        day, hour = divmod(self._runs - 1, 24)
-        path = self._target / f"{self._name}-{20000101 + day}T{hour:02d}0000Z.mcap"
+        files = NumberedRuns(self._target, self._name)
         settings = RecorderSettings(keep_mb=KEEP_MB, leave_free_mb=0.0)
-        return Recorder(
-            path,
-            self._header,
-            room=RecordingRetention(path, settings, f"{self._name}-????????T??????Z.mcap"),
-        )
+        return Recorder(files, self._header, room=RecordingRetention(files, settings))
 
     def record_event(self, event: Event) -> None:
         """Queue an event."""

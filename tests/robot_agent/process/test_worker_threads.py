@@ -13,6 +13,7 @@ from robot_agent.messages.events import Tick
 from robot_agent.process.telemetry import Telemetry
 from robot_agent.recording.recorder import Recorder
 from robot_agent.recording.recording_writer import RecordingWriter
+from robot_agent.recording.run_files import OneFile
 from robot_agent.recording.run_header import RunHeader
 
 pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
@@ -26,7 +27,7 @@ def die(*_: object) -> None:
 
 def test_dead_recorder_thread_is_reported(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(RecordingWriter, "write_event", die)
-    recorder = Recorder(tmp_path / "run.mcap", HEADER)
+    recorder = Recorder(OneFile(tmp_path / "run.mcap"), HEADER)
     recorder.record_event(Tick(0.0))
     recorder.close()
     assert "its thread has died" in recorder.failed

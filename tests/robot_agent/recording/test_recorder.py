@@ -27,6 +27,7 @@ from robot_agent.messages.events import (
 from robot_agent.messages.streams import PROCESS_STREAMS, STREAMS
 from robot_agent.recording.recorder import Recorder
 from robot_agent.recording.recording_writer import Gap, Note, RecordingWriter, Reference
+from robot_agent.recording.run_files import OneFile
 from robot_agent.recording.run_header import RunHeader
 from tools.logs.recording import Item, read_recording
 
@@ -122,9 +123,9 @@ def test_everything_written_is_read_back_exactly_and_in_order(
 
 
 def test_header_configuration_and_map_come_back(tmp_path: Path) -> None:
-    recorder = Recorder(tmp_path / "run.mcap", HEADER)
+    recorder = Recorder(OneFile(tmp_path / "run.mcap"), HEADER)
     recorder.close()
-    assert read_recording(recorder.path).header == HEADER
+    assert read_recording(recorder.files.path).header == HEADER
 
 
 def test_recorder_keeps_the_order_of_events_and_effects(tmp_path: Path) -> None:
@@ -139,30 +140,30 @@ def test_recorder_keeps_the_order_of_events_and_effects(tmp_path: Path) -> None:
         Tick(0.35),
         Shutdown(1.0),
     ]
-    recorder = Recorder(tmp_path / "run.mcap", HEADER)
+    recorder = Recorder(OneFile(tmp_path / "run.mcap"), HEADER)
     record(recorder, recorded)
     recorder.close()
     recorder.close()
     assert (recorder.failed, recorder.lost) == ("", 0)
-    assert list(read_recording(recorder.path).items()) == recorded
+    assert list(read_recording(recorder.files.path).items()) == recorded
 
 
 def test_full_queue_is_counted_and_leaves_a_gap(tmp_path: Path) -> None:
-    recorder = Recorder(tmp_path / "run.mcap", HEADER, capacity=4, drain_period=3600.0)
+    recorder = Recorder(OneFile(tmp_path / "run.mcap"), HEADER, capacity=4, drain_period=3600.0)
     ticks: list[Item] = [Tick(index / 10) for index in range(10)]
     record(recorder, ticks)
     recorder.close()
     assert recorder.lost == 6
-    assert list(read_recording(recorder.path).items()) == [*ticks[:4], Gap(0.9, 6)]
+    assert list(read_recording(recorder.files.path).items()) == [*ticks[:4], Gap(0.9, 6)]
 
 
 def test_every_discontinuity_is_marked_when_the_disk_cannot_keep_up(tmp_path: Path) -> None:
-    recorder = Recorder(tmp_path / "run.mcap", HEADER, capacity=3, drain_period=0.001)
+    recorder = Recorder(OneFile(tmp_path / "run.mcap"), HEADER, capacity=3, drain_period=0.001)
     count = 20_000
     record(recorder, [Tick(index / 1e6) for index in range(count)])
     recorder.close()
     seen = 0
-    for item in read_recording(recorder.path).items():
+    for item in read_recording(recorder.files.path).items():
         if isinstance(item, Gap):
             seen += item.lost
         else:
@@ -173,7 +174,7 @@ def test_every_discontinuity_is_marked_when_the_disk_cannot_keep_up(tmp_path: Pa
 
 
 def test_full_disk_sets_failed_without_raising() -> None:
-    recorder = Recorder(Path("/dev/full"), HEADER)
+    recorder = Recorder(OneFile(Path("/dev/full")), HEADER)
     recorder.record_event(Tick(0.0))
     recorder.close()
     assert recorder.failed == "/dev/full: recording stopped: No space left on device"
@@ -183,15 +184,16 @@ def test_full_disk_sets_failed_without_raising() -> None:
 
 
 def test_file_that_cannot_be_created_sets_failed(tmp_path: Path) -> None:
-    recorder = Recorder(tmp_path / "missing" / "run.mcap", HEADER)
+    (tmp_path / "in_the_way").touch()
+    recorder = Recorder(OneFile(tmp_path / "in_the_way" / "run.mcap"), HEADER)
     recorder.close()
-    assert "No such file or directory" in recorder.failed
+    assert "run.mcap: recording stopped: " in recorder.failed
 
 
 def test_hanging_disk_sets_failed_and_does_not_block(tmp_path: Path) -> None:
     path = tmp_path / "run.mcap"
     os.mkfifo(path)  # opening it waits for a reader, as a hanging disk makes one wait
-    recorder = Recorder(path, HEADER, capacity=100, close_wait=0.05)
+    recorder = Recorder(OneFile(path), HEADER, capacity=100, close_wait=0.05)
     record(recorder, [Tick(index / 10) for index in range(150)])
     assert recorder.lost == 50
     recorder.close()
@@ -272,9 +274,10 @@ import itertools, sys, time
 from pathlib import Path
 from robot_agent.messages.events import Tick
 from robot_agent.recording.recorder import Recorder
+from robot_agent.recording.run_files import OneFile
 from robot_agent.recording.run_header import RunHeader
 header = RunHeader(robot="r", team="t", seed=1, software_version="", start_wall_ns=0)
-recorder = Recorder(Path(sys.argv[1]), header, drain_period=0.02, flush_period=0.2)
+recorder = Recorder(OneFile(Path(sys.argv[1])), header, drain_period=0.02, flush_period=0.2)
 start = time.monotonic()
 for index in itertools.count():
     recorder.record_event(Tick(index / 100))
