@@ -4,23 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import permutations
 
-import numpy as np
+from tools.report.clock_search import ClockFit, best_correction
+from tools.report.run_log import RunLog
 
-from tools.report.run_log import Floats, RunLog
-
-SEARCH_S = 120.0
-"""Largest difference of two robots' wall clocks."""
-COARSE_S = 0.5
-FINE_S = 0.02
-SEEN_M = 1.0
-"""Distances of a sighting from the teammate's own pose are clipped to this: beyond, it is of
-another robot or another time."""
-NEEDED = 30
-"""Fewest sightings of a pair, at ten a second, to estimate its clock offset from."""
-MOVED_M = 0.4
-"""Least extent of a teammate's seen path: a standing one does not show the clock offset."""
+LONGEST_S = 3 * 86400.0
+"""Longest time a report may span: its figures sample all of it, some 80 MB a robot and day."""
+YEAR_S = 365.25 * 86400.0
 
 
 class AlignmentError(ValueError):
@@ -48,7 +38,10 @@ def align(
 
     stated: corrections by robot, s, which are used unchecked. trust_host: runs recorded on one host
     use its monotonic clock. Other wall clocks are corrected to fit sightings to the teammates' own
-    poses. Returns one note per run. Raises AlignmentError for a stated robot without a recording.
+    poses, however far apart they are. Returns one note per run.
+
+    Raises AlignmentError for a stated robot without a recording, for a run whose clock is far from
+    all others' and cannot be found, and for recordings too far apart for one report.
     """
     stated = stated or {}
     for robot in stated:
@@ -60,109 +53,105 @@ def align(
     origin = min(run.header.start_wall_ns for run in runs)
     for run in runs:
         run.shift = (run.header.start_wall_ns - origin) / 1e9
-    notes = [
-        _set_clock(run, runs[0], runs[:number], stated, trust_host=trust_host)
-        for number, run in enumerate(runs)
-    ]
+    notes = _set_clocks(runs, stated, trust_host=trust_host)
     first = min(run.shift for run in runs)
     for run in runs:
         run.shift -= first
+    span = max(run.shift + run.end for run in runs)
+    if span > LONGEST_S:
+        raise AlignmentError(
+            f"the recordings span {_words(span)}, a report at most {_words(LONGEST_S)}: report "
+            "them apart, or state what to add to a clock, e.g. --offset robot2=-3600"
+        )
     return notes
 
 
-def _set_clock(
-    run: RunLog,
-    first: RunLog,
-    settled: Sequence[RunLog],
-    stated: Mapping[str, float],
-    *,
-    trust_host: bool,
-) -> ClockNote:
-    """Correct one run's shift by the runs before it; return how."""
+def _set_clocks(
+    runs: Sequence[RunLog], stated: Mapping[str, float], *, trust_host: bool
+) -> list[ClockNote]:
+    """Correct each run's shift by the runs settled before it; the surest goes first."""
+    notes: dict[int, ClockNote] = {}
+    while open_runs := [number for number in range(len(runs)) if number not in notes]:
+        settled = [runs[number] for number in notes]
+        fits: dict[int, ClockFit] = {}
+        for number in open_runs:
+            run = runs[number]
+            note = _known_clock(run, settled, stated, trust_host=trust_host)
+            if note is not None:
+                notes[number] = note
+                break
+            fits[number] = best_correction(run, [each for each in settled if each.name != run.name])
+        else:
+            surest = max(fits, key=lambda number: fits[number].support)
+            if fits[surest].correction is None:
+                return _with_wall_clocks(runs, notes, fits)
+            notes[surest] = _fitted(runs[surest], fits[surest])
+    return [notes[number] for number in range(len(runs))]
+
+
+def _fitted(run: RunLog, fit: ClockFit) -> ClockNote:
+    """Correct one run's shift by sightings."""
+    assert fit.correction is not None
+    run.shift += fit.correction
+    return ClockNote(run.name, fit.correction, "mutual sightings", fit.residual)
+
+
+def _with_wall_clocks(
+    runs: Sequence[RunLog], notes: Mapping[int, ClockNote], fits: Mapping[int, ClockFit]
+) -> list[ClockNote]:
+    """Return the notes of all runs; those that nothing tells keep their wall clocks, if credible.
+
+    Raises AlignmentError for one that is not.
+    """
+    for number, fit in fits.items():
+        _check_overlap(runs[number], runs, fit)
+    return [
+        notes.get(number) or ClockNote(run.name, 0.0, f"wall clock: {fits[number].trouble}")
+        for number, run in enumerate(runs)
+    ]
+
+
+def _known_clock(
+    run: RunLog, settled: Sequence[RunLog], stated: Mapping[str, float], *, trust_host: bool
+) -> ClockNote | None:
+    """Correct one run's shift where no sightings are needed; return how, None if they are."""
     before = run.shift
     if run.name in stated:
         run.shift += stated[run.name]
         return ClockNote(run.name, stated[run.name], "stated")
-    if run is first:
+    if not settled:
         return ClockNote(run.name, 0.0, "its clock is the team's")
-    if trust_host and run.header.boot and run.header.boot == first.header.boot:
-        apart = (run.header.start_monotonic_ns - first.header.start_monotonic_ns) / 1e9
-        run.shift = first.shift + apart
-        return ClockNote(run.name, run.shift - before, "same host, same monotonic clock")
-    if trust_host and run.header.source == first.header.source == "bench":
+    if not trust_host:
+        return None
+    for other in settled:
+        if run.header.boot and run.header.boot == other.header.boot:
+            apart = (run.header.start_monotonic_ns - other.header.start_monotonic_ns) / 1e9
+            run.shift = other.shift + apart
+            return ClockNote(run.name, run.shift - before, "same host, same monotonic clock")
+    if run.header.source == settled[0].header.source == "bench":
         return ClockNote(run.name, 0.0, "same bench, same virtual clock")
-    others = [other for other in settled if other.name != run.name]
-    found = best_correction(run, others)
-    if found is None:
-        return ClockNote(run.name, 0.0, "wall clock: too few mutual sightings to correct it")
-    correction, residual = found
-    run.shift += correction
-    return ClockNote(run.name, correction, "mutual sightings", residual)
+    return None
 
 
-def best_correction(run: RunLog, others: Sequence[RunLog]) -> tuple[float, float] | None:
-    """Return the correction of a run's shift, s, that fits the sightings best, and the residual, m.
-
-    Sightings of the run by the others count as well as its own of them. None if there are too few.
-    """
-    pairs = [
-        pair
-        for other in others
-        for observer, seen in permutations((run, other))
-        if (pair := _Sightings.of(observer, seen, sign=1.0 if observer is run else -1.0))
-        is not None
-    ]
-    if not pairs:
-        return None
-
-    def cost(correction: float) -> float:
-        return float(np.concatenate([pair.misses(correction) for pair in pairs]).mean())
-
-    coarse = np.arange(-SEARCH_S, SEARCH_S + COARSE_S, COARSE_S)
-    middle = coarse[int(np.argmin([cost(c) for c in coarse]))]
-    fine = np.arange(middle - 2 * COARSE_S, middle + 2 * COARSE_S, FINE_S)
-    best = float(fine[int(np.argmin([cost(c) for c in fine]))])
-    misses = np.concatenate([pair.misses(best) for pair in pairs])
-    near = misses[misses < SEEN_M]
-    if near.size < NEEDED:
-        return None
-    return best, float(np.median(near))
-
-
-@dataclass(frozen=True, eq=False)
-class _Sightings:
-    """Positions of a teammate as one robot saw it, and the teammate's own track."""
-
-    t: Floats
-    """Team time by the observer's clock, (n,), s."""
-    position: Floats
-    track_t: Floats
-    """Team time by the teammate's clock, (m,), s."""
-    track: Floats
-    sign: float
-    """+1: the correction shifts the observer's clock; -1: the teammate's."""
-
-    @classmethod
-    def of(cls, observer: RunLog, seen: RunLog, sign: float) -> _Sightings | None:
-        """Return the sightings of a pair; None if too few, or the teammate hardly moved."""
-        there = np.isfinite(observer.neighbor[:, 0])
-        if there.sum() < NEEDED or seen.decision_t.size < NEEDED:
-            return None
-        position = observer.neighbor[there]
-        if np.ptp(position, axis=0).max() < MOVED_M:
-            return None
-        return cls(
-            observer.decision_t[there] + observer.shift,
-            position,
-            seen.decision_t + seen.shift,
-            seen.pose[:, :2],
-            sign,
+def _check_overlap(run: RunLog, runs: Sequence[RunLog], fit: ClockFit) -> None:
+    """Raise AlignmentError if by its wall clock a run was alone: the clock must be wrong."""
+    gaps = {
+        max(other.shift - run.shift - run.end, run.shift - other.shift - other.end): other
+        for other in runs
+        if other.name != run.name
+    }
+    if gaps and min(gaps) > 0.0:
+        ahead = gaps[min(gaps)].shift - run.shift
+        raise AlignmentError(
+            f"{run.path}: by its clock {_words(min(gaps))} from all other robots' recordings, and "
+            f"{fit.trouble}; state what to add to its clock: --offset {run.name}={ahead:.0f} if "
+            f"they began together, --offset {run.name}=0 if it is right"
         )
 
-    def misses(self, correction: float) -> Floats:
-        """Return each sighting's distance from the teammate's track, (n,), m, at most SEEN_M."""
-        t = self.t + self.sign * correction
-        x, y = (np.interp(t, self.track_t, self.track[:, axis]) for axis in (0, 1))
-        misses = np.hypot(x - self.position[:, 0], y - self.position[:, 1])
-        misses[(t < self.track_t[0]) | (t > self.track_t[-1])] = SEEN_M
-        return np.minimum(misses, SEEN_M)
+
+def _words(seconds: float) -> str:
+    """Return a long time in the largest fitting unit."""
+    for unit, size in (("years", YEAR_S), ("days", 86400.0), ("hours", 3600.0)):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.0f} s"

@@ -161,6 +161,14 @@ class RunLog:
         """The robot's name."""
         return self.header.robot
 
+    def continues(self, earlier: RunLog) -> bool:
+        """Return whether it is of the same run, in a new file after an error of the disk."""
+        ours, theirs = self.header, earlier.header
+        return bool(ours.boot) and (ours.boot, ours.start_monotonic_ns) == (
+            theirs.boot,
+            theirs.start_monotonic_ns,
+        )
+
     @property
     def ended_in_order(self) -> bool:
         """Whether the agent was shut down, not killed."""

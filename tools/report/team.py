@@ -72,7 +72,8 @@ class Team:
     @cached_property
     def incidents(self) -> list[Incident]:
         """The incidents of all robots, in order of time."""
-        last = {run.name: run for run in sorted(self.runs, key=lambda run: run.shift)}
+        in_order = sorted(self.runs, key=lambda run: (run.shift, run.end))
+        last = {run.name: run for run in in_order}
         found = [
             incident
             for run in self.runs
@@ -80,8 +81,12 @@ class Team:
             if run is last[run.name] or not incident.is_end
         ]
         for name in self.names:
-            own = sorted((run for run in self.runs if run.name == name), key=lambda run: run.shift)
-            found += [absences(earlier, later) for earlier, later in pairwise(own)]
+            own = [run for run in in_order if run.name == name]
+            found += [
+                absences(earlier, later)
+                for earlier, later in pairwise(own)
+                if not later.continues(earlier)
+            ]
         return sorted(found, key=lambda incident: incident.start)
 
     @cached_property

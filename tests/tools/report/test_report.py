@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 
 from maps.map_folder import load_map_folder
@@ -127,17 +128,82 @@ def test_gate_reasons_are_those_of_the_fault(runs: list[RunLog]) -> None:
     assert team.sampled[0].position.shape == (team.t.size, 2)
 
 
-@pytest.mark.parametrize("error", [-7.3, 31.05])
+HOUR_S, DAY_S, YEAR_S = 3600.0, 86400.0, 31_557_600.0
+
+
+@pytest.mark.parametrize(
+    "error", [-7.3, 31.05, HOUR_S, -HOUR_S, DAY_S + 3.5, -DAY_S, 56 * YEAR_S, -56 * YEAR_S]
+)
 def test_clocks_are_set_by_mutual_sightings(runs: list[RunLog], error: float) -> None:
-    wrong = runs[1].header.start_wall_ns + 50 * 10**9 + round(error * 1e9)
-    runs[0].header = replace(runs[0].header, start_wall_ns=50 * 10**9)
-    runs[1].header = replace(runs[1].header, start_wall_ns=wrong)
+    set_wall_clocks(runs, error)
     first, second = align(runs, trust_host=False)
     assert first.correction == 0.0
     assert second.how == "mutual sightings"
     assert second.correction == pytest.approx(-error, abs=0.25)
     assert second.residual is not None
     assert second.residual < 0.3
+    assert Team(runs, [first, second]).end == pytest.approx(DURATION_S, abs=1.0)
+
+
+def set_wall_clocks(runs: list[RunLog], error: float) -> None:
+    """Let the second robot's wall clock be ahead by an error, s."""
+    for run, ahead in zip(runs, (0.0, error), strict=True):
+        run.header = replace(run.header, start_wall_ns=2 * 10**18 + round(ahead * 1e9))
+
+
+@pytest.mark.parametrize(("error", "words"), [(HOUR_S, "3566 s"), (-56 * YEAR_S, "56 years")])
+def test_clock_far_from_all_others_that_sightings_do_not_tell_is_refused(
+    runs: list[RunLog], error: float, words: str
+) -> None:
+    set_wall_clocks(runs, error)
+    for run in runs:
+        run.neighbor[:] = np.nan
+    with pytest.raises(
+        AlignmentError, match=rf"clock {words} from .*--offset robot2={-error:.0f} if"
+    ) as told:
+        align(runs, trust_host=False)
+    assert "too few mutual sightings" in str(told.value)
+    align(runs, {"robot2": -error}, trust_host=False)
+    assert runs[0].shift == runs[1].shift == 0.0
+
+
+def test_wall_clocks_count_where_nobody_was_seen(runs: list[RunLog]) -> None:
+    set_wall_clocks(runs, 3.0)
+    for run in runs:
+        run.neighbor[:] = np.nan
+    _first, second = align(runs, trust_host=False)
+    assert second.how == "wall clock: too few mutual sightings to correct it"
+    assert runs[1].shift == pytest.approx(3.0)
+
+
+def test_report_of_years_is_refused_before_it_takes_all_memory(runs: list[RunLog]) -> None:
+    with pytest.raises(AlignmentError, match="span 56 years, a report at most 3 days"):
+        align(runs, {"robot2": 56 * YEAR_S})
+
+
+def test_robots_whose_sightings_fit_many_offsets_are_not_guessed(runs: list[RunLog]) -> None:
+    """Both go to and fro in view of each other: every period fits alike."""
+    set_wall_clocks(runs, HOUR_S)
+    for run in runs:
+        run.decision_t = np.arange(0.0, 600.0, 0.1)
+        run.end = 600.0
+        swing = np.sin(run.decision_t * 2.0 * np.pi / 20.0)
+        run.pose = np.column_stack((swing, np.zeros((swing.size, 2))))
+        run.neighbor = run.pose[:, :2]
+    with pytest.raises(AlignmentError, match="sightings fit several offsets alike; state"):
+        align(runs, trust_host=False)
+
+
+def test_robot_that_met_only_a_third_one_is_set_by_it(runs: list[RunLog]) -> None:
+    """The second recording tells nothing of the first; the third is set first, then tells it."""
+    first, second = runs
+    third = replace(first, header=replace(first.header, robot="robot3", start_wall_ns=7 * 10**18))
+    first.neighbor = np.full_like(first.neighbor, np.nan)
+    first.pose = np.full_like(first.pose, 900.0)
+    second.header = replace(second.header, source="live", start_wall_ns=6 * 10**18)
+    third.header = replace(third.header, source="live")
+    align([first, second, third], {"robot3": -7e9}, trust_host=False)
+    assert second.shift == pytest.approx(third.shift, abs=0.25)
 
 
 def test_clocks_of_one_host_are_its_monotonic_clock(runs: list[RunLog]) -> None:
