@@ -274,7 +274,7 @@ class ProcessPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=Tr
     longest_pause: Annotated[float, Meta(description="longest time without any event (s)")] = 0.0
     recorder_lost: Annotated[int, Meta(description="records the disk had no room or time for")] = 0
     recorder_trouble: Annotated[str, Meta(description="why nothing is recorded at present")] = ""
-    telemetry_dropped: Annotated[int, Meta(description="payloads the network was too slow for")] = 0
+    telemetry_dropped: Annotated[int, Meta(description="payloads no operator took")] = 0
     operator: Annotated[
         bool | None, Meta(description="whether the operator is connected; absent without telemetry")
     ] = None

@@ -40,6 +40,7 @@ from robot_agent.process.process_watch import ProcessWatch
 from robot_agent.process.service_notifier import ServiceNotifier
 from robot_agent.process.side_writer import SideWriter
 from robot_agent.process.telemetry import Telemetry
+from robot_agent.process.wall_clock import clock_trouble
 from robot_agent.recording.recorder import Recorder
 from robot_agent.recording.recording_writer import Note
 
@@ -239,6 +240,7 @@ class Runtime:
             trouble = "the disk was full or too slow: parts of the recording are lost"
         self._publish_trouble("recorder", trouble, t)
         self._publish_trouble("telemetry", self._telemetry.failed, t)
+        self._publish_trouble("clock", clock_trouble(time.time()), t)
 
     def _publish_trouble(self, part: str, trouble: str, t: float) -> None:
         """Publish, record and log a failure of a part outside the agent, once per text."""

@@ -13,17 +13,19 @@ import re
 import threading
 import time
 from collections import deque
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from robot_agent.config import TelemetrySettings
 from robot_agent.messages.streams import key_of
+from robot_agent.process.certificate_dates import CertificateError, first_trouble, read_dates
 
 if TYPE_CHECKING:
     import zenoh
 
 CLOSE_S = 1.0
 CHECK_S = 1.0
-"""s between two checks of whether the operator is connected."""
+"""s between two looks at the certificates while no operator is connected."""
 RECONNECT_MS = {"period_init_ms": 250, "period_max_ms": 1000, "period_increase_factor": 2}
 LEASE_MS = 4000
 """ms of silence after which a peer is lost; both ends send keep-alives at a quarter of it."""
@@ -34,10 +36,9 @@ QUEUE = 256
 class Telemetry:
     """Publishes one robot's payloads until closed.
 
-    ``sent`` counts payloads passed to the network, which may still lose them; ``dropped`` those
-    dropped from the full queue. ``failed`` is empty, or one line with the reason why there is no
-    telemetry at all; an absent operator is no failure, the session waits for it. One thread at a
-    time may call the methods.
+    ``sent`` counts payloads passed to a connected operator; the network may still lose them.
+    ``failed`` is empty, or one line with the reason why there is no telemetry at all; an absent
+    operator is no failure, the session waits for it. One thread at a time may call the methods.
     """
 
     def __init__(
@@ -48,7 +49,6 @@ class Telemetry:
         queue: payloads that may wait for the network before the oldest is dropped.
         """
         self.sent = 0
-        self.dropped = 0
         self.failed = ""
         self.connected: bool | None = None
         """Whether the operator was connected at the last check; None: no telemetry."""
@@ -58,18 +58,25 @@ class Telemetry:
         self._team = team
         self._queue: deque[tuple[str, bytes]] = deque(maxlen=queue)
         self._waiting = threading.Event()
+        self._overflowed = 0
+        self._unheard = 0
         self._ending = False
         self._thread: threading.Thread | None = None
         if settings.operator:
             self._thread = threading.Thread(target=self._run, name="telemetry", daemon=True)
             self._thread.start()
 
+    @property
+    def dropped(self) -> int:
+        """Payloads dropped from the full queue, or while no operator was connected."""
+        return self._overflowed + self._unheard
+
     def publish(self, stream: str, payload: bytes) -> None:
         """Queue a payload; never blocks."""
         if self._thread is None:
             return
         if len(self._queue) == self._queue.maxlen:
-            self.dropped += 1
+            self._overflowed += 1
         self._queue.append((stream, payload))
         if not self._waiting.is_set():
             self._waiting.set()
@@ -103,6 +110,16 @@ class Telemetry:
             return plain_reason(error)
         return ""
 
+    def _certificate_trouble(self) -> str:
+        """Return why certificates keep the operator away, empty if they do not."""
+        if not self._keys:
+            return ""
+        try:
+            trouble = first_trouble(read_dates(Path(self._keys)), time.time())
+        except CertificateError as error:
+            trouble = str(error)
+        return trouble and f"no telemetry to {self._operator}: {trouble}"
+
     def _serve(self, session: zenoh.Session) -> None:
         """Declare the robot's liveliness, then publish queued payloads until ``close``."""
         import zenoh
@@ -112,11 +129,13 @@ class Telemetry:
         while not self._ending:
             self._waiting.wait(CHECK_S)
             self._waiting.clear()
+            self.connected = _has_operator(session)
             if (now := time.monotonic()) - checked_at >= CHECK_S:
-                self.connected = bool(session.info.routers_zid() or session.info.peers_zid())
+                self.failed = "" if self.connected else self._certificate_trouble()
                 checked_at = now
             while self._queue:
                 stream, payload = self._queue.popleft()
+                heard = _has_operator(session)
                 # Not a declared publisher: that sends only to subscribers it knows, and the
                 # operator sends robots no declarations.
                 session.put(
@@ -127,8 +146,13 @@ class Telemetry:
                     # queue drops the oldest and counts it.
                     congestion_control=zenoh.CongestionControl.BLOCK,
                 )
-                self.sent += 1
+                self.sent += heard
+                self._unheard += not heard
         token.undeclare()  # type: ignore[no-untyped-call]
+
+
+def _has_operator(session: zenoh.Session) -> bool:
+    return bool(session.info.routers_zid() or session.info.peers_zid())
 
 
 def session_config(operator: str, keys: str = "") -> zenoh.Config:

@@ -152,6 +152,8 @@ class Recorder:
             wait = min(2.0 * wait, LONGEST_RETRY_S)
 
     def _fail(self, trouble: str) -> None:
+        if self.failed.endswith(trouble):
+            return  # each text is an alarm, and the next file tried has another name
         self.failed = f"{self.files.path}: recording stopped: {trouble}"
 
     def _write_file(self, file: BinaryIO, header: RunHeader) -> None:

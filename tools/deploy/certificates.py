@@ -24,7 +24,8 @@ from robot_agent.config import KeyPart
 
 CA, CERTIFICATE, KEY, ROBOTS = "ca.pem", "certificate.pem", "key.pem", "robots.json"
 AUTHORITY, OPERATOR = "authority", "operator"
-_START_EARLIER = datetime.timedelta(days=1)  # a robot's clock may be behind
+_BEGIN = datetime.datetime(1970, 1, 1, tzinfo=datetime.UTC)
+"""Certificates are valid from here on: a computer without a clock battery starts with it."""
 
 
 class KeysError(ValueError):
@@ -48,7 +49,8 @@ def make_keys(
 ) -> list[str]:
     """Make the missing certificates in a folder; return the names of those made.
 
-    hosts: names and addresses at which robots reach the operator. days: validity. Existing keys are
+    hosts: names and addresses at which robots reach the operator. days: validity from
+    now on; they are valid before, for robots whose clocks are not set. Existing keys are
     kept, so that robots can be added later.
 
     Raises:
@@ -171,15 +173,15 @@ class _Issuer:
 def _builder(
     subject: x509.Name, issuer: x509.Name, key: ec.EllipticCurvePublicKey, days: int
 ) -> x509.CertificateBuilder:
-    now = datetime.datetime.now(datetime.UTC)
+    end = datetime.datetime.now(datetime.UTC) + datetime.timedelta(days=days)
     return (
         x509.CertificateBuilder()
         .subject_name(subject)
         .issuer_name(issuer)
         .public_key(key)
         .serial_number(x509.random_serial_number())
-        .not_valid_before(now - _START_EARLIER)
-        .not_valid_after(now + datetime.timedelta(days=days))
+        .not_valid_before(_BEGIN)
+        .not_valid_after(end)
     )
 
 

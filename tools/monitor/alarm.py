@@ -90,8 +90,16 @@ def _of_status(robot: RobotState, status: StatusPayload) -> Iterator[Condition]:
             yield Condition(robot.id, f"link {name}", Severity.CRITICAL, f"{name}: {words}")
     if robot.skew is not None and abs(robot.skew) > SKEW_S:
         way = "ahead of" if robot.skew > 0 else "behind"
-        words = f"clock is {abs(robot.skew):.1f} s {way} this computer's"
+        words = f"clock is {_long(abs(robot.skew))} {way} this computer's; set it"
         yield Condition(robot.id, "clock", Severity.WARNING, words)
+
+
+def _long(seconds: float) -> str:
+    """Return a time in the largest unit of which there are two."""
+    for unit, size in (("years", 365.25 * 86400.0), ("days", 86400.0), ("hours", 3600.0)):
+        if seconds >= 2.0 * size:
+            return f"{seconds / size:.0f} {unit}"
+    return f"{seconds:.1f} s"
 
 
 def _link_words(device: DeviceStatus, wanted: str, uptime: float) -> str:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from maps.map_folder import DEFAULT_BORDER
 from tools.monitor.alarm import Condition, Severity
+from tools.monitor.certificate_watch import CertificateWatch
 from tools.monitor.forwarder import Forwarder
 from tools.monitor.foxglove_server import FoxgloveServer
 from tools.monitor.operator import Operator, Tap
@@ -52,7 +53,7 @@ class Monitor:
         Raises:
             OperatorError: the robots' endpoint is invalid or taken.
             WebError: an address of page or viewers is invalid or taken.
-            KeysError: the keys cannot be read.
+            KeysError, CertificateError: the keys cannot be read.
         """
         self.options = options
         self.url: str | None = None
@@ -61,6 +62,7 @@ class Monitor:
             taps = list(self._open_taps(stack))
             self.operator = Operator(self.options.listen, taps, self.options.keys)
             stack.callback(self.operator.close)
+            self._certificates = CertificateWatch(options.keys)
             self.watch = Watch(self.operator.team, self.options.site, self._own_conditions)
             source = LiveSource()
             if self.options.http is None:
@@ -93,6 +95,7 @@ class Monitor:
 
     def _own_conditions(self) -> Iterator[Condition]:
         """Yield the conditions of the monitor itself."""
+        yield from self._certificates.conditions()
         recorder = self._recorder
         if recorder is not None and (recorder.failed or recorder.lost):
             words = recorder.failed or f"{recorder.lost} payloads not recorded, the disk is slow"

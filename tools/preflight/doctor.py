@@ -9,12 +9,10 @@ from __future__ import annotations
 import datetime
 import os
 import shutil
-import socket
 import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
-from urllib.parse import urlsplit
 
 import numpy as np
 
@@ -26,11 +24,13 @@ from robot_agent.config import AgentConfig, ConfigError, find_map, load_config, 
 from robot_agent.motion.gate_settings import gate_limits
 from robot_agent.patrol.patrol import Patrol
 from robot_agent.patrol.rules import RulesError
+from robot_agent.process.wall_clock import SET_IT, clock_trouble
 from tools.mapping.map_check import check_map
 from tools.preflight.device_trial import run_trials
 from tools.preflight.doctor_base import BaseExamination
 from tools.preflight.doctor_camera import CameraExamination
 from tools.preflight.doctor_geometry import examine_geometry
+from tools.preflight.doctor_keys import examine_keys, examine_operator
 from tools.preflight.doctor_laser import LaserExamination
 from tools.preflight.doctor_sight import examine_sight
 from tools.preflight.finding import Finding, Verdict, failed, ok, skipped, warning
@@ -38,9 +38,6 @@ from tools.preflight.finding import Finding, Verdict, failed, ok, skipped, warni
 TRIAL_LIMIT_S = 10.0
 """Time to wait for silent devices: one pass through all their rates."""
 MIN_DISK_BYTES = 500_000_000
-EARLIEST_YEAR = 2025
-"""A wall clock before this year is not set: this program is newer."""
-OPERATOR_LIMIT_S = 1.0
 
 
 def examine(
@@ -68,7 +65,8 @@ def examine(
         *devices,
         examine_clock(),
         examine_recorder(config.recorder.folder),
-        examine_operator(config.telemetry.operator),
+        examine_keys(config.telemetry.keys),
+        examine_operator(config.telemetry),
     ]
 
 
@@ -158,9 +156,8 @@ def examine_clock(
         remedy = "choose another clocksource: see /sys/devices/system/clocksource"
         return failed("clock", "the monotonic clock does not run evenly", remedy)
     text = f"{now:%Y-%m-%d %H:%M} UTC"
-    if now.year < EARLIEST_YEAR:
-        remedy = "`sudo date -s ...`, or let the operator's machine serve the time"
-        return failed("clock", f"{text}: not set", remedy)
+    if clock_trouble(now.timestamp()):
+        return failed("clock", f"{text}: not set", SET_IT)
     return ok("clock", text)
 
 
@@ -190,16 +187,3 @@ def _nearest_existing(path: Path) -> Path:
 
 def _user() -> str:
     return os.environ.get("USER") or str(os.getuid())
-
-
-def examine_operator(endpoint: str) -> Finding:
-    """Check whether the operator's endpoint accepts a connection; a warning at most if not."""
-    if not endpoint:
-        return skipped("operator", "telemetry.operator is not set: no telemetry is sent")
-    address = urlsplit(endpoint.replace("/", "://", 1))
-    try:
-        with socket.create_connection((address.hostname, address.port), OPERATOR_LIMIT_S):
-            return ok("operator", f"{endpoint} answers")
-    except (OSError, ValueError) as error:
-        remedy = "start `patrol monitor` there, or check the Wi-Fi; the robot patrols without"
-        return warning("operator", f"{endpoint}: {error}", remedy)

@@ -104,7 +104,7 @@ TROUBLES: dict[str, tuple[PayloadsAt, Severity, str]] = {
         "base: connecting, not ready",
     ),
     "intruder": (intruder, Severity.CRITICAL, "intruder at 3.0, 4.0 m"),
-    "clock": (late, Severity.WARNING, "clock is 5.0 s behind this computer's"),
+    "clock": (late, Severity.WARNING, "clock is 5.0 s behind this computer's; set it"),
 }
 
 

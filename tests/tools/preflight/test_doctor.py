@@ -32,7 +32,7 @@ from drivers.p2os.emulator.firmware import Firmware
 from drivers.p2os.model import load_model
 from drivers.p2os.robot_identity import RobotIdentity
 from maps.map_folder import load_map_folder
-from robot_agent.config import AgentConfig, load_config
+from robot_agent.config import AgentConfig, TelemetrySettings, load_config
 from tools.campaign.agent_stage import START, make_room
 from tools.cli import main
 from tools.commands.doctor import plain_lines
@@ -41,7 +41,6 @@ from tools.preflight.doctor import (
     examine_clock,
     examine_devices,
     examine_map,
-    examine_operator,
     examine_recorder,
     is_fit,
 )
@@ -52,6 +51,7 @@ from tools.preflight.doctor_base import (
     examine_motors,
 )
 from tools.preflight.doctor_camera import CameraExamination, examine_adjustments, examine_picture
+from tools.preflight.doctor_keys import examine_operator
 from tools.preflight.doctor_laser import best_rate, examine_health
 from tools.preflight.doctor_port import examine_port
 from tools.preflight.finding import Finding, Verdict
@@ -153,6 +153,7 @@ def test_sound_robot_passes_every_check(
     found = {row["check"]: row["found"] for row in report["checks"]}
     verdicts = {row["check"]: row["verdict"] for row in report["checks"]}
     assert verdicts.pop("camera colours") == "skipped", "a network camera has none to fix"
+    assert verdicts.pop("keys") == "skipped", "its telemetry has no certificates"
     assert set(verdicts.values()) == {"ok"}
     assert not any(row["remedy"] for row in report["checks"])
     assert found["base"] == "robot1, Pioneer p2dx, at 9600 baud"
@@ -422,11 +423,11 @@ def test_clock_fails_if_unset_or_not_running() -> None:
 
 
 def test_absent_operator_is_a_warning() -> None:
-    assert examine_operator("").verdict is Verdict.SKIPPED
+    assert examine_operator(TelemetrySettings()).verdict is Verdict.SKIPPED
     with socket.create_server(("127.0.0.1", 0)) as listener:
         endpoint = f"tcp/127.0.0.1:{listener.getsockname()[1]}"
-        assert examine_operator(endpoint).verdict is Verdict.OK
-    absent = examine_operator(endpoint)
+        assert examine_operator(TelemetrySettings(operator=endpoint)).verdict is Verdict.OK
+    absent = examine_operator(TelemetrySettings(operator=endpoint))
     assert absent.verdict is Verdict.WARNING, "a robot patrols without"
     assert "patrol monitor" in absent.remedy
 
