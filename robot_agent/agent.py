@@ -453,7 +453,8 @@ class Agent:
         gate = self._drive(t, requested, self._gate_inputs(t, state, limited=True))
         if requested != (0.0, 0.0):
             self._on_gate_decision(t, gate)
-            self.outbox.add(Notice(t, "recovery", "turns to look around", LogLevel.WARNING))
+            if (gate.v, gate.w) != (0.0, 0.0):
+                self.outbox.add(Notice(t, "recovery", "turns to look around", LogLevel.WARNING))
 
     def _drive(self, t: float, requested: tuple[float, float], inputs: GateInputs) -> GateDecision:
         """Send the base what the gate permits of requested (v m/s, w rad/s); return that."""
