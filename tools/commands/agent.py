@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import ctypes
 import datetime
+import os
 import sys
 from contextlib import ExitStack
 from pathlib import Path
@@ -24,6 +25,7 @@ from robot_agent.process.telemetry import Telemetry
 from robot_agent.recording.recorder import Recorder
 from robot_agent.recording.recording_retention import RecordingRetention
 from robot_agent.recording.run_header import header_of_run
+from tools.preflight.doctor import never_drives
 
 RUN_STAMP = "[0-9]" * 8 + "T" + "[0-9]" * 6 + "Z"
 """Pattern of the time in a run's file name."""
@@ -54,16 +56,27 @@ class _ListSettings(argparse.Action):
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run one robot until SIGINT or SIGTERM."""
+    """Run one robot until SIGINT or SIGTERM.
+
+    A configuration that can never patrol ends it with a status of its own, with which the service
+    is not started again.
+    """
+    try:
+        return _run(options)
+    except ConfigError as error:
+        print(f"patrol agent: {error}", file=sys.stderr)
+        return os.EX_CONFIG
+
+
+def _run(options: argparse.Namespace) -> int:
     config = load_config(options.config)
     if options.print_config:
         print(format_config(config), end="")
         return 0
+    reason = never_drives(config, options.config.parent)
+    if reason:
+        raise ConfigError(f"{options.config}: can never patrol: {reason}")
     folder = load_map(config, options.config.parent)
-    if folder.border is None:
-        raise ConfigError(
-            f"{options.config}: map.folder: {folder.name} has no border.toml to patrol; add one"
-        )
     cv2.setNumThreads(1)
     pose_file = make_pose_file(config, folder)
     if pose_file is not None:
@@ -96,7 +109,7 @@ def make_pose_file(config: AgentConfig, folder: MapFolder) -> PoseFile | None:
     """Return the file that keeps the robot's pose over restarts, or None if none is configured."""
     if not config.memory.file:
         return None
-    return PoseFile(Path(config.memory.file), config.robot.name, folder)
+    return PoseFile(Path(config.memory.file).expanduser(), config.robot.name, folder)
 
 
 def trim_memory() -> None:
@@ -125,7 +138,7 @@ def make_recorder(
     )
     stamp = datetime.datetime.now(datetime.UTC).strftime("%Y%m%dT%H%M%SZ")
     name = config.robot.name
-    path = wanted or Path(config.recorder.folder) / f"{name}-{stamp}.mcap"
+    path = wanted or Path(config.recorder.folder).expanduser() / f"{name}-{stamp}.mcap"
     path.parent.mkdir(parents=True, exist_ok=True)
     older = "" if wanted else f"{name}-{RUN_STAMP}.mcap"
     return Recorder(path, header, room=RecordingRetention(path, config.recorder, older))

@@ -13,7 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from robot_agent.config import find_map, load_config, load_map
+from robot_agent.config import find_map, load_config
+from tools.preflight.doctor import never_drives
 from tools.preflight.finding import Finding, Verdict, failed, ok, warning
 
 DEPLOY = Path(__file__).parent
@@ -61,7 +62,7 @@ def deploy(root: Path, configs: Sequence[Path], user: str, program: Path) -> Dep
     """Write unit, udev rules, user and configurations below ``root``, and check them.
 
     Existing udev rules are kept, since they name this robot's adapters. Raises DeploymentError and
-    the errors of ``load_config`` and ``load_map``, before anything is written.
+    the errors of ``load_config``, before anything is written.
     """
     cameras = [_check_config(config) for config in configs]
     done = Deployment()
@@ -88,9 +89,11 @@ def _write(done: Deployment, path: Path, text: str) -> None:
 
 
 def _check_config(path: Path) -> bool:
-    """Raise if a configuration would not load from ``CONFIGS``; return whether it has a camera."""
+    """Raise if a configuration could never patrol; return whether it has a camera."""
     config = load_config(path)
-    load_map(config, path.parent)
+    reason = never_drives(config, path.parent)
+    if reason:
+        raise DeploymentError(f"{path}: can never patrol: {reason}")
     folder = find_map(config.map.folder, path.parent)
     shipped = find_map(config.map.folder, Path("/nowhere")).is_dir()
     if not shipped and not Path(config.map.folder).is_absolute():

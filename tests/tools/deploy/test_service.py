@@ -1,5 +1,6 @@
 """An installation below a temporary root: files written, checks, refusals."""
 
+import os
 import shutil
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from robot_agent.config import ConfigError
 from tools.cli import main
 from tools.deploy.service import (
     CAMERA_DRIVERS,
+    DEPLOY,
     MODULES,
     RULES,
     SERIAL_DRIVERS,
@@ -96,6 +98,32 @@ def test_an_installation_elsewhere_activates_nothing_and_lists_what_remains(
         "journalctl -fu patrol@robot7",
     ]
     assert next_steps(["robot7"], activated=True)[0] == "patrol doctor /etc/patrol/robot7.toml"
+
+
+@pytest.mark.parametrize(
+    ("written", "says"),
+    [
+        ("[start]\nx = 500.0\ny = 0.0\ntheta = 0.0\n", "outside the map"),
+        ("[map]\nfolder = 'lab'\n", "leaves the map"),
+        ("[map]\nfolder = 'lab'\nborder = 'other'\n", "no such border"),
+    ],
+)
+def test_a_configuration_that_can_never_patrol_is_refused_by_install_and_agent_alike(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], written: str, says: str
+) -> None:
+    shutil.copytree(Path(__file__).parents[3] / "maps" / "paper_lab", tmp_path / "lab")
+    border = "closed = false\ncorner_radius = 1.0\nvertices = [[5.0, 5.0], [900.0, 5.0]]\n"
+    (tmp_path / "lab" / "border.toml").write_text(border)
+    config = tmp_path / "robot1.toml"
+    config.write_text(written)
+    with pytest.raises(DeploymentError, match=says):
+        deploy(tmp_path / "root", [config], "patrol", this_program())
+    assert main(["agent", str(config)]) == os.EX_CONFIG
+    told = capsys.readouterr().err
+    assert says in told
+    assert told.count("\n") == 1
+    prevented = f"RestartPreventExitStatus={os.EX_CONFIG}"
+    assert prevented in (DEPLOY / UNIT.name).read_text()
 
 
 @needs_systemd
