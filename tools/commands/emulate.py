@@ -34,6 +34,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(
             f"--{name}-faults", default="", metavar="SPEC", help=f"faults of the {device}'s line"
         )
+    parser.add_argument(
+        "--lms1xx", default="", metavar="PLACE", help="an LMS 111 instead of the LMS 200: tcp:PORT"
+    )
+    parser.add_argument(
+        "--lms1xx-faults", default="", metavar="SPEC", help="faults of its connection"
+    )
     parser.add_argument("--camera", type=int, metavar="PORT", help="serve its view as MJPEG there")
     parser.add_argument("--map", default="paper_lab", metavar="DIR", help="map folder or name")
     parser.add_argument("--pose", metavar="X,Y,DEG", help="start; default a free place")
@@ -56,6 +62,8 @@ def run(options: argparse.Namespace) -> int:
         lms200=options.lms200,
         p2os_faults=options.p2os_faults,
         lms200_faults=options.lms200_faults,
+        lms1xx=options.lms1xx,
+        lms1xx_faults=options.lms1xx_faults,
         camera=options.camera,
         pose=None if options.pose is None else parse_pose(options.pose),
         watchdog=options.watchdog,
