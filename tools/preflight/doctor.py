@@ -20,6 +20,7 @@ import numpy as np
 
 from drivers.p2os.model import RobotModel, UnknownModelError
 from drivers.p2os.model_choice import expected_model
+from drivers.scanner import kind_of
 from maps.clearance import needed_clearance
 from maps.map_folder import MapFolder
 from maps.occupancy_map import FREE
@@ -59,7 +60,7 @@ def examine(
     except ConfigError as error:
         return [failed("configuration", str(error), "correct the file, then run this again")]
     try:
-        base = BaseExamination(config.base)
+        base = BaseExamination(config.base, kind_of(config.laser))
     except UnknownModelError as error:
         return [failed("configuration", str(error), "correct base.model")]
     devices = examine_devices(config, limit, progress, base)
@@ -155,7 +156,10 @@ def examine_devices(
     base: BaseExamination | None = None,
 ) -> list[Finding]:
     """Check base, laser and camera concurrently, base and laser for at most ``limit`` s."""
-    base, laser = base or BaseExamination(config.base), LaserExamination(config.laser)
+    base, laser = (
+        base or BaseExamination(config.base, kind_of(config.laser)),
+        LaserExamination(config.laser),
+    )
     trials = [trial for trial in (base.trial, laser.trial) if trial is not None]
     camera = CameraExamination(config.camera)
     run_trials(trials, limit, progress)
