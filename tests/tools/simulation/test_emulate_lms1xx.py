@@ -83,6 +83,7 @@ def test_doctor_finds_it_fit(folder: MapFolder) -> None:
     assert {finding.verdict for finding in found.values()} == {Verdict.OK}
     assert found["laser"].text == "LMS111_FieldEval V1.80.2, in CoLa A"
     assert "541 beams every 0.5 deg (50.0 possible)" in found["laser scans"].text
+    assert "baud" not in found["laser line"].text
 
 
 def test_doctor_says_what_to_check_where_no_scanner_answers() -> None:
