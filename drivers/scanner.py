@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Protocol
 
 from drivers.lms1xx.session import Lms1xxSession
@@ -15,6 +16,7 @@ from drivers.scan import Scan
 ScannerSettings = Lms200Settings | Lms1xxSettings
 """Told apart by ``laser.kind``."""
 DEFAULT_KIND = "lms200"
+_LOOKS = 0.1  # s between two scans by which an LMS 1xx serves to locate: the agent's decisions
 STREAMING = "streaming"
 """State of a session of any kind to which scans come."""
 DOWN = "down"
@@ -115,6 +117,23 @@ class ScannerSession(Protocol):
 
     def tick(self, t: float) -> None:
         """Handle timeouts."""
+
+
+def kind_of(settings: ScannerSettings) -> str:
+    """Return ``laser.kind``."""
+    return str(type(settings).__struct_config__.tag)
+
+
+def look_period(settings: ScannerSettings) -> float:
+    """Return the time, s, for which one scan serves to locate, track and tell.
+
+    Every scan counts as an obstacle. Of a fast scanner one for each decision is enough for the
+    rest; of an LMS 200 all are taken.
+    """
+    if not isinstance(settings, Lms1xxSettings):
+        return 0.0
+    period = settings.scan_period
+    return (max(math.floor(_LOOKS / period + 1e-9), 1) - 0.5) * period
 
 
 def scanner_session(settings: ScannerSettings) -> ScannerSession:

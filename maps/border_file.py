@@ -23,7 +23,8 @@ false``) or from the first piece of the file::
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
 
 import msgspec
 
@@ -31,6 +32,7 @@ from maps.border import Border, BorderError, describe
 from maps.border_primitives import Arc, Point, Primitive, Segment
 from maps.rounded_polygon import round_polygon
 
+_FARTHEST = 1e5  # m; no border reaches farther
 _MEETING = 1e-3  # m within which two ends are the same point
 
 _Radius = Annotated[float, msgspec.Meta(gt=0.0)]  # m
@@ -66,13 +68,25 @@ class BorderEntries(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 def read_border(data: bytes, place: str) -> Border:
     """Decode a border file's bytes; raises BorderError, which names the file by ``place``."""
     try:
-        entries = msgspec.toml.decode(data, type=BorderEntries)
+        entries = msgspec.toml.decode(data.decode("utf-8-sig"), type=BorderEntries)
         return _border_of(entries)
     except (msgspec.MsgspecError, BorderError, UnicodeDecodeError) as error:
         raise BorderError(f"{place}: {error}") from None
 
 
+def _numbers_of(value: Any) -> Iterator[float]:
+    """Yield all numbers in tables and lists."""
+    if isinstance(value, dict | list | tuple):
+        for item in value.values() if isinstance(value, dict) else value:
+            yield from _numbers_of(item)
+    elif isinstance(value, int | float):
+        yield value
+
+
 def _border_of(entries: BorderEntries) -> Border:
+    for number in _numbers_of(msgspec.to_builtins(entries)):
+        if not abs(number) <= _FARTHEST:  # so is NaN, and what no float can hold
+            raise BorderError(f"has {number!s:.20}, beyond {_FARTHEST:g} m; correct it")
     pieces = bool(entries.segment or entries.arc)
     if pieces == (entries.vertices is not None):
         raise BorderError("give either 'vertices' or [[segment]] and [[arc]] entries")

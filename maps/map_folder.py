@@ -17,7 +17,7 @@ from maps.border_file import read_border
 from maps.occupancy_map import MapError, OccupancyMap, assemble_map, read_description, read_map_file
 
 DEFAULT_BORDER = "border"
-_DESCRIPTION = "map.yaml"
+MAP_FILE = "map.yaml"
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,14 +62,15 @@ def load_map_folder(folder: Path, border: str = DEFAULT_BORDER) -> MapFolder:
     Raises MapError or BorderError naming the file, also for a missing border unless it is the
     default one.
     """
-    description = read_map_file(folder / _DESCRIPTION)
-    image = read_description(description, str(folder / _DESCRIPTION)).image
-    if Path(image).name != image:
+    description = read_map_file(folder / MAP_FILE)
+    named = read_description(description, str(folder / MAP_FILE)).image
+    image = Path(named).name
+    if (folder / named).parent.resolve() != folder.resolve():
         # A recording stores the folder's files by name and restores them to one folder.
         raise MapError(
-            f"{folder / _DESCRIPTION}: image '{image}' must lie in the map folder itself"
+            f"{folder / MAP_FILE}: image '{named}' must lie in the map folder itself: move it there"
         )
-    files = {_DESCRIPTION: description, image: read_map_file(folder / image)}
+    files = {MAP_FILE: description, image: read_map_file(folder / image)}
     border_file = f"{border}.toml"
     if (folder / border_file).is_file():
         files[border_file] = (folder / border_file).read_bytes()
@@ -87,13 +88,14 @@ def map_folder_from_files(
 
 
 def _assemble(name: str, place: str, files: Mapping[str, bytes], border: str) -> MapFolder:
-    if _DESCRIPTION not in files:
-        raise MapError(f"{place}/{_DESCRIPTION}: missing, a map folder needs one")
-    description = read_description(files[_DESCRIPTION], f"{place}/{_DESCRIPTION}")
-    if description.image not in files:
-        raise MapError(f"{place}/{description.image}: missing, it is named in {_DESCRIPTION}")
-    occupancy = assemble_map(description, files[description.image], f"{place}/{description.image}")
-    used = [_DESCRIPTION, description.image]
+    if MAP_FILE not in files:
+        raise MapError(f"{place}/{MAP_FILE}: missing, a map folder needs one")
+    description = read_description(files[MAP_FILE], f"{place}/{MAP_FILE}")
+    image = Path(description.image).name
+    if image not in files:
+        raise MapError(f"{place}/{image}: missing, it is named in {MAP_FILE}")
+    occupancy = assemble_map(description, files[image], f"{place}/{image}")
+    used = [MAP_FILE, image]
     border_file = f"{border}.toml"
     line = None
     if border_file in files:

@@ -31,6 +31,7 @@ UNKNOWN = 2
 _OCCUPIED_THRESH, _FREE_THRESH = 0.65, 0.196
 _PIXEL_OF_STATE = np.array([254, 0, 205], dtype=np.uint8)
 _BINARY_PGM = re.compile(rb"P5(?:\s+|#[^\n]*\n)+\d+(?:\s+|#[^\n]*\n)+\d+(?:\s+|#[^\n]*\n)+(\d+)\s")
+_LARGEST = 1e12  # of any number in a map's description
 _REQUIRED_KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
 
 
@@ -260,8 +261,8 @@ def _image_name(value: Any, place: str) -> str:
 
 
 def _number(value: Any, what: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise MapError(f"{what} must be a number, got {value!r}")
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= _LARGEST:
+        raise MapError(f"{what} must be a number, got {value!r:.40}")
     return float(value)
 
 

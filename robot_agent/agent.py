@@ -6,6 +6,8 @@ bytes and carries out the effects. The same event list gives the same effects, b
 
 from __future__ import annotations
 
+import math
+
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +17,7 @@ from drivers.p2os.model import RobotModel
 from drivers.p2os.motor_watch import MotorState
 from drivers.p2os.session import P2osSession
 from drivers.scan import Scan
-from drivers.scanner import ScannerSession, scanner_session
+from drivers.scanner import ScannerSession, look_period, scanner_session
 from localization.health import Health
 from localization.localizer import Localizer
 from localization.settings import MotionNoise
@@ -125,7 +127,9 @@ class Agent:
         )
         self.odometry = self.pose_tracker.odometry
         self.perception = Perception(
-            config.perception, config.camera, folder, body_corners(self.base.model.body)
+            *(config.perception, config.camera, folder),
+            body_corners(self.base.model.body),
+            config.laser.housing,
         )
         self.own_parts = OwnPartsWatch()
         # Decision and control.
@@ -141,6 +145,8 @@ class Agent:
         self.gate_stops = 0
         self.warnings: dict[str, str] = {}
         """Words of the present warnings and errors by part; empty while all is well."""
+        self._look_period = look_period(config.laser)
+        self._next_look = -math.inf  # s; the first scan after it is used for more than obstacles
         self._obstacles = NO_OBSTACLES  # of the last gate decision
         self._ending = False
         self._was_degraded = False
@@ -328,6 +334,9 @@ class Agent:
         self._watch_own_parts(t, odometry, scan)
         scan = self._projector.without_body(scan)
         points = self.surroundings.on_scan(scan, odometry, self.odometry)
+        if scan.t < self._next_look:
+            return  # a fast scanner's: the place and the others are looked for less often
+        self._next_look = scan.t + self._look_period
         known = self.perception.tracked_points(scan.t, self.localizer.estimate, odometry, points)
         self._watch_travel(t, scan.t, odometry, points if known is None else points[~known])
         if self.teleop is None:  # else there is no map to find a place in
@@ -453,7 +462,8 @@ class Agent:
         gate = self._drive(t, requested, self._gate_inputs(t, state, limited=True))
         if requested != (0.0, 0.0):
             self._on_gate_decision(t, gate)
-            self.outbox.add(Notice(t, "recovery", "turns to look around", LogLevel.WARNING))
+            if (gate.v, gate.w) != (0.0, 0.0):
+                self.outbox.add(Notice(t, "recovery", "turns to look around", LogLevel.WARNING))
 
     def _drive(self, t: float, requested: tuple[float, float], inputs: GateInputs) -> GateDecision:
         """Send the base what the gate permits of requested (v m/s, w rad/s); return that."""

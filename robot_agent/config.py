@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import tomllib
 from collections.abc import Iterator
@@ -17,7 +18,7 @@ from drivers.p2os.model import ModelFileError, UnknownModelError, load_model, lo
 from drivers.p2os.settings import BaseSettings
 from drivers.scanner import DEFAULT_KIND, ScannerSettings
 from localization.settings import LocalizationSettings
-from maps.map_folder import MapFolder, load_map_folder
+from maps.map_folder import MAP_FILE, MapFolder, load_map_folder
 from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.motion.teleop import TeleopSettings
 from robot_agent.patrol.settings import PatrolSettings
@@ -163,9 +164,12 @@ def parse_config(content: bytes, source: str) -> AgentConfig:
         ConfigError: as ``load_config``.
     """
     try:
-        table = tomllib.loads(content.decode())
+        table = tomllib.loads(content.decode("utf-8-sig"))  # Windows' editors write a mark
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{source}: is not TOML: {error}; correct that line") from error
+    for place, value in _leaf_values(table, ""):
+        if isinstance(value, float) and not math.isfinite(value):
+            raise ConfigError(f"{source}: {place}: is {value}; write a finite number")
     if isinstance(table.get("laser"), dict):
         table["laser"].setdefault("kind", DEFAULT_KIND)
     try:
@@ -227,6 +231,18 @@ def _leaves(value: Any, place: str) -> Iterator[str]:
         yield from _leaves(item, f"{place}.{name}")
 
 
+def _leaf_values(value: Any, place: str) -> Iterator[tuple[str, Any]]:
+    """Yield the dotted keys of all values, also in lists, with the values."""
+    if isinstance(value, dict):
+        for name, item in value.items():
+            yield from _leaf_values(item, f"{place}.{name}".lstrip("."))
+    elif isinstance(value, list):
+        for item in value:
+            yield from _leaf_values(item, place)
+    else:
+        yield place, value
+
+
 def _former_key(key: str) -> str:
     """Return what is wrong with an unknown key (renamed, fixed, unknown), with the remedy."""
     if key in RENAMED_KEYS:
@@ -258,7 +274,14 @@ def load_map(config: AgentConfig, relative_to: Path) -> MapFolder:
 
 
 def find_map(folder: str, relative_to: Path) -> Path:
-    """Resolve a map's folder or shipped name to a path (which need not exist)."""
+    """Resolve a map's folder or shipped name to a path (which need not exist).
+
+    A map beside the configuration wins over a shipped one of the same name; ``~`` is the user's
+    home.
+    """
+    beside = relative_to / Path(folder).expanduser()
     shipped = Path(__file__).resolve().parent.parent / "maps" / folder
     is_name = Path(folder).name == folder
-    return shipped if is_name and shipped.is_dir() else relative_to / folder
+    if is_name and shipped.is_dir() and not (beside / MAP_FILE).is_file():
+        return shipped
+    return beside

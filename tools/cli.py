@@ -1,7 +1,7 @@
 """The ``patrol`` command: one entry point, one module per subcommand.
 
-Exit status: 0 ok, 1 failed, 2 wrong usage, 130 interrupted. Data goes to standard output, messages
-to standard error.
+Exit status: 0 ok, 1 failed, 2 wrong usage, 78 an agent that could never patrol, 130 interrupted.
+Data goes to standard output, messages to standard error.
 """
 
 from __future__ import annotations

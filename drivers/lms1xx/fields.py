@@ -177,7 +177,7 @@ class FieldWriter:
 
     def __init__(self, command: str, dialect: Dialect) -> None:
         self._dialect = dialect
-        self._parts = [command.encode("ascii")]
+        self._parts = [command.encode("ascii", errors="replace")]
 
     @property
     def payload(self) -> bytes:
@@ -205,7 +205,7 @@ class FieldWriter:
 
     def fixed_text(self, text: str) -> FieldWriter:
         """Add a text whose length the reader knows."""
-        self._parts.append(text.encode("ascii"))
+        self._parts.append(text.encode("ascii", errors="replace"))
         return self
 
     def text(self, text: str) -> FieldWriter:

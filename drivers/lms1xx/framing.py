@@ -22,6 +22,7 @@ ETHERNET = 100_000_000
 _PREFIX = bytes((STX,)) * 4  # of CoLa B
 _HEAD = len(_PREFIX) + 4  # with the length, big-endian
 _FIRST = ord("s")  # every command begins with it
+_KIND = re.compile(rb"s[A-Z]{2}")  # of a command; an XOR alone is right once in 256 times
 _CONTROL = re.compile(rb"[\x00-\x1f]")  # none of them is in the text of CoLa A
 
 
@@ -155,10 +156,10 @@ class TelegramFramer:
         none = Dialect.B, at, at, 0
         if not _PREFIX.startswith(buffer[at : at + 4]):
             return none
-        if len(buffer) - at <= _HEAD:
+        if len(buffer) - at < _HEAD + 3:
             return None
         size = int.from_bytes(buffer[at + 4 : at + _HEAD], "big")
-        if not 1 <= size <= MAX_PAYLOAD or buffer[at + _HEAD] != _FIRST:
+        if not 3 <= size <= MAX_PAYLOAD or not _KIND.match(buffer, at + _HEAD):
             return none
         begin, end = at + _HEAD, at + _HEAD + size
         if len(buffer) <= end:

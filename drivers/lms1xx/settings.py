@@ -123,6 +123,11 @@ class LaserSettings(
         return ETHERNET
 
     @property
+    def housing(self) -> tuple[float, float]:
+        """Depth and width of the scanner, m (SICK's data sheet of the LMS 111)."""
+        return 0.105, 0.102
+
+    @property
     def scan_period(self) -> float:
         """Time between two scans, s; by request they are asked for at the agent's ticks."""
         turn_time = 1.0 / self.frequency

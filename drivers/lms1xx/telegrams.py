@@ -84,6 +84,8 @@ def switch(command: str, dialect: Dialect, number: int) -> bytes:
 def login(dialect: Dialect) -> bytes:
     """Return the payload that logs in as authorised client."""
     writer = FieldWriter(LOGIN, dialect)
+    if dialect is Dialect.A:  # as in the listing's example, to the letter
+        return writer.fixed_text(f"{CLIENT_LEVEL:02X}").unsigned(CLIENT_PASSWORD, 4).payload
     return writer.unsigned(CLIENT_LEVEL, 1).unsigned(CLIENT_PASSWORD, 4).payload
 
 

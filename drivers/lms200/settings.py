@@ -174,6 +174,11 @@ class LaserSettings(
         return msgspec.structs.replace(self, upside_down=over, ignore=ignore + self.ignore)
 
     @property
+    def housing(self) -> tuple[float, float]:
+        """Depth and width of the scanner, m (SICK's data sheet)."""
+        return 0.156, 0.155
+
+    @property
     def variant(self) -> Variant:
         """Field of view and resolution in the laser's units; partial scans have a view of 180."""
         resolution_cdeg = round(self.resolution_deg * 100)

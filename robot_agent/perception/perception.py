@@ -47,11 +47,16 @@ class Perception:
         camera: CameraSettings,
         folder: MapFolder,
         body: Corners,
+        housing: tuple[float, float],
     ) -> None:
-        """body: corners of the robot's own body, which its teammates may have too, m."""
+        """body: corners of the robot's own body, m; housing: depth and width of its scanner, m.
+
+        Its teammates may have the same.
+        """
+        self._housing = housing
         self._lens = camera
         self._settings = settings
-        silhouettes = Silhouettes.admitted(settings.silhouettes, body)
+        silhouettes = Silhouettes.admitted(settings.silhouettes, body, housing)
         self.tracker = TeammateTracker(settings, folder.map, silhouettes, camera, folder.border)
         self.camera = CameraWatch(camera)
         self.intruders = Intruders(settings, folder.border) if folder.border else None
@@ -63,7 +68,9 @@ class Perception:
         housing_ahead: m from the body's middle to its scanner's housing, as teammates have it.
         """
         self.tracker.housing_ahead = housing_ahead
-        self.tracker.silhouettes = Silhouettes.admitted(self._settings.silhouettes, body)
+        self.tracker.silhouettes = Silhouettes.admitted(
+            self._settings.silhouettes, body, self._housing
+        )
 
     def tracked_points(
         self, t: float, estimate: Estimate | None, odometry: Pose, points: NDArray[np.float64]

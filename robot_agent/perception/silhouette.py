@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from drivers.lms200.settings import LaserSettings
 from drivers.p2os.model import Body
 
 Corners = tuple[tuple[float, float], ...]
@@ -26,7 +27,7 @@ NAMED = (BODY, CUT_CORNERS, HOUSING)
 SMALL = 0.30  # m; a narrower silhouette may as well be a leg or a post
 
 _CUT = 0.22  # share of the width cut off along both sides of a corner; ours, after Pioneer drawings
-_HOUSING = (0.156, 0.155)  # m, depth and width of an LMS 200 (SICK's data sheet)
+_HOUSING = LaserSettings().housing  # m, depth and width of an LMS 200
 _HEADINGS = 36  # in a full turn
 _SAME = 0.01  # m; a polygon that deviates less after a part of a turn is symmetric under it
 # Widths a segment may have, as shares of a silhouette's narrowest and widest: a scan's beams miss
@@ -144,12 +145,18 @@ class Silhouettes:
         """(n,) prior of each hypothesis: all silhouettes are as likely, and all headings."""
 
     @classmethod
-    def admitted(cls, entries: Sequence[str | Corners], body: Corners) -> Silhouettes:
+    def admitted(
+        cls,
+        entries: Sequence[str | Corners],
+        body: Corners,
+        housing: tuple[float, float] = _HOUSING,
+    ) -> Silhouettes:
         """Return those of names and polygons; body: corners of the robot's own body, m.
 
+        housing: depth and width of its scanner, m, which its teammates have too.
         Raises SilhouetteError for an unknown name or an unusable polygon.
         """
-        chosen = [named(each, body) if isinstance(each, str) else each for each in entries]
+        chosen = [named(each, body, housing) if isinstance(each, str) else each for each in entries]
         return cls([Silhouette.of(each) for each in chosen], Silhouette.of(body))
 
     def is_body_sized(self, extent: float) -> bool:
@@ -197,10 +204,10 @@ class Silhouettes:
         return [each for each, use in zip(self.shapes, which, strict=True) if use]
 
 
-def named(name: str, body: Corners) -> Corners:
+def named(name: str, body: Corners, housing: tuple[float, float] = _HOUSING) -> Corners:
     """Return the corners of a named silhouette, m; body: those of the robot's own body.
 
-    Raises SilhouetteError for an unknown name.
+    housing: depth and width of its scanner, m. Raises SilhouetteError for an unknown name.
     """
     match name:
         case "body":
@@ -208,7 +215,7 @@ def named(name: str, body: Corners) -> Corners:
         case "cut_corners":
             return _cut(body)
         case "housing":
-            return rectangle(*_HOUSING)
+            return rectangle(*housing)
         case _:
             raise SilhouetteError(f"{name!r} is none of {', '.join(NAMED)}, nor a list of corners")
 

@@ -124,7 +124,7 @@ class DeviceWatch:
                 t, self._link, f"{state}: {name or 'unnamed'} {session.manner}", LogLevel.INFO
             )
         elif t - told.since >= PATIENCE_S:
-            words = f"still {state} {session.manner}{_LONG_WAYS.get(state, '')}"
+            words = f"still {state}{_LONG_WAYS.get(state, '')}"
             yield Notice(t, self._link, words, LogLevel.INFO)
 
     def _of_counters(self, t: float, session: DeviceSession) -> Iterator[Notice]:

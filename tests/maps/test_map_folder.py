@@ -87,6 +87,26 @@ def test_image_outside_the_folder_is_refused(folder: Path) -> None:
         load_map_folder(folder)
 
 
+@pytest.mark.parametrize("absolute", [False, True])
+def test_image_may_be_named_by_a_path_into_the_folder(folder: Path, absolute: bool) -> None:
+    written = f"{folder}/map.pgm" if absolute else "./map.pgm"
+    yaml = (folder / "map.yaml").read_text().replace("map.pgm", written)
+    (folder / "map.yaml").write_text(yaml)
+    content = load_map_folder(folder)
+    assert set(content.files) == {"map.yaml", "map.pgm", "border.toml"}
+    back = map_folder_from_files(content.name, content.files)
+    assert np.array_equal(back.map.cells, content.map.cells)
+
+
+@pytest.mark.parametrize("number", ["nan", "inf", "1e9", "1" + 300 * "0"])
+def test_border_with_a_number_that_is_no_place_is_refused(folder: Path, number: str) -> None:
+    text = f"closed = false\nvertices = [[0.0, 0.0], [{number}, 1.0]]\n"
+    (folder / "border.toml").write_bytes(b"\xef\xbb\xbf" + text.encode())
+    with pytest.raises(BorderError, match=r"border\.toml: ") as caught:
+        load_map_folder(folder)
+    assert len(str(caught.value)) < 300
+
+
 def test_invalid_border_names_its_file(folder: Path) -> None:
     (folder / "border.toml").write_text("closed = 3\n")
     with pytest.raises(BorderError, match=r"somewhere/border\.toml: .*closed"):

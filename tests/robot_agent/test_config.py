@@ -58,6 +58,8 @@ def test_effective_configuration_survives_a_round_trip() -> None:
         ("[start]\nx = 1.0", "robot.toml: start: object missing required field `y`"),
         ("[robot\n", "robot.toml: is not TOML"),
         ("\xff", "robot.toml: is not TOML"),
+        ("[start]\nx = nan\ny = 1.0\ntheta = 0.0", "robot.toml: start.x: is nan"),
+        ("[laser]\nmount = [0.1, inf, 0.0]", "robot.toml: laser.mount: is inf"),
     ],
 )
 def test_errors_name_file_and_key(text: str, complaint: str) -> None:
@@ -79,6 +81,22 @@ def test_map_is_a_shipped_name_or_a_path_from_the_configuration(tmp_path: Path) 
     assert (find_map("paper_lab", tmp_path) / "map.yaml").is_file()
     assert find_map("my_map", tmp_path) == tmp_path / "my_map"
     assert find_map("../maps/x", tmp_path) == tmp_path / "../maps/x"
+
+
+def test_a_map_beside_the_configuration_wins_over_a_shipped_one_of_its_name(tmp_path: Path) -> None:
+    (tmp_path / "paper_lab").mkdir()
+    assert find_map("paper_lab", tmp_path) != tmp_path / "paper_lab", "a folder without a map"
+    (tmp_path / "paper_lab" / "map.yaml").write_text("")
+    assert find_map("paper_lab", tmp_path) == tmp_path / "paper_lab"
+
+
+def test_home_of_the_user_is_understood(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert find_map("~/lab", Path("/etc/patrol")) == tmp_path / "lab"
+
+
+def test_mark_of_windows_editors_at_the_beginning_is_skipped() -> None:
+    assert parse_config(b'\xef\xbb\xbf[robot]\nname = "r7"', "robot.toml").robot.name == "r7"
 
 
 def test_configured_map_is_loaded_with_its_border(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Bad input to the command line: one line with file and remedy, status 1 or 2, no traceback."""
 
+import os
 import shutil
 from pathlib import Path
 
@@ -22,7 +23,7 @@ def run(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]
 def complaint(capsys: pytest.CaptureFixture[str], *words: str) -> str:
     """Run a command that must fail with one line on standard error; return that line."""
     status, out, err = run(capsys, *words)
-    assert status in (1, 2)
+    assert status in (1, 2, os.EX_CONFIG)
     assert out == ""
     lines = err.strip().splitlines()
     assert len(lines) == 1, err

@@ -173,7 +173,8 @@ class FleetLog:
         """Start an empty log of a fleet."""
         self._fleet = fleet
         self._times: list[float] = []
-        self._perception = PerceptionLog(fleet.world, fleet.folder.border)
+        laser = fleet.robots[0].lockstep.agent.config.laser
+        self._perception = PerceptionLog(fleet.world, fleet.folder.border, laser.field_of_view_deg)
         self._stands = {robot.rig.name: StandLog() for robot in fleet.robots}
         self._rows: dict[str, list[tuple[float, float, str, int]]] = {
             robot.rig.name: [] for robot in fleet.robots

@@ -66,7 +66,12 @@ class IdealFleet:
         self.faults = tuple(faults)
         _check_faults(self.faults, [robot.name for robot in self.robots])
         self._ahead = np.array([robot.body.outline.middle for robot in self.robots])
-        self._sight = IdealSight(config.perception.detection_range, folder.map, len(self.robots))
+        self._sight = IdealSight(
+            config.perception.detection_range,
+            folder.map,
+            len(self.robots),
+            config.laser.field_of_view_deg,
+        )
         self._closest = [math.inf] * len(self.robots)  # m to the nearest other robot
         self._obstacles = IdealObstacles(
             gate_limits(config.gate, expected_model(config.base)), folder.map, folder.border

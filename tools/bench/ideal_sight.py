@@ -1,10 +1,12 @@
 """Ideal perception of teammates: true positions while in view, predicted tracks afterwards.
 
-The field of view is the laser's, 180 degrees ahead; walls and other bodies occlude. A teammate out
-of view is predicted as by the tracker, with a decaying velocity.
+The field of view is the laser's; walls and other bodies occlude. A teammate out of view is
+predicted as by the tracker, with a decaying velocity.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +25,15 @@ Array = NDArray[np.float64]
 class IdealSight:
     """The teammates in view of each robot, and their positions known to it."""
 
-    def __init__(self, detection_range: float, occupancy: OccupancyMap, count: int) -> None:
-        """Prepare a map for ``count`` robots with a detection range, m."""
+    def __init__(
+        self,
+        detection_range: float,
+        occupancy: OccupancyMap,
+        count: int,
+        field_of_view_deg: float = 180.0,
+    ) -> None:
+        """Prepare a map for ``count`` robots with a detection range, m, and a field of view."""
+        self._least_ahead = round(math.cos(math.radians(field_of_view_deg / 2)), 12)
         self._detection_range = detection_range
         self._origin = np.array((occupancy.origin.x, occupancy.origin.y))[:, None]
         self._resolution = occupancy.resolution
@@ -58,7 +67,8 @@ class IdealSight:
         one, other = (apart <= self._detection_range).nonzero()
         if len(one):
             along = (middle[:, other] - base[:, one]) * heading[:, one]
-            ahead = along[0] + along[1] > 0.0
+            away = np.hypot(*(middle[:, other] - base[:, one]))
+            ahead = along[0] + along[1] > self._least_ahead * away
             one, other = one[ahead], other[ahead]
             clear = self._is_visible(middle, one, other)
             # 2. Store their positions and velocities.

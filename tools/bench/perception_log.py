@@ -40,8 +40,14 @@ class _Visit:
 class PerceptionLog:
     """Counts the bodies in view of each robot and their detections and classifications."""
 
-    def __init__(self, world: World, border: Border | None = None) -> None:
-        """Compare with the bodies of ``world``; strangers near the border must be reported."""
+    def __init__(
+        self, world: World, border: Border | None = None, field_of_view_deg: float = 180.0
+    ) -> None:
+        """Compare with the bodies of ``world``; strangers near the border must be reported.
+
+        field_of_view_deg: of the robots' lasers, centred ahead.
+        """
+        self._half_view = math.radians(field_of_view_deg / 2)
         self._world = world
         self._border = border
         self._in_view_since: dict[tuple[int, int], float] = {}
@@ -144,10 +150,10 @@ class PerceptionLog:
         return nearest is stranger and math.dist(place, stranger.pose[:2]) < SAME_M
 
     def _in_view(self, body: RobotBody, other: RobotBody) -> bool:
-        """Whether the centre of a body is in the laser's view: near, ahead, not occluded."""
+        """Whether the centre of a body is in the laser's view: near, not aside, not occluded."""
         seen = body.pose.between(_middle(other))
         distance = math.hypot(seen.x, seen.y)
-        if distance > VISIBILITY or seen.x <= 0.0:
+        if distance > VISIBILITY or abs(math.atan2(seen.y, seen.x)) >= self._half_view:
             return False
         bearing = math.atan2(seen.y, seen.x) + body.pose.theta
         if self._world.free_way(body.pose.x, body.pose.y, bearing) <= distance:

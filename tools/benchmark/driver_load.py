@@ -10,19 +10,26 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.emulation.port import PtyPort
+from drivers.emulation.port import PtyPort, TcpPort
 from drivers.link import Link
+from drivers.lms1xx.emulator.emulator import Lms1xxEmulator
+from drivers.lms1xx.settings import LaserSettings as Lms1xxSettings
 from drivers.lms200.emulator.emulator import Lms200Emulator
-from drivers.lms200.session import Lms200Session
-from drivers.lms200.settings import LaserSettings
+from drivers.lms200.settings import LaserSettings as Lms200Settings
 from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.emulator.make import PIONEER_2DX
 from drivers.p2os.session import P2osSession
 from drivers.p2os.settings import BaseSettings
 from drivers.requests import SetBaud
+from drivers.scanner import ScannerSession, ScannerSettings, kind_of, scanner_session
 from tools.studies.worker_pool import START
 
 LASER_BAUD: Final = 500_000
+FULL_RATE: dict[str, ScannerSettings] = {
+    "lms200": Lms200Settings(baud=LASER_BAUD, resolution_deg=0.5),
+    "lms1xx": Lms1xxSettings(),
+}
+"""By kind, the settings with which a scanner sends most: 361 values, 541 at 50 Hz."""
 TICK_PERIOD = 0.05  # s
 _PUMP_PERIOD = 0.001  # s
 _SET_UP_LIMIT = 20.0  # s
@@ -31,7 +38,7 @@ _SET_UP_LIMIT = 20.0  # s
 class LoadedDriver:
     """A session on its link: fed by the link's thread, ticked by the caller's."""
 
-    def __init__(self, url: str, baud: int, session: Lms200Session | P2osSession) -> None:
+    def __init__(self, url: str, baud: int, session: ScannerSession | P2osSession) -> None:
         self.results = 0
         """Scans or base reports so far."""
         self._session = session
@@ -85,18 +92,17 @@ class LoadedDriver:
                 self._link.write(request.data)
 
 
-def driver_load(duration: float) -> tuple[float, float, float]:
+def driver_load(duration: float, laser: ScannerSettings) -> tuple[float, float, float]:
     """Run base and laser drivers for a duration, s, after their set-up.
 
     Return (share of one core of all driver threads and their ticks, scans/s, base reports/s).
     """
     pipe, child_end = START.Pipe()
-    process = START.Process(target=_emulate_devices, args=(child_end,), daemon=True)
+    process = START.Process(target=_emulate_devices, args=(child_end, kind_of(laser)), daemon=True)
     process.start()
     laser_url, base_url = pipe.recv()
-    laser = LaserSettings(baud=LASER_BAUD, resolution_deg=0.5)
     drivers = [
-        LoadedDriver(laser_url, LASER_BAUD, Lms200Session(laser)),
+        LoadedDriver(laser_url, laser.baud, scanner_session(laser)),
         LoadedDriver(base_url, 38400, P2osSession(BaseSettings(baud=38400))),
     ]
     try:
@@ -129,15 +135,19 @@ def _spent(drivers: list[LoadedDriver]) -> float:
     return time.thread_time() + sum(driver.thread_time() for driver in drivers)
 
 
-def _emulate_devices(pipe: Connection) -> None:
-    """Emulate a laser and a base on ptys until the pipe gets a message."""
+def _emulate_devices(pipe: Connection, kind: str) -> None:
+    """Emulate a laser of a kind and a base until the pipe gets a message."""
 
     def scene(_t: float, n: int, _increment: float) -> NDArray[np.float64]:
         return np.linspace(1.0, 7.0, n)
 
-    laser = Lms200Emulator(baud=LASER_BAUD, scan_source=scene)
     base = P2osEmulator(PIONEER_2DX, baud=38400)
-    ports = [PtyPort(laser), PtyPort(base)]
+    laser = (
+        TcpPort(Lms1xxEmulator(scan_source=scene))
+        if kind == "lms1xx"
+        else PtyPort(Lms200Emulator(baud=LASER_BAUD, scan_source=scene))
+    )
+    ports = [laser, PtyPort(base)]
     pipe.send(tuple(port.url for port in ports))
     begin = time.monotonic()
     while not pipe.poll(_PUMP_PERIOD):

@@ -10,17 +10,20 @@ from maps.map_folder import load_map_folder
 from robot_agent.messages.effects import Effect
 from robot_agent.messages.events import BytesReceived, Event, LinkName
 from tools.bench.fleet import Fleet
-from tools.benchmark.driver_load import driver_load
+from tools.benchmark.driver_load import FULL_RATE, driver_load
 from tools.benchmark.figure import MEASURED_S, SEED, SETTLED_S, Figure
 
 
 def drivers(folder_path: Path) -> Iterator[Figure]:
     """Measure the decoding of base reports and scans, and the drivers' load at full rate."""
     yield from _decoding(folder_path)
-    share, scans, reports = driver_load(MEASURED_S)
+    share, scans, reports = driver_load(MEASURED_S, FULL_RATE["lms200"])
     yield Figure("driver threads at full rate, share of one core", 100 * share, "%")
     yield Figure("scans of 361 values at 500 kbaud", scans, "1/s", 37.0, at_least=True)
     yield Figure("base reports meanwhile", reports, "1/s", 9.5, at_least=True)
+    share, scans, _reports = driver_load(MEASURED_S, FULL_RATE["lms1xx"])
+    yield Figure("the same with an LMS 1xx, share of one core", 100 * share, "%")
+    yield Figure("its scans of 541 values", scans, "1/s", 49.0, at_least=True)
 
 
 def _decoding(folder_path: Path) -> Iterator[Figure]:

@@ -26,12 +26,13 @@ def own_sectors(
         return []
     often = np.isfinite(ranges).mean(axis=0) > _OFTEN
     near = np.where(np.isfinite(ranges), ranges, np.nan)
+    ends = [math.degrees(float(angle)) + _AHEAD_DEG for angle in (angles[0], angles[-1])]
     sectors: list[tuple[float, float]] = []
     for beam in np.flatnonzero(often):
         low, middle, high = np.nanpercentile(near[:, beam], (10.0, 50.0, 90.0))
         if middle < _FARTHEST and high - low < _SPREAD:
             at = math.degrees(float(angles[beam])) + _AHEAD_DEG
-            first, last = max(at - _MARGIN_DEG, 0.0), min(at + _MARGIN_DEG, 180.0)
+            first, last = max(at - _MARGIN_DEG, ends[0]), min(at + _MARGIN_DEG, ends[1])
             if sectors and first - sectors[-1][1] < _JOINED_DEG:
                 first = sectors.pop()[0]
             sectors.append((round(first, 1), round(last, 1)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import ctypes
+import os
 import sys
 from contextlib import ExitStack
 from pathlib import Path
@@ -24,6 +25,7 @@ from robot_agent.recording.recorder import Recorder
 from robot_agent.recording.recording_retention import RecordingRetention
 from robot_agent.recording.run_files import NumberedRuns, OneFile, RunFiles, refuse_existing
 from robot_agent.recording.run_header import header_of_run
+from tools.preflight.doctor import never_drives
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -51,16 +53,27 @@ class _ListSettings(argparse.Action):
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run one robot until SIGINT or SIGTERM."""
+    """Run one robot until SIGINT or SIGTERM.
+
+    A configuration that can never patrol ends it with a status of its own, with which the service
+    is not started again.
+    """
+    try:
+        return _run(options)
+    except ConfigError as error:
+        print(f"patrol agent: {error}", file=sys.stderr)
+        return os.EX_CONFIG
+
+
+def _run(options: argparse.Namespace) -> int:
     config = load_config(options.config)
     if options.print_config:
         print(format_config(config), end="")
         return 0
+    reason = never_drives(config, options.config.parent)
+    if reason:
+        raise ConfigError(f"{options.config}: can never patrol: {reason}")
     folder = load_map(config, options.config.parent)
-    if folder.border is None:
-        raise ConfigError(
-            f"{options.config}: map.folder: {folder.name} has no border.toml to patrol; add one"
-        )
     cv2.setNumThreads(1)
     pose_file = make_pose_file(config, folder)
     if pose_file is not None:
@@ -93,7 +106,7 @@ def make_pose_file(config: AgentConfig, folder: MapFolder) -> PoseFile | None:
     """Return the file that keeps the robot's pose over restarts, or None if none is configured."""
     if not config.memory.file:
         return None
-    return PoseFile(Path(config.memory.file), config.robot.name, folder)
+    return PoseFile(Path(config.memory.file).expanduser(), config.robot.name, folder)
 
 
 def trim_memory() -> None:
@@ -120,7 +133,7 @@ def make_recorder(
         start_wall_ns=clock.start_wall_ns,
         start_monotonic_ns=clock.start_monotonic_ns,
     )
-    files: RunFiles = NumberedRuns(Path(config.recorder.folder), config.robot.name)
+    files: RunFiles = NumberedRuns(Path(config.recorder.folder).expanduser(), config.robot.name)
     if wanted is not None:
         refuse_existing(wanted)
         files = OneFile(wanted)

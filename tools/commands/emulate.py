@@ -54,6 +54,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--lms200-start", default="", metavar="STATE", help="how the laser is found"
     )
+    parser.add_argument(
+        "--lms1xx", default="", metavar="PLACE", help="an LMS 111 instead of the LMS 200: tcp:PORT"
+    )
+    parser.add_argument(
+        "--lms1xx-faults", default="", metavar="SPEC", help="faults of its connection"
+    )
     parser.add_argument("--camera", type=int, metavar="PORT", help="serve its view as MJPEG there")
     parser.add_argument("--map", default="paper_lab", metavar="DIR", help="map folder or name")
     parser.add_argument("--pose", metavar="X,Y,DEG", help="start; default a free place")
@@ -70,6 +76,8 @@ def run(options: argparse.Namespace) -> int:
         p2os_faults=options.p2os_faults,
         lms200_faults=options.lms200_faults,
         lms200_start=options.lms200_start,
+        lms1xx=options.lms1xx,
+        lms1xx_faults=options.lms1xx_faults,
         camera=options.camera,
         pose=None if options.pose is None else parse_pose(options.pose),
         base=chosen_base(options),

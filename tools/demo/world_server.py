@@ -19,7 +19,7 @@ from typing import IO
 
 import numpy as np
 
-from drivers.emulation.port import PtyPort
+from drivers.emulation.port import PtyPort, TcpPort
 from maps.map_folder import load_map_folder
 from tools.simulation.emulated_camera import CameraServer, EmulatedCamera
 from tools.simulation.rig import RobotRig, make_rigs, outline_of
@@ -33,6 +33,11 @@ STEP_S = 0.01
 TRUTH_PERIOD_S = 0.1
 MAX_LAG_S = 0.05
 """A step later than this restarts the schedule instead of catching up."""
+
+
+def laser_port(rig: RobotRig) -> PtyPort | TcpPort:
+    """Serve a robot's laser where its kind has its plug: a serial line or a network."""
+    return TcpPort(rig.laser) if rig.truth.laser.kind == "lms1xx" else PtyPort(rig.laser)
 
 
 class WorldServer:
@@ -60,7 +65,7 @@ class WorldServer:
             if cameras
         }
         self._ended = False
-        self.ports = {rig.name: (PtyPort(rig.base), PtyPort(rig.laser)) for rig in rigs}
+        self.ports = {rig.name: (PtyPort(rig.base), laser_port(rig)) for rig in rigs}
 
     def describe(self) -> str:
         """Return one JSON line: every robot's name, port URLs and true start pose."""

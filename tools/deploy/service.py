@@ -13,7 +13,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from robot_agent.config import find_map, load_config, load_map
+from maps.map_folder import MAP_FILE
+from robot_agent.config import load_config
+from tools.deploy.service_paths import examine_paths
+from tools.preflight.doctor import never_drives
 from tools.preflight.finding import Finding, Verdict, failed, ok, warning
 
 DEPLOY = Path(__file__).parent
@@ -60,10 +63,12 @@ class Deployment:
 def deploy(root: Path, configs: Sequence[Path], user: str, program: Path) -> Deployment:
     """Write unit, udev rules, user and configurations below ``root``, and check them.
 
-    Existing udev rules are kept, since they name this robot's adapters. Raises DeploymentError and
-    the errors of ``load_config`` and ``load_map``, before anything is written.
+    Map, rules and model that a configuration names relative to itself are copied with it. Existing
+    udev rules are kept, since they name this robot's adapters. Raises DeploymentError and
+    the errors of ``load_config``, before anything is written.
     """
     cameras = [_check_config(config) for config in configs]
+    beside = {config: _files_beside(config) for config in configs}
     done = Deployment()
     text = (DEPLOY / UNIT.name).read_text()
     text = text.replace("@PATROL@", str(program)).replace("@USER@", user)
@@ -77,27 +82,46 @@ def deploy(root: Path, configs: Sequence[Path], user: str, program: Path) -> Dep
         _write(done, root / RULES, (DEPLOY / RULES.name).read_text())
     for config in configs:
         _write(done, root / CONFIGS / config.name, config.read_text())
+        for file in beside[config]:
+            _write(done, root / CONFIGS / file, (config.parent / file).read_bytes())
+        done.findings += examine_paths(load_config(config), user)
     done.findings += [_program(program), *check_unit(root / UNIT)]
     return done
 
 
-def _write(done: Deployment, path: Path, text: str) -> None:
+def _files_beside(path: Path) -> list[Path]:
+    """Return the files, relative to a configuration, that it names so: map, rules, model.
+
+    Raises DeploymentError for one that lies above its folder.
+    """
+    config = load_config(path)
+    folder = Path(config.map.folder)
+    named = [folder / name.name for name in sorted((path.parent / folder).glob("*.*"))]
+    if folder.is_absolute() or not (path.parent / folder / MAP_FILE).is_file():
+        named = []  # nothing to copy: it stays where it is, or is a shipped one
+    named += [Path(name) for name in (config.patrol.rules_file, config.base.model or "") if name]
+    files = [file for file in named if not file.is_absolute() and (path.parent / file).is_file()]
+    for file in files:
+        if ".." in file.parts:
+            raise DeploymentError(
+                f"{path}: {file} lies above this file, which will be in /{CONFIGS}: move it beside"
+                " the file, or write its whole path"
+            )
+    return files
+
+
+def _write(done: Deployment, path: Path, content: str | bytes) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text)
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
     done.written.append(path)
 
 
 def _check_config(path: Path) -> bool:
-    """Raise if a configuration would not load from ``CONFIGS``; return whether it has a camera."""
+    """Raise if a configuration could never patrol; return whether it has a camera."""
     config = load_config(path)
-    load_map(config, path.parent)
-    folder = find_map(config.map.folder, path.parent)
-    shipped = find_map(config.map.folder, Path("/nowhere")).is_dir()
-    if not shipped and not Path(config.map.folder).is_absolute():
-        raise DeploymentError(
-            f"{path}: map.folder: {config.map.folder!r} is relative to this file, which will be "
-            f"elsewhere; write {str(folder.resolve())!r}"
-        )
+    reason = never_drives(config, path.parent)
+    if reason:
+        raise DeploymentError(f"{path}: can never patrol: {reason}")
     return config.camera.url.startswith("/dev/")
 
 

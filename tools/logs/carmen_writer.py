@@ -23,6 +23,7 @@ from tools.logs.recording import Recording
 NO_RETURN_M = 81.91
 """Reading for no return, m: above an LMS's range."""
 HOST = "patrol"
+_ROUNDING = 1e-6  # rad
 
 _HEAD = """\
 # message formats defined: PARAM ODOM FLASER
@@ -81,7 +82,9 @@ def _lines(recording: Recording, config: AgentConfig, mount: Pose) -> Iterator[s
 
 
 def _scan_line(scan: Scan, laser: Pose, odometry: Pose, wall: float) -> str:
-    ranges = np.where(np.isfinite(scan.ranges), scan.ranges, NO_RETURN_M)
+    """Return a FLASER line, whose readers take the readings for those of 180 degrees at most."""
+    seen = scan.ranges[np.abs(scan.angles) <= 0.5 * math.pi + _ROUNDING]
+    ranges = np.where(np.isfinite(seen), seen, NO_RETURN_M)
     readings = " ".join(f"{reading:.3f}" for reading in ranges.tolist())
     poses = f"{_fields(laser)} {_fields(odometry)}"
     return f"FLASER {ranges.size} {readings} {poses} {_stamp(scan.t, wall)}"

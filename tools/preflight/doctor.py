@@ -17,6 +17,8 @@ from pathlib import Path
 import numpy as np
 
 from drivers.p2os.model import RobotModel, UnknownModelError
+from drivers.p2os.model_choice import expected_model
+from drivers.scanner import kind_of
 from maps.clearance import needed_clearance
 from maps.map_folder import MapFolder
 from maps.occupancy_map import FREE
@@ -55,7 +57,7 @@ def examine(
     except ConfigError as error:
         return [failed("configuration", str(error), "correct the file, then run this again")]
     try:
-        base = BaseExamination(config.base)
+        base = BaseExamination(config.base, kind_of(config.laser))
     except UnknownModelError as error:
         return [failed("configuration", str(error), "correct base.model")]
     devices = examine_devices(config, limit, progress, base)
@@ -99,12 +101,26 @@ def examine_map(config: AgentConfig, relative_to: Path, model: RobotModel) -> li
         return [failed("map and border", "; ".join(wrong), remedy)]
     content = load_map(config, relative_to)
     assert content.border is not None, "check_map requires it"
-    summary = f"{content.name}, {config.map.border}: {content.border.length:.1f} m"
+    summary = f"{folder}, {config.map.border}: {content.border.length:.1f} m"
     return [
         ok("map and border", summary),
         examine_start(config, content),
         _examine_rules(config, content),
     ]
+
+
+def never_drives(config: AgentConfig, relative_to: Path) -> str:
+    """Return why a configuration can never patrol, by the checks of map, start and rules, in one
+    line with remedies; empty if it can. Paths are relative to a folder.
+
+    Raises UnknownModelError for a model that nobody knows.
+    """
+    findings = examine_map(config, relative_to, expected_model(config.base))
+    return "; ".join(
+        f"{finding.subject}: {finding.text}: {finding.remedy}"
+        for finding in findings
+        if finding.verdict is Verdict.FAILED
+    )
 
 
 def examine_start(config: AgentConfig, content: MapFolder) -> Finding:
@@ -138,7 +154,10 @@ def examine_devices(
     base: BaseExamination | None = None,
 ) -> list[Finding]:
     """Check base, laser and camera concurrently, base and laser for at most ``limit`` s."""
-    base, laser = base or BaseExamination(config.base), LaserExamination(config.laser)
+    base, laser = (
+        base or BaseExamination(config.base, kind_of(config.laser)),
+        LaserExamination(config.laser),
+    )
     trials = [trial for trial in (base.trial, laser.trial) if trial is not None]
     camera = CameraExamination(config.camera)
     run_trials(trials, limit, progress)
@@ -165,7 +184,7 @@ def examine_recorder(folder: str, min_free: int = MIN_DISK_BYTES) -> Finding:
     """Check that recordings can be written to a folder and have ``min_free`` bytes of space."""
     if not folder:
         return skipped("disk", "recorder.folder is not set: nothing is recorded")
-    path = Path(folder)
+    path = Path(folder).expanduser()
     try:
         place = _nearest_existing(path)
         with tempfile.TemporaryFile(dir=place):

@@ -9,6 +9,7 @@ from drivers.p2os.base_state import BaseState
 from drivers.p2os.model import RobotModel
 from drivers.p2os.session import P2osSession, SessionState
 from drivers.p2os.settings import BaseSettings
+from drivers.scanner import DEFAULT_KIND
 from tools.preflight.device_trial import DeviceTrial
 from tools.preflight.doctor_port import describe_line, examine_line, examine_opening, examine_port
 from tools.preflight.finding import Finding, failed, ok, skipped, warning
@@ -16,7 +17,8 @@ from tools.preflight.watchdog_trial import ADVISED_WATCHDOG_S
 
 BATTERY_LOW = 11.75  # V, of one of 12 V
 BATTERY_EMPTY = 11.0  # V, likewise; near it the controller shuts down
-DRIVEN_LASER = "lms2xx"
+DRIVEN_LASERS = {"lms2xx": "lms200", "lms1xx": "lms1xx", "lms500": "lms1xx", "tim5xx": "lms1xx"}
+"""The kind of driver for each type of laser in the vendor's files."""
 LISTENING_S = 1.0  # with the session open
 WATCHDOG_LIMIT_MS = 2000  # a robot cut off must stop within this
 
@@ -24,8 +26,10 @@ WATCHDOG_LIMIT_MS = 2000  # a robot cut off must stop within this
 class BaseExamination:
     """The base's part of a preflight: run ``trial`` unless it is None, then read ``findings``."""
 
-    def __init__(self, settings: BaseSettings) -> None:
+    def __init__(self, settings: BaseSettings, scanner: str = DEFAULT_KIND) -> None:
+        """scanner: the configured kind of laser."""
         self._settings = settings
+        self._scanner = scanner
         self._session = P2osSession(settings)
         self._reached = SessionState.DOWN
         self._trouble: str | None = None
@@ -65,7 +69,7 @@ class BaseExamination:
         return [
             self._port,
             self._identity(),
-            examine_laser_type(self._session.model),
+            examine_laser_type(self._session.model, self._scanner),
             self._line(),
             self._limits(),
             self._watchdog(),
@@ -153,17 +157,19 @@ class BaseExamination:
         )
 
 
-def examine_laser_type(model: RobotModel) -> Finding:
-    """Check that the laser that the vendor mounts on a robot is one for which there is a driver."""
+def examine_laser_type(model: RobotModel, kind: str = DEFAULT_KIND) -> Finding:
+    """Check that the laser that the vendor mounts on a robot is of the configured kind."""
     laser = model.laser
-    if laser.type != DRIVEN_LASER:
+    fitting = DRIVEN_LASERS.get(laser.type)
+    if fitting != kind:
         there = "no laser" if laser.type == "none" else f"a laser of type {laser.type}"
+        remedy = "mount another laser and set laser.kind, and laser.mount to its place"
+        if fitting is not None:
+            remedy = f'set laser.kind = "{fitting}", or laser.mount to the place of the other one'
         return warning(
-            "laser type",
-            f"a {model.subclass} comes with {there}: only the LMS 200 has a driver",
-            "mount an LMS 200 and set laser.mount to its place",
+            "laser type", f"a {model.subclass} comes with {there}, laser.kind is {kind}", remedy
         )
-    text = f"the vendor mounts an LMS 200 on a {model.subclass}"
+    text = f"the vendor mounts a laser of type {laser.type} on a {model.subclass}"
     return ok("laser type", f"{text}, upside down" if laser.upside_down else text)
 
 

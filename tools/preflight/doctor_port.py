@@ -79,12 +79,14 @@ def examine_line(subject: str, frames: str, counters: LineCounters, line: LineRe
 
 
 def describe_line(line: LineRecord) -> str:
-    """Return the rates tried and the last bytes received, as text."""
-    tried = f"tried {', '.join(map(str, line.bauds_tried))} baud"
+    """Return the rates tried, none on a network, and the last bytes received, as text."""
+    has_rate = bool(line.bauds_tried)
+    tried = f"tried {', '.join(map(str, line.bauds_tried))} baud, " if has_rate else ""
     if not line.bytes_received:
-        return f"{tried}, no byte received"
+        return f"{tried}no byte received"
     last = line.last_bytes.hex(" ").upper()
-    return f"{tried}, {line.bytes_received} bytes, last {last} at {line.last_bytes_baud} baud"
+    rate = f" at {line.last_bytes_baud} baud" if has_rate else ""
+    return f"{tried}{line.bytes_received} bytes, last {last}{rate}"
 
 
 def _describe(path: Path) -> str:

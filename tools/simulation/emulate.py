@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import msgspec
 import numpy as np
 
 from drivers.emulation.fault_plan import parse_faults
@@ -39,11 +40,14 @@ class EmulateOptions:
     p2os: str = "pty"
     """``pty`` or ``tcp:PORT``; port 0 takes any free one."""
     lms200: str = "pty"
+    lms1xx: str = ""
+    """``tcp:PORT``: the robot has an LMS 111 there in place of an LMS 200; empty: as its truth."""
     p2os_faults: str = ""
     """Faults of the base's line, in the syntax of ``parse_faults``."""
     lms200_faults: str = ""
     lms200_start: str = ""
     """How the laser is found, in the syntax of ``parse_laser_start``."""
+    lms1xx_faults: str = ""
     camera: int | None = None
     """TCP port of an MJPEG stream; 0 takes any free one, None serves none."""
     pose: Pose | None = None
@@ -65,11 +69,14 @@ class Emulation:
         reach = outline_of(options.truth.robot).reach
         pose = options.pose or _free_pose(folder, world, rng, reach)
         robot = options.base.applied(options.truth.drawn(rng.spawn(1)[0]).robot)
+        if options.lms1xx:
+            scanner = msgspec.structs.replace(robot.laser, kind="lms1xx")
+            robot = msgspec.structs.replace(robot, laser=scanner)
         laser_start = replace(
             parse_laser_start(options.lms200_start), paced=not options.lms200.startswith("tcp:")
         )
         if options.lms200_start and robot.laser.kind != "lms200":
-            raise EmulateError("--lms200-start: this truth's robot has no LMS 200; leave it out")
+            raise EmulateError("--lms200-start: this robot has no LMS 200; leave it out")
         self._base = options.base
         self._started_at = time.monotonic()
         try:
@@ -87,12 +94,18 @@ class Emulation:
             names = Path(stack.enter_context(TemporaryDirectory(prefix="patrol-emulate-")))
             base = LineFaults(self.rig.base, parse_faults(options.p2os_faults), rng.spawn(1)[0])
             base.on_reset = lambda t: self.rig.base.reset(t, notify=False)  # as P2OS
-            laser = LineFaults(self.rig.laser, parse_faults(options.lms200_faults), rng.spawn(1)[0])
+            kind = robot.laser.kind
+            faults, port_of_laser = options.lms200_faults, options.lms200
+            if kind == "lms1xx":
+                faults, port_of_laser = options.lms1xx_faults, options.lms1xx or "tcp:0"
+                if port_of_laser == "pty":
+                    raise EmulateError("--lms1xx pty: it is on a network; use e.g. tcp:2111")
+            laser = LineFaults(self.rig.laser, parse_faults(faults), rng.spawn(1)[0])
             laser.on_reset = self.rig.laser.power_on
             ports: list[Pumped] = []
             for name, place, line in (
                 ("p2os", options.p2os, base),
-                ("lms200", options.lms200, laser),
+                (kind, port_of_laser, laser),
             ):
                 port = open_emulated_port(f"--{name}", place, line, names / name)
                 stack.callback(port.close)

@@ -100,7 +100,7 @@ def test_a_text_that_begins_anew_costs_only_its_beginning() -> None:
     assert telegram.command == "sRA LMPscancfg"
 
 
-@pytest.mark.parametrize("start", [b"\x02s", b"\x02\x02\x02\x02\x00\x00\xff\xffs"])
+@pytest.mark.parametrize("start", [b"\x02s", b"\x02\x02\x02\x02\x00\x00\xff\xffsRA"])
 def test_at_most_one_frame_is_kept(start: bytes) -> None:
     framer = TelegramFramer()
     framer.feed(start)

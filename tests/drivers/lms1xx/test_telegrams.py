@@ -11,7 +11,7 @@ from drivers.lms1xx.telegrams import Fault, OutputRange, ScanContent, Scanning
 
 
 def test_login_is_as_the_listing_has_it() -> None:
-    assert telegrams.login(Dialect.A) == b"sMN SetAccessMode 3 F4724744"
+    assert telegrams.login(Dialect.A) == b"sMN SetAccessMode 03 F4724744"
     assert telegrams.login(Dialect.B) == b"sMN SetAccessMode \x03\xf4\x72\x47\x44"
 
 

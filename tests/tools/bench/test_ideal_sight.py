@@ -46,6 +46,14 @@ def test_body_behind_is_not_in_view():
     assert seen == [None, pytest.approx((3.0 - MIDDLE, 5.0))]
 
 
+@pytest.mark.parametrize(("field_of_view_deg", "seen"), [(180.0, False), (270.0, True)])
+def test_body_aside_and_behind_is_in_view_of_a_wide_scanner(field_of_view_deg, seen):
+    occupancy, reach = room(), PerceptionSettings().detection_range
+    sight = IdealSight(reach, occupancy, 2, field_of_view_deg)
+    behind = (3.0 - math.cos(math.radians(60.0)), 5.0 + math.sin(math.radians(60.0)), 0.0)
+    assert (look(sight, 0.0, (3.0, 5.0, 0.0), behind)[0] is not None) is seen
+
+
 @pytest.mark.parametrize("y", [5.0, 5.02])
 def test_wall_of_one_cell_occludes(y):
     wall = room(*((4.0, row * 0.05 + 0.025) for row in range(60, 140)))

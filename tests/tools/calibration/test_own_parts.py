@@ -18,3 +18,10 @@ def test_near_returns_that_never_change_are_own_parts() -> None:
 
 def test_a_drive_without_beams_has_no_own_parts() -> None:
     assert own_sectors(np.empty(0), np.empty((0, 0))) == []
+
+
+def test_own_parts_behind_are_in_the_degrees_of_a_wide_scanner() -> None:
+    rng = np.random.default_rng(1)
+    ranges = rng.uniform(0.3, 8.0, (200, 541))
+    ranges[:, :9] = 0.3 + rng.normal(0.0, 0.01, (200, 9))  # a bracket, up to the end of the view
+    assert own_sectors(np.radians(np.linspace(-135.0, 135.0, 541)), ranges) == [(-45.0, -40.0)]

@@ -1,14 +1,16 @@
 """An installation below a temporary root: files written, checks, refusals."""
 
+import os
 import shutil
 from pathlib import Path
 
 import pytest
 
-from robot_agent.config import ConfigError
+from robot_agent.config import ConfigError, load_config, parse_config
 from tools.cli import main
 from tools.deploy.service import (
     CAMERA_DRIVERS,
+    DEPLOY,
     MODULES,
     RULES,
     SERIAL_DRIVERS,
@@ -20,6 +22,8 @@ from tools.deploy.service import (
     next_steps,
     this_program,
 )
+from tools.deploy.service_paths import examine_paths, may_read
+from tools.preflight.doctor import never_drives
 from tools.preflight.finding import Verdict
 
 needs_systemd = pytest.mark.skipif(
@@ -98,6 +102,68 @@ def test_an_installation_elsewhere_activates_nothing_and_lists_what_remains(
     assert next_steps(["robot7"], activated=True)[0] == "patrol doctor /etc/patrol/robot7.toml"
 
 
+@pytest.mark.parametrize(
+    ("written", "says"),
+    [
+        ("[start]\nx = 500.0\ny = 0.0\ntheta = 0.0\n", "outside the map"),
+        ("[map]\nfolder = 'lab'\n", "leaves the map"),
+        ("[map]\nfolder = 'lab'\nborder = 'other'\n", "no such border"),
+    ],
+)
+def test_a_configuration_that_can_never_patrol_is_refused_by_install_and_agent_alike(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], written: str, says: str
+) -> None:
+    shutil.copytree(Path(__file__).parents[3] / "maps" / "paper_lab", tmp_path / "lab")
+    border = "closed = false\ncorner_radius = 1.0\nvertices = [[5.0, 5.0], [900.0, 5.0]]\n"
+    (tmp_path / "lab" / "border.toml").write_text(border)
+    config = tmp_path / "robot1.toml"
+    config.write_text(written)
+    with pytest.raises(DeploymentError, match=says):
+        deploy(tmp_path / "root", [config], "patrol", this_program())
+    assert main(["agent", str(config)]) == os.EX_CONFIG
+    told = capsys.readouterr().err
+    assert says in told
+    assert told.count("\n") == 1
+    prevented = f"RestartPreventExitStatus={os.EX_CONFIG}"
+    assert prevented in (DEPLOY / UNIT.name).read_text()
+
+
+def test_a_map_beside_the_configuration_is_copied_with_it(tmp_path: Path, config: Path) -> None:
+    shutil.copytree(Path(__file__).parents[3] / "maps" / "paper_lab", tmp_path / "lab")
+    config.write_text("[map]\nfolder = 'lab'\n")
+    deploy(tmp_path / "root", [config], "patrol", this_program())
+    installed = tmp_path / "root" / "etc" / "patrol"
+    assert (installed / "lab" / "map.pgm").read_bytes() == (tmp_path / "lab/map.pgm").read_bytes()
+    assert never_drives(load_config(installed / "robot1.toml"), installed) == ""
+
+
+@pytest.mark.parametrize(
+    ("written", "subject", "says"),
+    [
+        ("[recorder]\nfolder = '/srv/runs'", "recorder.folder", "may write below /var/lib/patrol"),
+        ("[memory]\nfile = 'pose.json'", "memory.file", "may write below /var/lib/patrol"),
+        ("[telemetry]\nkeys = '/tmp/keys'", "telemetry.keys", "a /tmp of its own"),
+        ("[recorder]\nfolder = '/var/lib/patrol/runs'", "paths", "can read and write"),
+    ],
+)
+def test_paths_are_judged_as_the_services_user_meets_them(
+    written: str, subject: str, says: str
+) -> None:
+    (finding,) = examine_paths(parse_config(written.encode(), "robot.toml"), "patrol")
+    assert finding.subject == subject
+    assert says in finding.text
+
+
+def test_a_folder_that_only_its_owner_may_enter_is_none_for_the_service(tmp_path: Path) -> None:
+    private = tmp_path / "home"
+    private.mkdir(mode=0o700)
+    assert not may_read(private, "nobody")
+    private.chmod(0o755)
+    assert may_read(private, "nobody")
+    assert may_read(private, "a-user-not-made-yet")
+    assert may_read(private, "root")
+
+
 @needs_systemd
 def test_unit_passes_verification_and_exposure_limit(tmp_path: Path) -> None:
     done = deploy(tmp_path, [], "root", Path("/bin/true"))
@@ -121,8 +187,10 @@ def test_bad_configurations_are_refused_before_anything_is_written(tmp_path: Pat
     with pytest.raises(ConfigError, match="unknown key"):
         deploy(tmp_path / "root", [bad], "patrol", this_program())
     shutil.copytree(Path(__file__).parents[3] / "maps" / "paper_lab", tmp_path / "lab")
-    bad.write_text("[map]\nfolder = 'lab'\n")
-    with pytest.raises(DeploymentError, match=str(tmp_path / "lab")):
+    (tmp_path / "here").mkdir()
+    bad = tmp_path / "here" / "robot1.toml"
+    bad.write_text("[map]\nfolder = '../lab'\n")
+    with pytest.raises(DeploymentError, match="lies above this file"):
         deploy(tmp_path / "root", [bad], "patrol", this_program())
     assert not (tmp_path / "root").exists()
 

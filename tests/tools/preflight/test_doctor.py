@@ -464,6 +464,9 @@ def test_laser_without_a_driver_is_warned_of() -> None:
     assert other.verdict is Verdict.WARNING
     assert "p3dx-sh-lms500 comes with a laser of type lms500" in other.text
     assert "no laser" in examine_laser_type(load_model("amigo")).text
+    assert 'laser.kind = "lms1xx"' in other.remedy
+    assert examine_laser_type(load_model("p3dx-sh-lms1xx"), "lms1xx").verdict is Verdict.OK
+    assert examine_laser_type(load_model("p2dx"), "lms1xx").verdict is Verdict.WARNING
 
 
 def test_unknown_subclass_fails_with_how_to_add_it(robot: RobotOnTheBench) -> None:

@@ -64,3 +64,8 @@ def test_a_dazzled_laser_is_blind_in_a_sector_for_a_while() -> None:
     share = np.count_nonzero(blind) / len(blind)
     assert 0.01 < share < 0.2
     assert max(blind) <= 25
+
+
+def test_nothing_returns_beyond_the_reach() -> None:
+    ranges = make_unit(reach=20.0).reported(np.array([19.9, 20.1]), BEARINGS[:2], 0.0)
+    assert ranges.tolist() == [19.9, math.inf]

@@ -102,6 +102,7 @@ def test_every_known_variable_is_read_without_a_login(dialect: Dialect, name: st
         (b"sWN nothing 1", Fault.UNKNOWN_VARIABLE),
         (b"sMN nothing", Fault.UNKNOWN_METHOD),
         (b"sXX nothing", Fault.UNKNOWN_COMMAND),
+        (b"sRN \xff\xfe", Fault.UNKNOWN_VARIABLE),
         (b"sMN LMCstartmeas", Fault.ACCESS_DENIED),
         (b"sMN SetAccessMode 3", Fault.INVALID_DATA),
         (b"sEN LMDscandata 2", Fault.INVALID_DATA),
