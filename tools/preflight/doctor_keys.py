@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import socket
-import ssl
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -14,6 +14,10 @@ from robot_agent.process.certificate_dates import CertificateError, first_troubl
 from tools.preflight.finding import Finding, ok, skipped, warning
 
 OPERATOR_LIMIT_S = 1.0
+
+
+class RefusedError(Exception):
+    """One end refuses the other's certificate, with the reason."""
 
 
 def examine_keys(keys: str, wall: Callable[[], float] = time.time) -> Finding:
@@ -48,10 +52,9 @@ def examine_operator(settings: TelemetrySettings) -> Finding:
         with socket.create_connection((address.hostname, address.port), OPERATOR_LIMIT_S) as line:
             if settings.keys:
                 _shake_hands(line, str(address.hostname), Path(settings.keys))
-    except ssl.SSLError as error:
-        reason = getattr(error, "verify_message", "") or error.reason or str(error)
+    except RefusedError as error:
         remedy = "set both clocks; else copy certificates of the same `patrol keys` to both ends"
-        return warning("operator", f"{endpoint}: certificates do not fit ({reason})", remedy)
+        return warning("operator", f"{endpoint}: certificates do not fit ({error})", remedy)
     except (OSError, ValueError) as error:
         remedy = "start `patrol monitor` there, or check the Wi-Fi; the robot patrols without"
         return warning("operator", f"{endpoint}: {error}", remedy)
@@ -59,13 +62,17 @@ def examine_operator(settings: TelemetrySettings) -> Finding:
 
 
 def _shake_hands(line: socket.socket, host: str, keys: Path) -> None:
-    """Agree on TLS with certificates of both ends; raises ssl.SSLError or OSError."""
-    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
-    context.load_verify_locations(keys / "ca.pem")
-    context.load_cert_chain(keys / "certificate.pem", keys / "key.pem")
-    with context.wrap_socket(line, server_hostname=host) as secured:
-        secured.settimeout(OPERATOR_LIMIT_S / 2)
-        try:
-            secured.recv(1)  # a refusal of this end's certificate comes after the agreement
-        except TimeoutError:
-            return
+    """Agree on TLS with certificates of both ends; raises RefusedError or OSError."""
+    import ssl  # 5 MB, which the agent, whose checks are the doctor's, does without
+
+    try:
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+        context.load_verify_locations(keys / "ca.pem")
+        context.load_cert_chain(keys / "certificate.pem", keys / "key.pem")
+        with context.wrap_socket(line, server_hostname=host) as secured:
+            secured.settimeout(OPERATOR_LIMIT_S / 2)
+            with suppress(TimeoutError):
+                secured.recv(1)  # a refusal of this end's certificate comes after the agreement
+    except ssl.SSLError as error:
+        reason = getattr(error, "verify_message", "") or error.reason or str(error)
+        raise RefusedError(reason) from error
