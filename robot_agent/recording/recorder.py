@@ -25,7 +25,7 @@ from robot_agent.recording.run_header import RunHeader
 
 DRAIN_S = 0.1
 FLUSH_S = 0.5
-RETRY_S = 5.0
+RETRY_S = 1.0
 """s after which a failing disk is tried again; doubled each time, up to LONGEST_RETRY_S."""
 LONGEST_RETRY_S = 60.0
 RESUME_MB = 10.0
@@ -74,8 +74,10 @@ class Recorder:
         self._last_t = 0.0
         self._ending = threading.Event()
         # Of the recorder's thread:
+        self._wait = retry_after
         self._unwritten = 0  # lost by errors of the disk
         self._unflushed = 0  # written since the last flush
+        self._gaps_unflushed = 0  # records that gap marks written since then tell of
         self._gap = 0  # of them, those not marked yet
         self._written_t = 0.0
         self._thread = threading.Thread(
@@ -136,7 +138,6 @@ class Recorder:
 
     def _write_files(self, header: RunHeader) -> None:
         """Write the run to a file, and after an error of the disk to a new one, until ``close``."""
-        wait = self._retry_after
         ended = False
         while not ended:
             try:
@@ -144,12 +145,12 @@ class Recorder:
                     self._write_file(file, header)
                 break
             except (OSError, ValueError) as error:
-                self._fail(getattr(error, "strerror", None) or str(error))
-            self._gap += self._unflushed
+                self._fail(getattr(error, "strerror", None) or str(error) or repr(error))
+            self._gap += self._unflushed + self._gaps_unflushed
             self._unwritten += self._unflushed
-            self._unflushed = 0
-            ended = self._ending.wait(wait)
-            wait = min(2.0 * wait, LONGEST_RETRY_S)
+            self._unflushed = self._gaps_unflushed = 0
+            ended = self._ending.wait(self._wait)
+            self._wait = min(2.0 * self._wait, LONGEST_RETRY_S)
 
     def _fail(self, trouble: str) -> None:
         if self.failed.endswith(trouble):
@@ -185,6 +186,7 @@ class Recorder:
                 self.files.path.unlink(missing_ok=True)
             raise
         self._gap = 0
+        self._wait = self._retry_after
         self.failed = ""
         return writer
 
@@ -212,6 +214,7 @@ class Recorder:
             t, record = self._queue.popleft()
             self._written_t = t
             if isinstance(record, Gap):
+                self._gaps_unflushed += record.lost
                 writer.write_gap(record)
                 continue
             self._unflushed += 1
@@ -226,4 +229,4 @@ class Recorder:
         writer.flush()
         file.flush()
         os.fdatasync(file.fileno())
-        self._unflushed = 0
+        self._unflushed = self._gaps_unflushed = 0

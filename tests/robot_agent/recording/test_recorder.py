@@ -2,9 +2,12 @@ from __future__ import annotations
 
 import io
 import os
+import resource
 import signal
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import get_args
 
@@ -306,3 +309,32 @@ def test_killed_process_leaves_a_readable_prefix(tmp_path: Path) -> None:
     assert "closing records" in recording.truncated or "byte" in recording.truncated
     assert ticks == [Tick(index / 100) for index in range(len(ticks))]
     assert len(ticks) > 50  # flushed each 0.2 s of 0.7 s
+
+
+def test_run_goes_on_in_a_new_file_after_an_error_of_the_disk(tmp_path: Path) -> None:
+    files = OneFile(tmp_path / "run.mcap")
+    limit = resource.getrlimit(resource.RLIMIT_FSIZE)
+    recorder = Recorder(files, HEADER, drain_period=0.001, flush_period=0.01, retry_after=0.01)
+    wait_for((tmp_path / "run.mcap").exists)
+    wait_for(lambda: (tmp_path / "run.mcap").stat().st_size > 0)
+    try:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limit[1]))  # as a full disk
+        recorder.record_event(Tick(1.0))
+        wait_for(lambda: bool(recorder.failed))
+        recorder.record_event(Tick(2.0))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limit)
+    wait_for(lambda: not recorder.failed)
+    recorder.record_event(Tick(3.0))
+    recorder.close()
+    assert "run.2" in files.path.name or "run.3" in files.path.name
+    assert list(read_recording(files.path).items()) == [Gap(1.0, 1), Gap(3.0, 1), Tick(3.0)]
+    assert recorder.lost == 2
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    """Wait for the recorder's thread."""
+    end = time.monotonic() + 20.0
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.001)
