@@ -234,3 +234,15 @@ def test_truncated_recording_is_reported_up_to_the_cut(
 
 def test_invalid_offset_is_refused(recordings: list[Path], tmp_path: Path) -> None:
     assert main(["report", str(recordings[0]), "-o", str(tmp_path), "--offset", "x=y"]) == 1
+
+
+def test_second_file_of_one_run_is_no_absence_of_the_agent(runs: list[RunLog]) -> None:
+    """After an error of the disk a run goes on in a new file, with the same header."""
+    first, other = runs
+    for run in runs:
+        run.header = replace(run.header, boot="one", start_monotonic_ns=5)
+    team = Team([first, replace(first), other], align([first, replace(first), other]))
+    assert not [incident for incident in team.incidents if "no agent" in incident.what]
+    restarted = replace(first, header=replace(first.header, start_monotonic_ns=60 * 10**9))
+    team = Team([first, restarted, other], align([first, restarted, other]))
+    assert [incident.what for incident in team.incidents if "no agent" in incident.what]
