@@ -10,8 +10,15 @@ WALL_CLOCK = {
     *("time.strftime", "datetime.now", "datetime.utcnow", "datetime.today", "date.today"),
     *("time.clock_gettime", "time.clock_gettime_ns"),
 }
-LABELS = {("robot_agent/process/runtime.py", "time.time_ns")}
-"""The only reading, at the start: it labels telemetry and recordings, no decision depends on it."""
+LABELS = {
+    ("robot_agent/process/runtime.py", "time.time_ns"),
+    ("robot_agent/process/runtime.py", "time.time"),
+    ("robot_agent/process/telemetry.py", "time.time"),
+    ("robot_agent/recording/run_files.py", "datetime.now"),
+}
+"""The only readings: the start's labels telemetry and recordings, and names the file; the others
+tell a person that the clock is not set or does not fit the certificates. No decision depends on
+them."""
 
 
 def wall_clock_readings(path: Path) -> set[str]:
