@@ -209,7 +209,8 @@ class Lms1xxSession:
         elif self.state is SessionState.STREAMING:
             self._start_over(self._with_health("no scan comes"), t)
         elif self._exchange.tries_left:
-            self.counters.timeouts += 1
+            # While it is looked for, silence is what most rates and dialects answer with.
+            self.counters.timeouts += self.state is not SessionState.SEARCHING
             self._send(t)
         elif self.state is SessionState.SEARCHING:
             self._try_next_dialect(t)

@@ -246,7 +246,8 @@ class Lms200Session:
         elif self.state is SessionState.SEARCHING and self._exchange.only_noise and self._rates:
             self._try_next_rate(t)
         elif self._exchange.tries_left:
-            self.counters.timeouts += 1
+            # While it is looked for, silence is what most rates and dialects answer with.
+            self.counters.timeouts += self.state is not SessionState.SEARCHING
             self._send(t)
         elif self.state is SessionState.SEARCHING:
             self._try_next_rate(t)

@@ -24,6 +24,16 @@ OPENING_S = 5.0
 REMEMBERED_S = 10.0
 """Time for which a momentary event (bad payload, intruder report) holds its condition."""
 _FRESH_S = 1.5
+_CAUSE_S = 0.8
+"""Time that a missing input must last: its cause is known by the next status, 2 Hz."""
+_WITHOUT_SCANS = ("trust.laser", "trust.pose", "lost", "gate")
+_CONSEQUENCES: dict[str, tuple[str, ...]] = {
+    "link base": ("trust.base", "trust.sonar", *_WITHOUT_SCANS),
+    "link laser": _WITHOUT_SCANS,
+    "trust.base": ("trust.sonar", *_WITHOUT_SCANS),
+    "trust.laser": ("trust.pose", "lost", "gate"),
+}
+"""Faults by the fault that brings them along."""
 
 
 class Severity(IntEnum):
@@ -57,16 +67,25 @@ def conditions_of(robot: RobotState, now: float) -> Iterator[Condition]:
         yield Condition(robot.id, "silent", Severity.CRITICAL, words)
         return  # all other payloads are stale
     status_age = robot.age("status", now)
+    faults: list[Condition] = []
     if robot.status is not None and status_age is not None and status_age < _FRESH_S:
-        yield from _of_status(robot, robot.status)
-    yield from _of_decision(robot, now)
+        faults += _of_status(robot, robot.status)
+    faults += _of_decision(robot, now)
+    faults += _of_missing_inputs(robot)
+    yield from _causes(faults)
     yield from _of_sightings(robot, now)
-    yield from _of_missing_inputs(robot)
     if robot.malformed_at is not None and now - robot.malformed_at < REMEMBERED_S:
         words = f"{robot.malformed} payloads could not be read"
         yield Condition(robot.id, "malformed", Severity.WARNING, words)
     if robot.process is not None and robot.process.recorder_trouble:
         yield Condition(robot.id, "recorder", Severity.WARNING, robot.process.recorder_trouble)
+
+
+def _causes(faults: list[Condition]) -> list[Condition]:
+    """Leave out what follows from another fault of the list: one cause, one alarm."""
+    present = {fault.kind for fault in faults}
+    follow = {kind for cause in present for kind in _CONSEQUENCES.get(cause, ())}
+    return [fault for fault in faults if fault.kind not in follow]
 
 
 def _of_status(robot: RobotState, status: StatusPayload) -> Iterator[Condition]:
@@ -149,4 +168,4 @@ def _of_missing_inputs(robot: RobotState) -> Iterator[Condition]:
         if name.startswith("trust.") and log.level >= LogLevel.WARNING:
             bad = log.level >= LogLevel.ERROR
             severity = Severity.CRITICAL if bad else Severity.WARNING
-            yield Condition(robot.id, name, severity, log.message[:200])
+            yield Condition(robot.id, name, severity, log.message[:200], _CAUSE_S)

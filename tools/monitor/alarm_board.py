@@ -130,8 +130,8 @@ class AlarmBoard:
             self._put(replace(alarm, acknowledged=True))
 
     def alarms(self) -> list[Alarm]:
-        """Return all alarms: unacknowledged first, then active, then most severe, then newest."""
+        """Return all alarms: active first, then most severe, then unacknowledged, then newest."""
         return sorted(
             self._alarms.values(),
-            key=lambda a: (a.acknowledged, not a.active, -a.severity, -a.raised, -a.number),
+            key=lambda a: (not a.active, -a.severity, a.acknowledged, -a.raised, -a.number),
         )

@@ -169,6 +169,26 @@ def test_every_gate_reason_has_a_text() -> None:
     assert set(GATE_WORDS) == set(GateReason) - {GateReason.NONE}
 
 
+def test_an_unplugged_laser_is_one_alarm() -> None:
+    lost = device("down", link_up=False, link_reason="unplugged")
+
+    def unplugged(t: float) -> dict[str, Payload]:
+        back = t > END - 0.15
+        stale = Log(
+            timestamp=timestamp_at(t),
+            level=LogLevel.INFO if back else LogLevel.ERROR,
+            message="is back" if back else "none for 0.34 s",
+            name="trust.laser",
+        )
+        return {
+            "status": status(t, laser=lost, localization=LocalizationStatus(health="lost")),
+            "decision": decision(t, command=Twist(0.0, 0.0), gate_reason="stale_laser"),
+            "event": stale,
+        }
+
+    assert [alarm.text for alarm in alarms_of(unplugged)] == ["laser: unplugged"]
+
+
 def test_failing_recorder_of_a_robot_is_an_alarm() -> None:
     def failing(t: float) -> dict[str, Payload]:
         process = ProcessPayload(
@@ -211,13 +231,16 @@ def test_acknowledged_alarm_is_unacknowledged_when_its_severity_rises() -> None:
     assert (alarm.severity, alarm.acknowledged) == (Severity.CRITICAL, False)
 
 
-def test_worst_unseen_alarm_comes_first() -> None:
+def test_active_alarms_come_first_acknowledged_or_not_and_the_worst_of_them_before() -> None:
     board = AlarmBoard()
     board.update([condition("a"), condition("b", Severity.CRITICAL), condition("c")], 0.0, 0.0)
     first = board.alarms()[0]
     assert first.kind == "b"
     board.acknowledge(first.number)
-    assert [alarm.kind for alarm in board.alarms()] == ["c", "a", "b"]
+    assert [alarm.kind for alarm in board.alarms()] == ["b", "c", "a"]
+    for step in range(1, 20):
+        board.update([condition("a")], 0.1 * step, 0.0)
+    assert [alarm.kind for alarm in board.alarms()] == ["a", "b", "c"]
 
 
 def test_list_of_alarms_is_bounded() -> None:

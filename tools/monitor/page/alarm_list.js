@@ -1,4 +1,4 @@
-// The alarms, unacknowledged first. Acknowledging is sent to the monitor, never to a robot.
+// The alarms, active ones first. Acknowledging is sent to the monitor, never to a robot.
 
 import { element, setText } from "./element.js";
 import { timeOfDay } from "./format.js";
@@ -6,12 +6,14 @@ import { timeOfDay } from "./format.js";
 const MARKS = { critical: "▲", warning: "◆", info: "●" };
 
 export class AlarmList {
-  constructor(list, counter, all, send, robotName) {
+  // go: shows an alarm's robot on the map.
+  constructor(list, counter, all, send, robotName, go) {
     this.list = list;
     this.counter = counter;
     this.all = all;
     this.send = send;
     this.robotName = robotName;
+    this.go = go;
     this.items = new Map();
     this.alarms = [];
     all.addEventListener("click", () => this.acknowledge(this.unseen()));
@@ -64,9 +66,10 @@ export class AlarmList {
   item(alarm) {
     if (!this.items.has(alarm.number)) {
       const root = element("li");
-      const [mark, words, button] = [element("span", "mark"), element("span", "words"), element("button", "", "OK")];
+      const [mark, words, button] = [element("span", "mark"), element("button", "words"), element("button", "ok", "OK")];
       const [text, when] = [element("span"), element("span", "when quiet")];
-      button.type = "button";
+      button.type = words.type = "button";
+      words.addEventListener("click", () => this.go(this.alarms.find((each) => each.number === alarm.number)));
       button.addEventListener("click", () => this.send({ acknowledge: alarm.number }));
       words.append(text, when);
       root.append(mark, words, button);

@@ -1,4 +1,4 @@
-// The cards in the order of the robots' names; the selected one is open, or all.
+// The cards of robots in trouble first, else in the order of their names; the selected one is open, or all.
 
 import { RobotCard } from "./robot_card.js";
 
@@ -18,12 +18,16 @@ export class CardList {
   }
 
   show() {
-    for (const robot of this.team.ordered) {
+    const rank = { critical: 0, warning: 1, info: 2 };
+    const worst = new Map(this.team.ordered.map((robot) => [robot.id, this.team.trouble(robot.id)]));
+    const order = [...this.team.ordered].sort((a, b) => (rank[worst.get(a.id)] ?? 3) - (rank[worst.get(b.id)] ?? 3));
+    for (const robot of order) {
       const card = this.card(robot);
       const chosen = this.selection.id === robot.id;
       if (card.open !== (this.all || chosen)) card.setOpen(this.all || chosen);
-      card.update(this.team.now, chosen);
+      card.update(this.team.now, chosen, worst.get(robot.id));
     }
+    this.arrange(order);
   }
 
   card(robot) {
@@ -33,9 +37,19 @@ export class CardList {
     const card = new RobotCard(robot, this.actions, () => this.selection.toggle(robot.id));
     card.setOpen(false);
     this.cards.set(robot.id, card);
-    const after = [...this.box.children].find((other) => other.dataset.robot.localeCompare(robot.id, undefined, { numeric: true }) > 0);
-    this.box.insertBefore(card.root, after ?? null);
+    this.box.append(card.root);
     return card;
+  }
+
+  // Moves only cards out of place: moving one takes the keyboard focus away.
+  arrange(order) {
+    let before = null;
+    for (const robot of order) {
+      const { root } = this.cards.get(robot.id);
+      const expected = before ? before.nextElementSibling : this.box.firstElementChild;
+      if (expected !== root) this.box.insertBefore(root, expected);
+      before = root;
+    }
   }
 
   reveal(id) {

@@ -38,7 +38,7 @@ const connection = new Connection(take, showLink);
 const playback = new PlaybackBar(find("playback"), (request) => connection.send(request));
 const alarms = new AlarmList(
   find("alarms"), find("alarm-count"), find("acknowledge-all"),
-  (request) => connection.send(request), (id) => team.robots.get(id)?.name ?? id,
+  (request) => connection.send(request), (id) => team.robots.get(id)?.name ?? id, showAlarm,
 );
 setText(find("site"), site.name);
 
@@ -72,14 +72,38 @@ function showCards() {
   playback.show(team.source);
   setText(find("clock"), team.wall ? timeOfDay(team.wall) : "");
   setText(find("summary"), summary());
+  showTrouble();
   setText(find("figures"), figures.words(team.source.kind === "live"));
+}
+
+// Chooses the alarm's robot, brings it into view and, in a playback, goes to the alarm's time.
+function showAlarm(alarm) {
+  if (team.source.kind === "playback") connection.send({ seek: alarm.raised });
+  if (!team.robots.has(alarm.robot)) return;
+  selection.choose(alarm.robot);
+  map.centre(team.robots.get(alarm.robot).pose);
+}
+
+// The worst active alarm stands first, in its colour; the tab's title counts them.
+function showTrouble() {
+  const active = team.active();
+  const [worst] = active;
+  const name = worst && (team.robots.get(worst.robot)?.name ?? "monitor");
+  const more = active.length > 1 ? ` · ${active.length - 1} more` : "";
+  const box = find("trouble");
+  setText(box, worst ? `${name}: ${worst.text}${more}` : "");
+  box.className = `trouble ${worst?.severity ?? ""}`;
+  box.hidden = !worst;
+  const title = active.length ? `(${active.length}) Border patrol` : "Border patrol";
+  if (document.title !== title) document.title = title;
 }
 
 function summary() {
   const heard = team.ordered.filter((robot) => !robot.silent(team.now));
   const held = heard.filter((robot) => robot.status && robot.status.health !== "ok");
   const robots = `${heard.length} of ${team.ordered.length} robots heard`;
-  const well = held.length ? `${held.length} held back` : heard.length ? "all well" : "";
+  const allWell = team.ordered.length && heard.length === team.ordered.length && !team.active().length;
+  const well = held.length ? `${held.length} held back` : allWell ? "all well" : "";
   const idle = team.coverage ? `border unseen ${duration(team.coverage.average)} on average` : "";
   return [robots, well, idle].filter(Boolean).join(" · ");
 }
@@ -135,7 +159,7 @@ const KEYS = {
 
 document.addEventListener("keydown", (event) => {
   const control = event.target.closest?.("button, select, input, summary, dialog");
-  if (event.ctrlKey || event.metaKey || event.altKey || (control && event.key === " ") || event.target.matches?.("select, input")) return;
+  if (event.ctrlKey || event.metaKey || event.altKey || (control && event.key === " " && !playback.shown) || (event.target.matches?.("select, input") && event.key !== " ")) return;
   if (/^[1-9]$/.test(event.key)) {
     const robot = team.ordered[Number(event.key) - 1];
     if (robot) selection.choose(robot.id);

@@ -49,6 +49,14 @@ export class MapView {
     this.changed = true;
   }
 
+  // Brings a pose to the middle; nothing without one.
+  centre(pose) {
+    if (!pose) return;
+    [this.viewport.x, this.viewport.y] = pose;
+    this.viewport.touched = true;
+    this.refresh();
+  }
+
   zoom(factor, px, py) {
     this.viewport.zoom(factor, px, py);
     this.changed = true;

@@ -33,6 +33,10 @@ export class PlaybackBar {
     box.append(this.button, this.slider, this.time, this.speed);
   }
 
+  get shown() {
+    return this.source !== null && !this.box.hidden;
+  }
+
   toggle() {
     if (this.source) this.send({ pause: !this.source.paused });
   }

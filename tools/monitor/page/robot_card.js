@@ -30,12 +30,14 @@ export class RobotCard {
     this.button = element("button");
     this.button.type = "button";
     this.button.addEventListener("click", onChoose);
+    this.badge = element("span", "badge");
+    this.badge.setAttribute("aria-label", "has an alarm");
     this.name = element("span", "name");
     this.action = element("span", "action");
     this.brief = element("span", "brief");
     this.why = element("span", "why");
     const title = element("span");
-    title.append(this.name, this.action);
+    title.append(this.badge, this.name, this.action);
     this.button.append(title, this.brief, this.why);
     this.root.append(this.button);
     this.body = null;
@@ -85,11 +87,14 @@ export class RobotCard {
     return list;
   }
 
-  update(now, chosen) {
+  // trouble: severity of its worst active alarm, empty without one.
+  update(now, chosen, trouble) {
     const { robot } = this;
     const silent = robot.silent(now);
     setClass(this.root, "chosen", chosen);
     setClass(this.root, "silent", silent);
+    for (const severity of ["critical", "warning"]) setClass(this.root, severity, trouble === severity);
+    setText(this.badge, trouble === "critical" ? "▲" : "◆");
     setText(this.name, robot.name);
     const current = robot.decision && robot.age("decision", now) < 1.5;
     setText(this.action, silent ? "silent" : current ? actionName(robot.decision.action) : "no decision");

@@ -70,6 +70,16 @@ export class Team {
     if (message.coverage) this.coverage = message.coverage;
   }
 
+  // Returns the active alarms of a robot, or of all, the worst first.
+  active(id) {
+    return this.alarms.filter((alarm) => alarm.cleared === null && (id === undefined || alarm.robot === id));
+  }
+
+  // Returns the severity of a robot's worst active alarm; empty if it has none.
+  trouble(id) {
+    return this.active(id)[0]?.severity ?? "";
+  }
+
   robot(id) {
     if (!this.robots.has(id)) {
       this.robots.set(id, new Robot(id, this.freeNumber(id)));
