@@ -31,6 +31,9 @@ CONFIRM_WITHIN = 1.0  # s; a ring of eight fires each transducer every 0.32 s
 MEMORY = 5.0
 """s that a front echo counts after it was last heard: beside a low thing it is heard no longer, and
 a turning robot's corner must not hit it."""
+MISSES = 2
+"""Readings through a place without an echo after which nothing is there: a slanted face sends one
+ping elsewhere (specular loss), and the robot would turn its corner into it."""
 _SEEN_BEYOND = 0.15  # m farther than the echo at which a laser point still explains it
 _WIDE_CONE = math.radians(20.0)  # to each side: within it near things are heard, if weakly
 _ORIGIN = Pose(0.0, 0.0, 0.0)
@@ -54,6 +57,7 @@ class SonarObstacles:
 
     _low: NDArray[np.float64]  # (n, 2) m, odom: front echoes that count
     _low_t: NDArray[np.float64]  # (n,) s, when each was heard
+    _low_misses: NDArray[np.int64]  # (n,) readings through its place since then
 
     def __init__(self, model: RobotModel) -> None:
         count = len(model.sonar)
@@ -64,6 +68,7 @@ class SonarObstacles:
         self._heard_t = np.full(count, -np.inf)  # of these echoes
         self._low = np.empty((0, 2))
         self._low_t = np.empty(0)
+        self._low_misses = np.empty(0, dtype=np.int64)
 
     def update(
         self,
@@ -118,14 +123,17 @@ class SonarObstacles:
         if len(self._low):
             low = move_points(self._low, odometry.between(_ORIGIN))
             past = self._cone_to(number, HALF_CONE, distance - SAME_PLACE)
-            kept = ~past.mask(low) & (t - self._low_t <= MEMORY)
+            self._low_misses += past.mask(low)
+            kept = (self._low_misses < MISSES) & (t - self._low_t <= MEMORY)
             self._low = self._low[kept]
             self._low_t = self._low_t[kept]
+            self._low_misses = self._low_misses[kept]
         if distance < FRONT_REACH and self._is_confirmed(t, number, place):
             explained = self._cone_to(number, _WIDE_CONE, distance + _SEEN_BEYOND).mask(seen())
             if not explained.any():
                 self._low = np.concatenate((self._low, place[None]))
                 self._low_t = np.append(self._low_t, t)
+                self._low_misses = np.append(self._low_misses, 0)
 
     def _is_confirmed(self, t: float, number: int, place: NDArray[np.float64]) -> bool:
         """Return whether this front transducer or one next to it has just heard the same place."""

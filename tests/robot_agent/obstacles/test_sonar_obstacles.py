@@ -109,9 +109,10 @@ def test_wall_of_a_narrow_corridor_that_the_laser_sees_does_not_stop_the_robot()
     assert len(sonar.around(1.6, ORIGIN)) == 0
 
 
-def test_front_echo_is_kept_until_the_transducer_hears_past_its_place() -> None:
-    assert len(heard(0.5, 0.5, 1.2)) == 0
-    assert len(heard(0.5, 0.5, MODEL.sonar_far)) == 0
+def test_front_echo_is_kept_until_the_transducer_hears_past_its_place_twice() -> None:
+    assert len(heard(0.5, 0.5, 1.2)) == 1, "a slanted face sends one ping elsewhere"
+    assert len(heard(0.5, 0.5, 1.2, MODEL.sonar_far)) == 0
+    assert len(heard(0.5, 0.5, MODEL.sonar_far, MODEL.sonar_far)) == 0
     sonar = SonarObstacles(MODEL)
     for t in (1.0, 1.3):
         sonar.update(report(t, (AHEAD, 0.4)), ORIGIN, no_scan)
