@@ -18,7 +18,7 @@ from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, ConfigError, format_config, load_config, load_map
 from robot_agent.process.journal import Journal
 from robot_agent.process.pose_file import PoseFile
-from robot_agent.process.runtime import Clock, Runtime, end_on_signals
+from robot_agent.process.runtime import Clock, DeviceFilterError, Runtime, end_on_signals
 from robot_agent.process.settings_list import format_settings, list_settings
 from robot_agent.process.telemetry import Telemetry
 from robot_agent.recording.recorder import Recorder
@@ -63,6 +63,9 @@ def run(options: argparse.Namespace) -> int:
     except ConfigError as error:
         print(f"patrol agent: {error}", file=sys.stderr)
         return os.EX_CONFIG
+    except DeviceFilterError as error:
+        print(f"patrol agent: {error}", file=sys.stderr)
+        return 1
 
 
 def _run(options: argparse.Namespace) -> int:
