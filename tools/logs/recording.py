@@ -24,6 +24,7 @@ from mcap.records import Attachment, Channel, Chunk, Metadata
 from mcap.stream_reader import get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC
 
+from maps.input_limits import BAD_DATA
 from maps.pose import Pose
 from robot_agent.messages.effects import ChangeBaud, Effect, Publish, Remember, Send, TakePicture
 from robot_agent.messages.events import BytesReceived, Event, LinkName
@@ -91,12 +92,12 @@ class Recording:
         """
         interpreters: dict[int, Interpreter] = {}
         for channel, t, data in self._raw():
-            interpret = interpreters.get(channel.id)
-            if interpret is None:
-                interpret = interpreters[channel.id] = _interpreter(channel)
             try:
+                interpret = interpreters.get(channel.id)
+                if interpret is None:
+                    interpret = interpreters[channel.id] = _interpreter(channel)
                 item = interpret(t, data)
-            except ValueError as error:
+            except BAD_DATA as error:
                 self.truncated = f"{self.path}: readable up to {t:.6f} s: {channel.topic}: {error}"
                 return
             yield item

@@ -8,13 +8,15 @@ from typing import Any
 
 import msgspec
 
+from maps.input_limits import BAD_DATA
 from tools.logs.recording import Recording, RecordingError
 
 
 def stream_to_csv(recording: Recording, topic: str, target: Path) -> int:
     """Write a topic's messages; return their number.
 
-    The first column is ``t``. Bytes of a link are in hexadecimal. Raises RecordingError, naming
+    The first column is ``t``. Bytes of a link, and messages that are no JSON, are in hexadecimal.
+    Raises RecordingError, naming
     the topics with messages, if the topic has none.
     """
     rows = [{"t": t, **_fields(topic, data)} for _topic, t, data in recording.messages((topic,))]
@@ -38,7 +40,10 @@ def _topics(recording: Recording) -> list[str]:
 def _fields(topic: str, data: bytes) -> dict[str, Any]:
     if topic.endswith(("/rx", "/tx")):
         return {"hex": data.hex()}
-    return dict(_flat("", msgspec.json.decode(data)))
+    try:
+        return dict(_flat("", msgspec.json.decode(data)))
+    except BAD_DATA:
+        return {"unreadable": data.hex()}
 
 
 def _flat(name: str, value: Any) -> list[tuple[str, Any]]:

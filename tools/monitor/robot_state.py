@@ -60,6 +60,11 @@ class RobotState:
         return f"{self.team}/{self.robot}"
 
     @property
+    def key_parts(self) -> list[str]:
+        """The parts of its telemetry key."""
+        return ["patrol", self.team, self.robot]
+
+    @property
     def status(self) -> StatusPayload | None:
         """The newest status."""
         payload = self.payloads.get("status")

@@ -7,13 +7,12 @@ import threading
 from collections.abc import Callable
 from dataclasses import replace
 
+from maps.input_limits import BAD_DATA, MAX_PAYLOAD_BYTES
 from robot_agent.messages.streams import Payload, PayloadError, decode
 from tools.monitor.robot_state import RobotState
 
 MAX_ROBOTS = 64
 """Most robots kept; payloads under further names are counted as stray."""
-MAX_PAYLOAD_BYTES = 256 * 1024
-"""Larger payloads are not decoded; the largest real one, 200 particles, has a tenth of this."""
 _NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
 """Valid names of a team or robot, as in the robots' configuration."""
 
@@ -44,9 +43,16 @@ class TeamState:
         stream = parts.pop()
         payload = _decoded(stream, data)
         if payload is None:
-            self._update(parts, t, lambda robot: _with_malformed(robot, t))
-        else:
+            self.refuse(parts, t)
+            return
+        try:
             self._update(parts, t, lambda robot: robot.with_payload(stream, payload, t, at), stream)
+        except BAD_DATA:
+            self.refuse(parts, t)
+
+    def refuse(self, parts: list[str], t: float) -> None:
+        """Count a payload that cannot be used, of the robot that a key's parts name."""
+        self._update(parts, t, lambda robot: _with_malformed(robot, t))
 
     def set_liveliness(self, key: str, *, online: bool, t: float = 0.0) -> None:
         """Set whether the robot of ``patrol/<team>/<robot>`` is online."""

@@ -7,7 +7,6 @@ nothing is sent on to a robot.
 from __future__ import annotations
 
 import asyncio
-import threading
 from collections.abc import Awaitable, Callable
 from concurrent.futures import Future
 from pathlib import Path
@@ -17,6 +16,7 @@ from urllib.parse import urlsplit
 import msgspec
 from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
 
+from tools.monitor.lasting_thread import LastingThread
 from tools.monitor.page_message import PageFeed
 from tools.monitor.source import Source
 from tools.monitor.watch import Watch
@@ -92,8 +92,7 @@ class WebServer:
         self._ending = asyncio.Event()
         self._loop = asyncio.new_event_loop()
         ready: Future[int] = Future()
-        self._thread = threading.Thread(target=self._run, args=(ready,), name="page", daemon=True)
-        self._thread.start()
+        self._thread = LastingThread(lambda: self._run(ready), "page's server")
         try:
             self._port = ready.result()
         except OSError as error:
@@ -108,6 +107,10 @@ class WebServer:
         """URL of the page."""
         host = f"[{self._host}]" if ":" in self._host else self._host
         return f"http://{host}:{self._port}/"
+
+    def check(self) -> None:
+        """Raise RuntimeError if the server has ended by itself."""
+        self._thread.check()
 
     def close(self) -> None:
         """Close every page's connection and stop serving; idempotent."""

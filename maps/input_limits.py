@@ -1,0 +1,30 @@
+"""The limits of all that is read from files and from the network, in one place.
+
+Whatever is larger is refused by its reader before memory or time is spent on it. All values ours:
+several times what the largest robot, map or recording at hand needs, and small beside a laptop's.
+"""
+
+from __future__ import annotations
+
+MAX_NUMBER = 1e9
+"""Largest magnitude of a number in telemetry, in whatever unit: its square is far from overflow."""
+MAX_COUNT = 2**53 - 1
+"""Largest counter: every reader, JavaScript too, holds it exactly."""
+MAX_SECONDS = 2**32 - 1
+"""Largest whole second of a time stamp: what viewers hold, until 2106."""
+MAX_WORD = 128
+"""Characters of a name, state or identifier."""
+MAX_TEXT = 4096
+"""Characters of a text for people."""
+MAX_BEAMS = 4096
+MAX_PARTICLES = 1000
+MAX_TRACKS = 200
+MAX_PARTS = 32
+"""Parts of one thing: counters of a device, shapes and facts of a track."""
+MAX_PAYLOAD_BYTES = 256 * 1024
+"""One payload of telemetry; the largest real one, 200 particles, has a tenth of this."""
+MAX_PICTURE_TEXT = 192 * 1024
+"""Characters of a picture in a payload, base64."""
+
+BAD_DATA = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
+"""What a computation raises on data it was not made for; none of them means a broken program."""
