@@ -153,6 +153,8 @@ def session_config(operator: str, keys: str = "") -> zenoh.Config:
         "scouting/delay": 0,
         "open/return_conditions": {"connect_scouted": False, "declares": False},
         "transport/shared_memory/enabled": False,
+        # Names the session: the operator notices two under one name.
+        "timestamping": {"enabled": True},
         "transport/link/tx/lease": LEASE_MS,
     }.items():
         config.insert_json5(key, json.dumps(value))

@@ -51,6 +51,7 @@ class Operator:
                 f"cannot listen on {listen}: {plain_reason(error)}; "
                 "give a free endpoint, e.g. tcp/0.0.0.0:7447"
             ) from error
+        self._own_id = str(self._session.info.zid())
         self._session.declare_subscriber("patrol/*/*/*", self._on_sample)
         self._session.liveliness().declare_subscriber(
             "patrol/*/*", self._on_liveliness, history=True
@@ -62,7 +63,13 @@ class Operator:
             wall = time.time()
             for tap in self._taps:
                 tap(key, payload, wall)
-            self.team.receive(key, payload, time.monotonic(), wall)
+            self.team.receive(key, payload, time.monotonic(), wall, self._source_of(sample))
+
+    def _source_of(self, sample: zenoh.Sample) -> str:
+        """Return the session that stamped a payload; "" if this router did, in its place."""
+        stamp = sample.timestamp
+        source = "" if stamp is None else str(stamp.get_id())
+        return "" if source == self._own_id else source
 
     def _on_liveliness(self, sample: zenoh.Sample) -> None:
         online = sample.kind == zenoh.SampleKind.PUT

@@ -256,6 +256,7 @@ class PageFeed:
         """Start with nothing sent: the first message holds everything."""
         self._watch = watch
         self._version = 0
+        self._shown: list[str] = []
         self._why: dict[str, str] = {}
         self._alarms: tuple[int, int] | None = None
         self._samples: dict[str, int] = {}
@@ -278,6 +279,12 @@ class PageFeed:
             newest = max(newest, robot.version)
         self._version = newest
         message["robots"] = robots
+        shown = [robot.id for robot in watch.robots]
+        if shown != self._shown:
+            message["shown"] = self._shown = shown
+            for gone in (self._why.keys() | self._samples.keys()) - set(shown):
+                self._why.pop(gone, None)
+                self._samples.pop(gone, None)
         board = watch.alarms
         if self._alarms != (id(board), board.version):
             self._alarms = (id(board), board.version)

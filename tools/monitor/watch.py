@@ -13,12 +13,14 @@ from tools.monitor.coverage import Coverage
 from tools.monitor.history import RobotHistory
 from tools.monitor.robot_state import RobotState
 from tools.monitor.site import Site
-from tools.monitor.team_state import TeamState
+from tools.monitor.team_state import MAX_ROBOTS, TeamState
 
 T = TypeVar("T")
 
 _VISIT_PERIOD_S = 0.2
 _FRESH_S = 1.0
+_NAMED = 5
+"""Robots named in one alarm."""
 
 
 class Watch:
@@ -50,6 +52,9 @@ class Watch:
         self.now, self.wall = now, wall
         self.robots = self.team.snapshot()
         self.alarms.update(self._conditions(), now, wall)
+        known = {robot.id for robot in self.robots}
+        for gone in self.histories.keys() - known:
+            del self.histories[gone]
         for robot in self.robots:
             history = self.histories.setdefault(robot.id, RobotHistory())
             self.made(robot, partial(history.sample, robot, now, wall))
@@ -78,6 +83,14 @@ class Watch:
         for robot in self.robots:
             yield from self.made(robot, partial(_listed, robot, self.now)) or ()
         yield from self._own_conditions()
+        hidden = self.team.hidden_since(self.now - REMEMBERED_S)
+        if hidden:
+            more = f" and {len(hidden) - _NAMED} more" if len(hidden) > _NAMED else ""
+            words = (
+                f"not shown: {', '.join(hidden[:_NAMED])}{more}; {MAX_ROBOTS} robots are shown at "
+                "most, look who reports under names you do not know"
+            )
+            yield Condition("", "hidden", Severity.CRITICAL, words)
         stray_at = self.team.stray_at
         if stray_at is not None and self.now - stray_at < REMEMBERED_S:
             words = f"{self.team.stray} messages under names that are no robot's"

@@ -51,6 +51,21 @@ def test_team_state_follows_the_robots_reports(endpoint: str) -> None:
         robots["anna"].close()
 
 
+def test_two_sessions_under_one_name_are_rivals(endpoint: str) -> None:
+    with closing(Operator(endpoint)) as operator:
+        settings = TelemetrySettings(operator=endpoint)
+        pair = [Telemetry(settings, robot="anna", team="north") for _ in range(2)]
+        wait_until(lambda: all(one.connected for one in pair))
+        rivals = []
+        for number in range(4):
+            pair[number % 2].publish("pose", encode(POSE))
+            wait_until(lambda n=number: len(operator.team.snapshot()[0].poses) == n + 1)
+            rivals.append(operator.team.snapshot()[0].rivals_at is not None)
+        assert rivals == [False, False, True, True]
+        for one in pair:
+            one.close()
+
+
 def test_malformed_payload_is_counted(endpoint: str) -> None:
     with closing(Operator(endpoint)) as operator:
         robot = Telemetry(TelemetrySettings(operator=endpoint), robot="anna", team="north")

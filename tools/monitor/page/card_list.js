@@ -18,6 +18,11 @@ export class CardList {
   }
 
   show() {
+    for (const [id, card] of this.cards) {
+      if (this.team.robots.has(id)) continue;
+      card.root.remove();
+      this.cards.delete(id);
+    }
     for (const robot of this.team.ordered) {
       const card = this.card(robot);
       const chosen = this.selection.id === robot.id;
