@@ -23,6 +23,12 @@ MAX_PARTS = 32
 """Parts of one thing: counters of a device, shapes and facts of a track."""
 MAX_PAYLOAD_BYTES = 256 * 1024
 """One payload of telemetry; the largest real one, 200 particles, has a tenth of this."""
+MAX_MESSAGE_BYTES = 1024 * 1024
+"""One message of the network, before it is known what it is."""
+MAX_QUEUE_BYTES = 4 * 1024 * 1024
+"""Payloads of one robot that wait for the network: many seconds of its telemetry."""
+MAX_RECORDER_QUEUE_BYTES = 64 * 1024 * 1024
+"""Payloads of a team that wait for the disk."""
 MAX_PICTURE_TEXT = 192 * 1024
 """Characters of a picture in a payload, base64."""
 

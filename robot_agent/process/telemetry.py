@@ -15,6 +15,7 @@ import time
 from collections import deque
 from typing import TYPE_CHECKING
 
+from maps.input_limits import MAX_QUEUE_BYTES
 from robot_agent.config import TelemetrySettings
 from robot_agent.messages.streams import key_of
 
@@ -45,7 +46,8 @@ class Telemetry:
     ) -> None:
         """Start the thread that opens the session; without a configured operator, do nothing.
 
-        queue: payloads that may wait for the network before the oldest is dropped.
+        queue: payloads that may wait for the network before the oldest is dropped; MAX_QUEUE_BYTES
+        bounds them too.
         """
         self.sent = 0
         self.dropped = 0
@@ -56,7 +58,10 @@ class Telemetry:
         self._keys = settings.keys
         self._robot = robot
         self._team = team
-        self._queue: deque[tuple[str, bytes]] = deque(maxlen=queue)
+        self._most = queue
+        self._queue: deque[tuple[str, bytes]] = deque()
+        self._queued_bytes = 0
+        self._lock = threading.Lock()
         self._waiting = threading.Event()
         self._ending = False
         self._thread: threading.Thread | None = None
@@ -68,11 +73,20 @@ class Telemetry:
         """Queue a payload; never blocks."""
         if self._thread is None:
             return
-        if len(self._queue) == self._queue.maxlen:
-            self.dropped += 1
-        self._queue.append((stream, payload))
+        with self._lock:
+            self._queue.append((stream, payload))
+            self._queued_bytes += len(payload)
+            while len(self._queue) > self._most or self._queued_bytes > MAX_QUEUE_BYTES:
+                self._take()
+                self.dropped += 1
         if not self._waiting.is_set():
             self._waiting.set()
+
+    def _take(self) -> tuple[str, bytes]:
+        """Remove and return the oldest queued payload."""
+        stream, payload = self._queue.popleft()
+        self._queued_bytes -= len(payload)
+        return stream, payload
 
     def close(self) -> None:
         """Close the session, within CLOSE_S even if the network hangs; idempotent."""
@@ -115,8 +129,11 @@ class Telemetry:
             if (now := time.monotonic()) - checked_at >= CHECK_S:
                 self.connected = bool(session.info.routers_zid() or session.info.peers_zid())
                 checked_at = now
-            while self._queue:
-                stream, payload = self._queue.popleft()
+            while True:
+                with self._lock:
+                    if not self._queue:
+                        break
+                    stream, payload = self._take()
                 # Not a declared publisher: that sends only to subscribers it knows, and the
                 # operator sends robots no declarations.
                 session.put(

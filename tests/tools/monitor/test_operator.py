@@ -8,6 +8,7 @@ from contextlib import closing
 import pytest
 import zenoh
 
+from maps.input_limits import MAX_MESSAGE_BYTES, MAX_PAYLOAD_BYTES
 from maps.pose import Pose
 from robot_agent.config import TelemetrySettings
 from robot_agent.messages.foxglove import PoseInFrame, Timestamp, pose3
@@ -73,6 +74,21 @@ def test_malformed_payload_is_counted(endpoint: str) -> None:
         robot.publish("pose", b"not JSON")
         wait_until(lambda: operator.team.snapshot()[0].malformed == 1)
         robot.close()
+
+
+def test_oversize_payloads_are_dropped_before_they_are_kept(endpoint: str) -> None:
+    kept: list[int] = []
+    with (
+        closing(Operator(endpoint, [lambda _key, data, _wall: kept.append(len(data))])) as operator,
+        zenoh.open(session_config(endpoint)) as stranger,
+    ):
+        wait_until(lambda: bool(stranger.info.routers_zid()))
+        for size in (MAX_MESSAGE_BYTES * 2, MAX_PAYLOAD_BYTES + 1, 2):
+            stranger.put("patrol/north/anna/pose", b"1" * size)
+        wait_until(lambda: bool(kept))
+        (robot,) = operator.team.snapshot()
+        assert kept == [2]
+        assert robot.malformed == 2, "the largest never left the door"
 
 
 def test_deletions_and_other_keys_are_ignored(endpoint: str) -> None:
