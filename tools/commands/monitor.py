@@ -102,7 +102,7 @@ def play(options: argparse.Namespace, going_on: Callable[[], bool]) -> int:
             show_team(watch, while_sound(going_on, caller.check))
         return 0
     with closing(WebServer(watch, playback, options.http)) as server:
-        print(f"patrol monitor: {server.url} plays {len(options.play)} files", file=sys.stderr)
+        print(f"patrol monitor: {server.link} plays {len(options.play)} files", file=sys.stderr)
         going_on = while_sound(going_on, server.check)
         while going_on():
             time.sleep(POLL_S)

@@ -57,6 +57,7 @@ class Monitor:
         """
         self.options = options
         self.url: str | None = None
+        """URL that opens the page with the right to act on it; None: no page."""
         self.check: Callable[[], None]
         """Raises RuntimeError if page or table are kept up to date no more."""
         self._recorder: TeamRecorder | None = None
@@ -73,7 +74,7 @@ class Monitor:
             else:
                 server = WebServer(self.watch, source, self.options.http)
                 stack.callback(server.close)
-                self.url = server.url
+                self.url = server.link
                 self.check = server.check
             self._stack = stack.pop_all()
 
