@@ -32,5 +32,24 @@ MAX_RECORDER_QUEUE_BYTES = 64 * 1024 * 1024
 MAX_PICTURE_TEXT = 192 * 1024
 """Characters of a picture in a payload, base64."""
 
+MAX_DESCRIPTION_BYTES = 1024 * 1024
+"""A text that people write: configuration, map description, border, floor plan."""
+MAX_NUMBER_TEXT = 2**63
+"""Largest integer of such a text: none of ours needs more, and a float holds it."""
+MAX_DEPTH = 8
+"""Nesting of a map's description, which has two levels."""
+MAX_CELLS = 36_000_000
+"""Cells of a map: 300 m x 300 m at 0.05 m."""
+MAX_BORDER_M = 10_000.0
+"""Length of a border, m."""
+MAX_BORDER_PIECES = 2000
+"""Vertices of a border, and its segments and arcs."""
+MAX_LOG_BYTES = 96 * 1024 * 1024
+"""Text of a log, decompressed; a day of a laser at 5 Hz has less."""
+MAX_RECORD_BYTES = 64 * 1024 * 1024
+"""One record of a recording: a chunk, decompressed, or a map's image; ours have 256 kB."""
+MAX_PAUSE_S = 3600.0
+"""Time between two messages of a log or recording; more is a clock that was set."""
+
 BAD_DATA = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
 """What a computation raises on data it was not made for; none of them means a broken program."""
