@@ -50,6 +50,8 @@ MAX_RECORD_BYTES = 64 * 1024 * 1024
 """One record of a recording: a chunk, decompressed, or a map's image; ours have 256 kB."""
 MAX_PAUSE_S = 3600.0
 """Time between two messages of a log or recording; more is a clock that was set."""
+MAX_DURATION_S = 7 * 86_400.0
+"""Duration of a log or recording."""
 
 BAD_DATA = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
 """What a computation raises on data it was not made for; none of them means a broken program."""
