@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 
 from maps.input_limits import BAD_DATA
+from tools.logs.csv_cells import csv_cells
 from tools.logs.recording import Recording, RecordingError
 
 
@@ -27,9 +28,10 @@ def stream_to_csv(recording: Recording, topic: str, target: Path) -> int:
         )
     columns = list(dict.fromkeys(name for row in rows for name in row))
     with target.open("w", newline="") as file:
-        writer = csv.DictWriter(file, columns, restval="", lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(csv_cells(columns))
+        for row in rows:
+            writer.writerow(csv_cells(row.get(name, "") for name in columns))
     return len(rows)
 
 
