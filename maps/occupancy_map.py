@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from maps.image_size import HEAD_BYTES, image_size
-from maps.input_limits import MAX_CELLS, MAX_RECORD_BYTES
+from maps.input_limits import MAX_CELLS, MAX_RECORD_BYTES, MAX_WORD
 from maps.pose import Pose
 from maps.yaml_text import YamlError, read_yaml
 
@@ -271,7 +271,7 @@ def _decode_image(data: bytes, place: str) -> NDArray[np.uint8]:
 
 
 def _image_name(value: Any, place: str) -> str:
-    if not isinstance(value, str) or not value:
+    if not isinstance(value, str) or not 0 < len(value) <= MAX_WORD:
         raise MapError(f"{place}: image must be a file name, got {value!r:.40}")
     return value
 

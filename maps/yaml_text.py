@@ -7,6 +7,7 @@ from typing import Any
 import yaml
 
 from maps.input_limits import MAX_DEPTH, MAX_DESCRIPTION_BYTES
+from maps.toml_text import plain_trouble
 
 
 class YamlError(ValueError):
@@ -19,16 +20,21 @@ def read_yaml(data: bytes) -> Any:
     Raises YamlError.
     """
     if len(data) > MAX_DESCRIPTION_BYTES:
-        raise YamlError(f"has {len(data)} bytes, more than {MAX_DESCRIPTION_BYTES}")
+        raise YamlError(f"has {len(data)} bytes, more than {MAX_DESCRIPTION_BYTES}: shorten it")
     try:
         trouble = _first_trouble(data)
         content = None if trouble else yaml.safe_load(data)
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         # ValueError: of UTF-8, of dates, and of integers of thousands of digits
-        raise YamlError(f"not YAML ({' '.join(str(error).split()):.200})") from None
+        reason = plain_trouble(error) if isinstance(error, ValueError) else _one_line(error)
+        raise YamlError(f"not YAML ({reason})") from None
     if trouble:
         raise YamlError(trouble)
     return content
+
+
+def _one_line(error: Exception) -> str:
+    return f"{' '.join(str(error).split()):.200}"
 
 
 def _first_trouble(data: bytes) -> str:
