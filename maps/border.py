@@ -10,15 +10,17 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Sequence
-from itertools import combinations, pairwise
+from itertools import pairwise
 
 import msgspec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from shapely import STRtree
 from shapely.geometry import LineString
 
 from maps.border_foot import ArcFoot, BorderPoint, SegmentFoot
 from maps.border_primitives import Arc, Primitive, Segment
+from maps.input_limits import MAX_BORDER_M
 from maps.pose import wrap_angle
 
 _GAP_TOLERANCE = 1e-3  # m between the end of a primitive and the start of the next
@@ -212,6 +214,9 @@ def _check_pieces(primitives: Sequence[Primitive]) -> None:
             raise BorderError(f"{describe(index, primitive)} has no length, remove it")
         if isinstance(primitive, Arc) and abs(primitive.sweep) > math.tau + 1e-9:
             raise BorderError(f"{describe(index, primitive)} goes more than once round its centre")
+    length = math.fsum(primitive.length for primitive in primitives)
+    if length > MAX_BORDER_M:
+        raise BorderError(f"is {length:.0f} m long, more than {MAX_BORDER_M:.0f} m: shorten it")
 
 
 def _check_joints(primitives: Sequence[Primitive], *, closed: bool) -> None:
@@ -237,9 +242,10 @@ def _check_joints(primitives: Sequence[Primitive], *, closed: bool) -> None:
 def _check_crossings(primitives: Sequence[Primitive], *, closed: bool) -> None:
     """Raise BorderError if the border meets itself; neighbours may meet at their joint only."""
     lines = [LineString(_drawn(primitive)) for primitive in primitives]
-    for one, other in combinations(range(len(lines)), 2):
+    meeting = STRtree(lines).query(lines, predicate="intersects").T
+    for one, other in sorted((int(a), int(b)) for a, b in meeting if a < b):
         adjacent = other == one + 1 or (closed and one == 0 and other == len(lines) - 1)
-        if not adjacent and lines[one].intersects(lines[other]):
+        if not adjacent:
             raise BorderError(
                 f"{describe(one, primitives[one])} meets {describe(other, primitives[other])}, "
                 "move them apart: a border must not cross or touch itself"

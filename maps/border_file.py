@@ -30,7 +30,9 @@ import msgspec
 
 from maps.border import Border, BorderError, describe
 from maps.border_primitives import Arc, Point, Primitive, Segment
+from maps.input_limits import MAX_BORDER_PIECES
 from maps.rounded_polygon import round_polygon
+from maps.toml_text import TomlError, read_toml
 
 _FARTHEST = 1e5  # m; no border reaches farther
 _MEETING = 1e-3  # m within which two ends are the same point
@@ -68,9 +70,9 @@ class BorderEntries(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
 def read_border(data: bytes, place: str) -> Border:
     """Decode a border file's bytes; raises BorderError, which names the file by ``place``."""
     try:
-        entries = msgspec.toml.decode(data.decode("utf-8-sig"), type=BorderEntries)
+        entries = msgspec.convert(read_toml(data), BorderEntries)
         return _border_of(entries)
-    except (msgspec.MsgspecError, BorderError, UnicodeDecodeError) as error:
+    except (msgspec.MsgspecError, BorderError, TomlError) as error:
         raise BorderError(f"{place}: {error}") from None
 
 
@@ -87,6 +89,9 @@ def _border_of(entries: BorderEntries) -> Border:
     for number in _numbers_of(msgspec.to_builtins(entries)):
         if not abs(number) <= _FARTHEST:  # so is NaN, and what no float can hold
             raise BorderError(f"has {number!s:.20}, beyond {_FARTHEST:g} m; correct it")
+    count = max(len(entries.vertices or ()), len(entries.segment) + len(entries.arc))
+    if count > MAX_BORDER_PIECES:
+        raise BorderError(f"has {count} vertices or pieces, more than {MAX_BORDER_PIECES}: thin it")
     pieces = bool(entries.segment or entries.arc)
     if pieces == (entries.vertices is not None):
         raise BorderError("give either 'vertices' or [[segment]] and [[arc]] entries")

@@ -73,7 +73,7 @@ def load_map_folder(folder: Path, border: str = DEFAULT_BORDER) -> MapFolder:
     files = {MAP_FILE: description, image: read_map_file(folder / image)}
     border_file = f"{border}.toml"
     if (folder / border_file).is_file():
-        files[border_file] = (folder / border_file).read_bytes()
+        files[border_file] = read_map_file(folder / border_file)
     return _assemble(folder.resolve().name, str(folder), files, border)
 
 

@@ -18,10 +18,12 @@ from typing import Any
 
 import cv2
 import numpy as np
-import yaml
 from numpy.typing import ArrayLike, NDArray
 
+from maps.image_size import HEAD_BYTES, image_size
+from maps.input_limits import MAX_CELLS, MAX_RECORD_BYTES, MAX_WORD
 from maps.pose import Pose
+from maps.yaml_text import YamlError, read_yaml
 
 FREE = 0
 OCCUPIED = 1
@@ -30,7 +32,8 @@ UNKNOWN = 2
 # What map_saver writes: read back with its own thresholds, these give the three states again.
 _OCCUPIED_THRESH, _FREE_THRESH = 0.65, 0.196
 _PIXEL_OF_STATE = np.array([254, 0, 205], dtype=np.uint8)
-_BINARY_PGM = re.compile(rb"P5(?:\s+|#[^\n]*\n)+\d+(?:\s+|#[^\n]*\n)+\d+(?:\s+|#[^\n]*\n)+(\d+)\s")
+_GAP = rb"(?:\s+|#[^\n]*\n){1,99}"
+_BINARY_PGM = re.compile(rb"P5" + _GAP + rb"\d{1,9}" + _GAP + rb"\d{1,9}" + _GAP + rb"(\d{1,9})\s")
 _LARGEST = 1e12  # of any number in a map's description
 _REQUIRED_KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
 
@@ -151,7 +154,7 @@ def load_map(yaml_path: Path) -> OccupancyMap:
 def read_map_file(path: Path) -> bytes:
     """Read one file of a map; raises MapError naming it and the remedy."""
     try:
-        return path.read_bytes()
+        return path.read_bytes() if path.stat().st_size <= MAX_RECORD_BYTES else _too_large(path)
     except OSError as error:
         remedy = (
             "is this a map folder?"
@@ -159,6 +162,10 @@ def read_map_file(path: Path) -> bytes:
             else "put the image there or correct the key 'image' of the map's YAML file"
         )
         raise MapError(f"{path}: cannot be read ({error.strerror}), {remedy}") from None
+
+
+def _too_large(path: Path) -> bytes:
+    raise MapError(f"{path}: has more than {MAX_RECORD_BYTES} bytes: crop or compress it")
 
 
 def save_map(occupancy: OccupancyMap, folder: Path) -> None:
@@ -184,9 +191,9 @@ def save_map(occupancy: OccupancyMap, folder: Path) -> None:
 def read_description(data: bytes, place: str) -> MapDescription:
     """Decode and check a map's YAML text; raises MapError, which names it by ``place``."""
     try:
-        content = yaml.safe_load(data)
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise MapError(f"{place}: not YAML ({' '.join(str(error).split())})") from None
+        content = read_yaml(data)
+    except YamlError as error:
+        raise MapError(f"{place}: {error}") from None
     if not isinstance(content, dict):
         raise MapError(f"{place}: not a map description, expected 'image: ...' and further keys")
     missing = [key for key in _REQUIRED_KEYS if key not in content]
@@ -194,7 +201,7 @@ def read_description(data: bytes, place: str) -> MapDescription:
         raise MapError(f"{place}: key '{missing[0]}' is missing, add it")
     if content.get("mode", "trinary") != "trinary":
         raise MapError(
-            f"{place}: mode '{content['mode']}' is not supported, only 'trinary' "
+            f"{place}: mode '{content['mode']!s:.40}' is not supported, only 'trinary' "
             "(free, occupied, unknown); save the map again with mode: trinary"
         )
     description = MapDescription(
@@ -217,13 +224,14 @@ def read_description(data: bytes, place: str) -> MapDescription:
 def assemble_map(description: MapDescription, image: bytes, place: str) -> OccupancyMap:
     """Make a map from its description and its image's bytes; MapError names it by ``place``."""
     pixels = _decode_image(image, place)
-    darkness = (pixels if description.negate else 255 - pixels) / 255.0
-    cells = np.full(pixels.shape, UNKNOWN, dtype=np.uint8)
-    cells[darkness > description.occupied_thresh] = OCCUPIED
-    cells[darkness < description.free_thresh] = FREE
+    values = np.arange(256)
+    darkness = (values if description.negate else 255 - values) / 255.0
+    state_of = np.full(256, UNKNOWN, dtype=np.uint8)
+    state_of[darkness > description.occupied_thresh] = OCCUPIED
+    state_of[darkness < description.free_thresh] = FREE
     try:
         return OccupancyMap(
-            np.ascontiguousarray(cells[::-1]),
+            state_of[pixels[::-1]],
             description.resolution,
             description.origin,
             description.surface,
@@ -236,7 +244,15 @@ def _decode_image(data: bytes, place: str) -> NDArray[np.uint8]:
     """Decode a grey 8-bit image, (rows, cols) with the top row first."""
     if not data:
         raise MapError(f"{place}: the image is empty, copy it again")
-    header = _BINARY_PGM.match(data)
+    size = image_size(data)
+    if size is None:
+        raise MapError(f"{place}: not a readable image (PGM, PNG or BMP), save it as PGM")
+    if size[0] * size[1] > MAX_CELLS:
+        raise MapError(
+            f"{place}: has {size[0]} x {size[1]} pixels, more than {MAX_CELLS} in all: "
+            "crop it, or take a coarser resolution"
+        )
+    header = _BINARY_PGM.match(data[:HEAD_BYTES])
     if header and int(header[1]) != 255:
         # OpenCV would take such grey values unscaled, and white would turn into grey.
         raise MapError(f"{place}: PGM maximum {int(header[1])} is not supported, save it with 255")
@@ -255,8 +271,8 @@ def _decode_image(data: bytes, place: str) -> NDArray[np.uint8]:
 
 
 def _image_name(value: Any, place: str) -> str:
-    if not isinstance(value, str) or not value:
-        raise MapError(f"{place}: image must be a file name, got {value!r}")
+    if not isinstance(value, str) or not 0 < len(value) <= MAX_WORD:
+        raise MapError(f"{place}: image must be a file name, got {value!r:.40}")
     return value
 
 
@@ -268,7 +284,7 @@ def _number(value: Any, what: str) -> float:
 
 def _flag(value: Any, what: str) -> bool:
     if value not in (0, 1):
-        raise MapError(f"{what} must be 0 or 1, got {value!r}")
+        raise MapError(f"{what} must be 0 or 1, got {value!r:.40}")
     return bool(value)
 
 
@@ -276,14 +292,14 @@ def _surface(value: Any, place: str) -> Surface:
     if value not in tuple(Surface):
         raise MapError(
             f"{place}: surface must be 'face' (a drawn map) or 'centre' (a map built from scans), "
-            f"got {value!r}"
+            f"got {value!r:.40}"
         )
     return Surface(value)
 
 
 def _origin(value: Any, place: str) -> Pose:
     if not isinstance(value, list) or len(value) != 3:
-        raise MapError(f"{place}: origin must be [x, y, yaw], got {value!r}")
+        raise MapError(f"{place}: origin must be [x, y, yaw], got {value!r:.40}")
     origin = Pose(*(_number(item, f"{place}: origin") for item in value))
     if origin.theta != 0.0:
         raise MapError(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
@@ -19,6 +18,7 @@ from drivers.p2os.settings import BaseSettings
 from drivers.scanner import DEFAULT_KIND, ScannerSettings
 from localization.settings import LocalizationSettings
 from maps.map_folder import MAP_FILE, MapFolder, load_map_folder
+from maps.toml_text import TomlError, read_toml
 from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.motion.teleop import TeleopSettings
 from robot_agent.patrol.settings import PatrolSettings
@@ -31,7 +31,7 @@ MODEL_FILE_SUFFIX = ".toml"
 KeyPart = Annotated[str, msgspec.Meta(pattern=r"^[A-Za-z0-9_-]+$")]
 
 
-_FORMER_KEYS = tomllib.loads(Path(__file__).with_name("former_keys.toml").read_text("utf-8"))
+_FORMER_KEYS = read_toml(Path(__file__).with_name("former_keys.toml").read_bytes())
 RENAMED_KEYS: dict[str, str] = _FORMER_KEYS["renamed"]
 """Keys of earlier configuration files with their present names."""
 FIXED_KEYS: dict[str, Any] = _FORMER_KEYS["fixed"]
@@ -164,8 +164,8 @@ def parse_config(content: bytes, source: str) -> AgentConfig:
         ConfigError: as ``load_config``.
     """
     try:
-        table = tomllib.loads(content.decode("utf-8-sig"))  # Windows' editors write a mark
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        table = read_toml(content)
+    except TomlError as error:
         raise ConfigError(f"{source}: is not TOML: {error}; correct that line") from error
     for place, value in _leaf_values(table, ""):
         if isinstance(value, float) and not math.isfinite(value):

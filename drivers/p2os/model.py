@@ -141,7 +141,7 @@ def load_model_file(path: Path) -> RobotModel:
     """Return the model of a file outside this package; raises ModelFileError."""
     try:
         return msgspec.convert(_merged(path.read_text(encoding="utf-8")), type=RobotModel)
-    except (OSError, UnicodeDecodeError, msgspec.DecodeError, UnknownModelError) as error:
+    except (OSError, ValueError, OverflowError, RecursionError) as error:
         reason = getattr(error, "strerror", None) or error
         raise ModelFileError(f"{path}: {reason}; correct the model file") from error
 

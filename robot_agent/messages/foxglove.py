@@ -16,13 +16,15 @@ import numpy as np
 from msgspec import Meta
 from numpy.typing import NDArray
 
+from maps.input_limits import MAX_BEAMS, MAX_PARTICLES, MAX_PARTS, MAX_SECONDS, MAX_TRACKS
 from maps.pose import Pose
+from robot_agent.messages.bounded_fields import Count, Number, Text, Word
 
 
 class Timestamp(msgspec.Struct, frozen=True, kw_only=True):
     """A time, split as the Foxglove schemas want it."""
 
-    sec: Annotated[int, Meta(ge=0, description="whole seconds")]
+    sec: Annotated[int, Meta(ge=0, le=MAX_SECONDS, description="whole seconds")]
     nsec: Annotated[int, Meta(ge=0, le=999_999_999, description="nanoseconds")]
 
 
@@ -39,18 +41,18 @@ def timestamp_at(t: float, start_wall_ns: int = 0) -> Timestamp:
 class Vector3(msgspec.Struct, frozen=True):
     """A position or a size (m)."""
 
-    x: float
-    y: float
-    z: float
+    x: Number
+    y: Number
+    z: Number
 
 
 class Quaternion(msgspec.Struct, frozen=True):
     """An orientation."""
 
-    x: float
-    y: float
-    z: float
-    w: float
+    x: Number
+    y: Number
+    z: Number
+    w: Number
 
 
 class Pose3(msgspec.Struct, frozen=True):
@@ -76,7 +78,7 @@ class PoseInFrame(msgspec.Struct, frozen=True, kw_only=True):
     """``foxglove.PoseInFrame``."""
 
     timestamp: Timestamp
-    frame_id: str
+    frame_id: Word
     pose: Pose3
 
 
@@ -84,8 +86,8 @@ class PosesInFrame(msgspec.Struct, frozen=True, kw_only=True):
     """``foxglove.PosesInFrame``."""
 
     timestamp: Timestamp
-    frame_id: str
-    poses: list[Pose3]
+    frame_id: Word
+    poses: Annotated[list[Pose3], Meta(max_length=MAX_PARTICLES)]
 
 
 def poses_in_frame(timestamp: Timestamp, frame_id: str, poses: NDArray[np.float64]) -> PosesInFrame:
@@ -100,12 +102,15 @@ class LaserScan(msgspec.Struct, frozen=True, kw_only=True):
     """``foxglove.LaserScan``. A beam without a usable return has range 0.0."""
 
     timestamp: Timestamp
-    frame_id: str
+    frame_id: Word
     pose: Pose3
-    start_angle: Annotated[float, Meta(description="bearing of the first beam (rad)")]
-    end_angle: Annotated[float, Meta(description="bearing of the last beam (rad)")]
-    ranges: Annotated[list[float], Meta(description="m; 0.0 where a beam had no usable return")]
-    intensities: list[float]
+    start_angle: Annotated[Number, Meta(description="bearing of the first beam (rad)")]
+    end_angle: Annotated[Number, Meta(description="bearing of the last beam (rad)")]
+    ranges: Annotated[
+        list[Number],
+        Meta(max_length=MAX_BEAMS, description="m; 0.0 where a beam had no usable return"),
+    ]
+    intensities: Annotated[list[Number], Meta(max_length=MAX_BEAMS)]
 
 
 def laser_scan(
@@ -135,9 +140,9 @@ class CompressedImage(msgspec.Struct, frozen=True, kw_only=True):
     """``foxglove.CompressedImage``; in a recording its time counts from the agent's start."""
 
     timestamp: Timestamp
-    frame_id: str
+    frame_id: Word
     data: bytes
-    format: str
+    format: Word
 
 
 class Log(msgspec.Struct, frozen=True, kw_only=True):
@@ -145,26 +150,26 @@ class Log(msgspec.Struct, frozen=True, kw_only=True):
 
     timestamp: Timestamp
     level: Annotated[int, Meta(ge=0, le=5, description="a LogLevel")]
-    message: str
-    name: Annotated[str, Meta(description="part of the agent that speaks")]
-    file: str = ""
-    line: int = 0
+    message: Text
+    name: Annotated[Word, Meta(description="part of the agent that speaks")]
+    file: Text = ""
+    line: Count = 0
 
 
 class KeyValuePair(msgspec.Struct, frozen=True):
     """A key and its value, both text."""
 
-    key: str
-    value: str
+    key: Word
+    value: Text
 
 
 class Color(msgspec.Struct, frozen=True):
     """Red, green, blue and opacity, each 0 to 1."""
 
-    r: float
-    g: float
-    b: float
-    a: float
+    r: Number
+    g: Number
+    b: Number
+    a: Number
 
 
 class CylinderPrimitive(msgspec.Struct, frozen=True, kw_only=True):
@@ -172,8 +177,8 @@ class CylinderPrimitive(msgspec.Struct, frozen=True, kw_only=True):
 
     pose: Pose3
     size: Vector3
-    bottom_scale: float = 1.0
-    top_scale: float = 1.0
+    bottom_scale: Number = 1.0
+    top_scale: Number = 1.0
     color: Color
 
 
@@ -181,10 +186,10 @@ class ArrowPrimitive(msgspec.Struct, frozen=True, kw_only=True):
     """An arrow; pose is its tail, pointing along its x axis (lengths m)."""
 
     pose: Pose3
-    shaft_length: float
-    shaft_diameter: float
-    head_length: float
-    head_diameter: float
+    shaft_length: Number
+    shaft_diameter: Number
+    head_length: Number
+    head_diameter: Number
     color: Color
 
 
@@ -192,30 +197,33 @@ class UnusedPrimitive(msgspec.Struct, frozen=True):
     """Item of the primitive lists that a scene must name and that we leave empty."""
 
 
+_Unused = Annotated[list[UnusedPrimitive], Meta(max_length=MAX_PARTS)]
+
+
 class SceneEntity(msgspec.Struct, frozen=True, kw_only=True):
     """``foxglove.SceneEntity``: what is drawn under one id until its lifetime ends."""
 
     timestamp: Timestamp
-    frame_id: str
-    id: str
+    frame_id: Word
+    id: Word
     lifetime: Timestamp
     frame_locked: bool = False
-    metadata: list[KeyValuePair]
-    arrows: list[ArrowPrimitive]
-    cubes: list[UnusedPrimitive] = []
-    spheres: list[UnusedPrimitive] = []
-    cylinders: list[CylinderPrimitive]
-    lines: list[UnusedPrimitive] = []
-    triangles: list[UnusedPrimitive] = []
-    texts: list[UnusedPrimitive] = []
-    models: list[UnusedPrimitive] = []
+    metadata: Annotated[list[KeyValuePair], Meta(max_length=MAX_PARTS)]
+    arrows: Annotated[list[ArrowPrimitive], Meta(max_length=MAX_PARTS)]
+    cubes: _Unused = []
+    spheres: _Unused = []
+    cylinders: Annotated[list[CylinderPrimitive], Meta(max_length=MAX_PARTS)]
+    lines: _Unused = []
+    triangles: _Unused = []
+    texts: _Unused = []
+    models: _Unused = []
 
 
 class SceneUpdate(msgspec.Struct, frozen=True, kw_only=True):
     """``foxglove.SceneUpdate``."""
 
-    deletions: list[UnusedPrimitive] = []
-    entities: list[SceneEntity]
+    deletions: _Unused = []
+    entities: Annotated[list[SceneEntity], Meta(max_length=MAX_TRACKS)]
 
 
 TRACK_LIFETIME = Timestamp(sec=1, nsec=0)  # a track that is no longer published vanishes

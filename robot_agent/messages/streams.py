@@ -2,7 +2,8 @@
 
 A payload is JSON. The same bytes go to the operator and to the recording. Payloads are built by the
 agent, so they contain nothing that a replay could not reproduce (no counters of the recorder or of
-the network). Absent values are left out of the JSON, never null; no field may be inf or nan.
+the network). Absent values are left out of the JSON, never null; no field may be inf or nan, and
+every field is bounded (``maps.input_limits``): what exceeds its bound is no payload.
 
 ======== ========================================== ===== ============================
 stream   content                                    Hz    schema
@@ -30,6 +31,8 @@ from typing import Annotated, Any
 import msgspec
 from msgspec import Meta
 
+from maps.input_limits import MAX_BEAMS, MAX_PARTS, MAX_PICTURE_TEXT
+from robot_agent.messages.bounded_fields import Count, Number, Text, Word
 from robot_agent.messages.foxglove import (
     LaserScan,
     Log,
@@ -57,41 +60,45 @@ class PayloadError(ValueError):
 class Velocity(msgspec.Struct, frozen=True):
     """A velocity vector in the map frame."""
 
-    x: Annotated[float, Meta(description="m/s")]
-    y: Annotated[float, Meta(description="m/s")]
+    x: Annotated[Number, Meta(description="m/s")]
+    y: Annotated[Number, Meta(description="m/s")]
 
 
 class Twist(msgspec.Struct, frozen=True):
     """A velocity of the base in its own frame."""
 
-    v: Annotated[float, Meta(description="forward (m/s)")]
-    w: Annotated[float, Meta(description="counter-clockwise (rad/s)")]
+    v: Annotated[Number, Meta(description="forward (m/s)")]
+    w: Annotated[Number, Meta(description="counter-clockwise (rad/s)")]
 
 
 class PlanarPose(msgspec.Struct, frozen=True):
     """A pose in the map frame."""
 
-    x: Annotated[float, Meta(description="m")]
-    y: Annotated[float, Meta(description="m")]
-    theta: Annotated[float, Meta(description="rad, counter-clockwise from +x")]
+    x: Annotated[Number, Meta(description="m")]
+    y: Annotated[Number, Meta(description="m")]
+    theta: Annotated[Number, Meta(description="rad, counter-clockwise from +x")]
 
 
 class DeviceStatus(msgspec.Struct, frozen=True, kw_only=True):
     """A device, its session and its line; counters run from the agent's start."""
 
-    state: Annotated[str, Meta(description="state of the session, e.g. ready")]
+    state: Annotated[Word, Meta(description="state of the session, e.g. ready")]
     link_up: Annotated[bool, Meta(description="whether the port is open")]
-    link_reason: Annotated[str, Meta(description="why the port is not open")] = ""
-    trouble: Annotated[str, Meta(description="the session's trouble with its remedy")] = ""
+    link_reason: Annotated[Text, Meta(description="why the port is not open")] = ""
+    trouble: Annotated[Text, Meta(description="the session's trouble with its remedy")] = ""
     counters: Annotated[
-        dict[str, int], Meta(description="what happened in the session, how often; not yet: absent")
+        dict[Word, Count],
+        Meta(
+            max_length=MAX_PARTS,
+            description="what happened in the session, how often; not yet: absent",
+        ),
     ] = {}
-    packets_good: int
-    packets_bad: Annotated[int, Meta(description="frames whose checksum was wrong")]
-    bytes_discarded: Annotated[int, Meta(description="bytes outside any frame")]
-    bytes_received: int
+    packets_good: Count
+    packets_bad: Annotated[Count, Meta(description="frames whose checksum was wrong")]
+    bytes_discarded: Annotated[Count, Meta(description="bytes outside any frame")]
+    bytes_received: Count
     last_heard: Annotated[
-        float | None, Meta(description="age of the last good packet (s); absent if none yet")
+        Number | None, Meta(description="age of the last good packet (s); absent if none yet")
     ] = None
 
     @property
@@ -103,76 +110,88 @@ class DeviceStatus(msgspec.Struct, frozen=True, kw_only=True):
 class LocalizationStatus(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """The particle filter's own view of how well it knows the pose."""
 
-    health: Annotated[str, Meta(description="localized, unsure or lost")]
+    health: Annotated[Text, Meta(description="localized, unsure or lost")]
     pose: PlanarPose | None = None
     covariance: Annotated[
-        list[float], Meta(description="of x, y, theta, row by row, 9 values (m, rad); or none")
+        list[Number],
+        Meta(max_length=9, description="of x, y, theta, row by row, 9 values (m, rad); or none"),
     ] = []
-    particle_count: int = 0
-    effective_sample_size: float = 0.0
-    likelihood: Annotated[float, Meta(description="mean per beam, 0 to 1")] = 0.0
+    particle_count: Count = 0
+    effective_sample_size: Number = 0.0
+    likelihood: Annotated[Number, Meta(description="mean per beam, 0 to 1")] = 0.0
 
 
 class CameraReport(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """The camera as the agent hears of it."""
 
-    state: Annotated[str, Meta(description="down, silent, dark, glare, covered or clear")]
-    link_reason: Annotated[str, Meta(description="why there are no pictures")] = ""
-    pictures: Annotated[int, Meta(description="looked at")] = 0
-    bands: Annotated[int, Meta(description="in the latest picture")] = 0
-    last_heard: Annotated[float | None, Meta(description="age of the latest picture (s)")] = None
+    state: Annotated[Word, Meta(description="down, silent, dark, glare, covered or clear")]
+    link_reason: Annotated[Text, Meta(description="why there are no pictures")] = ""
+    pictures: Annotated[Count, Meta(description="looked at")] = 0
+    bands: Annotated[Count, Meta(description="in the latest picture")] = 0
+    last_heard: Annotated[Number | None, Meta(description="age of the latest picture (s)")] = None
 
 
 class IntruderPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """A stranger near the border: first when reported, then again as it is seen further."""
 
     timestamp: Timestamp
-    robot: str
-    number: Annotated[int, Meta(description="of the intruder, from 1; the same in every update")]
-    x: Annotated[float, Meta(description="m, map frame")]
-    y: Annotated[float, Meta(description="m, map frame")]
-    abscissa: Annotated[float, Meta(description="place along the border (m)")]
-    distance: Annotated[float, Meta(description="from the border (m)")]
-    closest: Annotated[float, Meta(description="least distance from the border so far (m)")]
+    robot: Word
+    number: Annotated[Count, Meta(description="of the intruder, from 1; the same in every update")]
+    x: Annotated[Number, Meta(description="m, map frame")]
+    y: Annotated[Number, Meta(description="m, map frame")]
+    abscissa: Annotated[Number, Meta(description="place along the border (m)")]
+    distance: Annotated[Number, Meta(description="from the border (m)")]
+    closest: Annotated[Number, Meta(description="least distance from the border so far (m)")]
     first_seen: Timestamp
     last_seen: Timestamp
     scan: Annotated[
-        list[float],
-        Meta(description="evidence: laser points near it, x y x y... (m, map frame); or none"),
+        list[Number],
+        Meta(
+            max_length=2 * MAX_BEAMS,
+            description="evidence: laser points near it, x y x y... (m, map frame); or none",
+        ),
     ] = []
     picture: Annotated[
-        str, Meta(description="evidence: cut-out of the camera's picture (JPEG, base64); or none")
+        str,
+        Meta(
+            max_length=MAX_PICTURE_TEXT,
+            description="evidence: cut-out of the camera's picture (JPEG, base64); or none",
+        ),
     ] = ""
 
 
 class BodyPayload(msgspec.Struct, frozen=True):
     """The robot's size and its laser's place, by its model, in base_link."""
 
-    front: Annotated[float, Meta(description="m from the axle")]
-    rear: Annotated[float, Meta(description="m from the axle")]
-    half_width: Annotated[float, Meta(description="m")]
-    laser_x: Annotated[float, Meta(description="m")]
-    laser_y: Annotated[float, Meta(description="m")]
-    laser_theta: Annotated[float, Meta(description="rad")]
+    front: Annotated[Number, Meta(description="m from the axle")]
+    rear: Annotated[Number, Meta(description="m from the axle")]
+    half_width: Annotated[Number, Meta(description="m")]
+    laser_x: Annotated[Number, Meta(description="m")]
+    laser_y: Annotated[Number, Meta(description="m")]
+    laser_theta: Annotated[Number, Meta(description="rad")]
 
 
 class StatusPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """Whether this robot is well: power, devices, localization."""
 
     timestamp: Timestamp
-    robot: str
-    team: str
-    uptime: Annotated[float, Meta(description="time since the agent's start (s)")]
-    health: Annotated[str, Meta(description="ok, or the first thing that keeps it from patrolling")]
+    robot: Word
+    team: Word
+    uptime: Annotated[Number, Meta(description="time since the agent's start (s)")]
+    health: Annotated[
+        Text, Meta(description="ok, or the first thing that keeps it from patrolling")
+    ]
     body: BodyPayload | None = None
-    battery: Annotated[float | None, Meta(description="V; absent until the base reports")] = None
+    battery: Annotated[Number | None, Meta(description="V; absent until the base reports")] = None
     motors_enabled: bool = False
     stalled: bool = False
-    bumpers: Annotated[int, Meta(description="pressed segments, front low byte, rear high")] = 0
+    bumpers: Annotated[Count, Meta(description="pressed segments, front low byte, rear high")] = 0
     base: DeviceStatus
     laser: DeviceStatus
     camera: CameraReport | None = None
-    degraded: Annotated[list[str], Meta(description="what the robot has to do without")] = []
+    degraded: Annotated[
+        list[Text], Meta(max_length=MAX_PARTS, description="what the robot has to do without")
+    ] = []
     localization: LocalizationStatus
 
 
@@ -180,57 +199,61 @@ class HeldBy(msgspec.Struct, frozen=True):
     """The obstacle for which the gate cut a command."""
 
     source: Annotated[
-        str,
+        Word,
         Meta(description="laser, remembered, sonar, map_wall, teammate_room or person_room"),
     ]
-    x: Annotated[float, Meta(description="m, map frame")]
-    y: Annotated[float, Meta(description="m, map frame")]
+    x: Annotated[Number, Meta(description="m, map frame")]
+    y: Annotated[Number, Meta(description="m, map frame")]
 
 
 class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """One control step: what was seen, what was chosen, what was let through."""
 
     timestamp: Timestamp
-    robot: str
-    action: Annotated[str, Meta(description="action in force")]
-    direction: Annotated[int, Meta(description="+1 clockwise, -1 counter-clockwise")]
-    distance_from_border: Annotated[float, Meta(description="m")]
+    robot: Word
+    action: Annotated[Word, Meta(description="action in force")]
+    direction: Annotated[int, Meta(ge=-1, le=1, description="+1 clockwise, -1 counter-clockwise")]
+    distance_from_border: Annotated[Number, Meta(description="m")]
     way_to_border: Annotated[
-        float | None, Meta(description="m, round walls; absent if there is no way")
+        Number | None, Meta(description="m, round walls; absent if there is no way")
     ] = None
-    abscissa: Annotated[float, Meta(description="place along the border (m)")]
+    abscissa: Annotated[Number, Meta(description="place along the border (m)")]
     distance_from_neighbor: Annotated[
-        float | None, Meta(description="m; absent if no teammate is near")
+        Number | None, Meta(description="m; absent if no teammate is near")
     ] = None
     neighbor: Annotated[
         PlanarPose | None, Meta(description="nearest teammate, theta its bearing")
     ] = None
     neighbor_border_distance: Annotated[
-        float | None, Meta(description="of the neighbor from the border (m)")
+        Number | None, Meta(description="of the neighbor from the border (m)")
     ] = None
     neighbor_abscissa: Annotated[
-        float | None, Meta(description="of the neighbor along the border (m)")
+        Number | None, Meta(description="of the neighbor along the border (m)")
     ] = None
     neighbor_sigma: Annotated[
-        list[float],
-        Meta(description="one sigma of those: distance from the border, abscissa (m); or none"),
-    ] = []
-    gamma: Annotated[float, Meta(description="neighbor state, -1 left to +1 right")] = 0.0
-    degrees: Annotated[
-        dict[str, float],
+        list[Number],
         Meta(
+            max_length=2,
+            description="one sigma of those: distance from the border, abscissa (m); or none",
+        ),
+    ] = []
+    gamma: Annotated[Number, Meta(description="neighbor state, -1 left to +1 right")] = 0.0
+    degrees: Annotated[
+        dict[Word, Number],
+        Meta(
+            max_length=MAX_PARTS,
             description="degree of activation of each action, 0 to 1",
             extra_json_schema={"properties": {name: {"type": "number"} for name in ACTIONS}},
         ),
     ]
-    winner: str
-    runner_up: str
+    winner: Word
+    runner_up: Word
     pose: Annotated[PlanarPose, Meta(description="pose the decision was taken at")]
     velocity: Annotated[Velocity, Meta(description="asked for by the action")]
     requested: Annotated[Twist, Meta(description="before the gate")]
     command: Annotated[Twist, Meta(description="after the gate, as sent to the base")]
     gate_reason: Annotated[
-        str | None, Meta(description="why the gate changed the request; absent if it did not")
+        Word | None, Meta(description="why the gate changed the request; absent if it did not")
     ] = None
     held_by: Annotated[
         HeldBy | None, Meta(description="the obstacle, if gate_reason is one; absent else")
@@ -245,14 +268,14 @@ class DecisionPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=T
         ),
     ] = False
     override: Annotated[
-        str | None,
+        Word | None,
         Meta(
             description="the modifier whose proposal is in force: standoff, hold_at_end, blockage, "
             "wait, closing_in or even_gaps; absent while the paper's choice is"
         ),
     ] = None
     turn: Annotated[
-        str | None,
+        Word | None,
         Meta(
             description="why the robot turned back in this step: teammate, rules (an end), chance, "
             "blockage or even_gaps; absent if it did not"
@@ -264,17 +287,19 @@ class ProcessPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=Tr
     """How the process fared since its last report. Lateness: from an event to its effects."""
 
     timestamp: Timestamp
-    robot: str
-    cpu: Annotated[float, Meta(description="share of one core, 0 to 1 and above")]
-    memory_mb: Annotated[float, Meta(description="resident memory (MB)")]
-    events: Annotated[int, Meta(description="events handled")]
-    lateness_median: Annotated[float, Meta(description="s")]
-    lateness_max: Annotated[float, Meta(description="s")]
-    deadline_misses: Annotated[int, Meta(description="events done more than 50 ms late")] = 0
-    longest_pause: Annotated[float, Meta(description="longest time without any event (s)")] = 0.0
-    recorder_lost: Annotated[int, Meta(description="records the disk had no room or time for")] = 0
-    recorder_trouble: Annotated[str, Meta(description="why nothing is recorded at present")] = ""
-    telemetry_dropped: Annotated[int, Meta(description="payloads no operator took")] = 0
+    robot: Word
+    cpu: Annotated[Number, Meta(description="share of one core, 0 to 1 and above")]
+    memory_mb: Annotated[Number, Meta(description="resident memory (MB)")]
+    events: Annotated[Count, Meta(description="events handled")]
+    lateness_median: Annotated[Number, Meta(description="s")]
+    lateness_max: Annotated[Number, Meta(description="s")]
+    deadline_misses: Annotated[Count, Meta(description="events done more than 50 ms late")] = 0
+    longest_pause: Annotated[Number, Meta(description="longest time without any event (s)")] = 0.0
+    recorder_lost: Annotated[
+        Count, Meta(description="records the disk had no room or time for")
+    ] = 0
+    recorder_trouble: Annotated[Text, Meta(description="why nothing is recorded at present")] = ""
+    telemetry_dropped: Annotated[Count, Meta(description="payloads no operator took")] = 0
     operator: Annotated[
         bool | None, Meta(description="whether the operator is connected; absent without telemetry")
     ] = None
@@ -338,14 +363,14 @@ def encode(payload: Payload) -> bytes:
 def decode(stream: str, data: bytes) -> Payload:
     """Decode a payload of a stream; unknown fields are ignored.
 
-    Raises PayloadError for a stream that does not exist or bytes that do not fit it.
+    Raises PayloadError for a stream that does not exist, or bytes that do not fit it or its bounds.
     """
     decoder = _decoders.get(stream)
     if decoder is None:
         raise PayloadError(f"no stream {stream!r}; streams are {', '.join(STREAMS)}")
     try:
         return decoder.decode(modernized(stream, data))
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
         raise PayloadError(f"no payload of stream {stream!r}: {error}") from error
 
 

@@ -16,6 +16,7 @@ from collections import deque
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from maps.input_limits import MAX_QUEUE_BYTES
 from robot_agent.config import TelemetrySettings
 from robot_agent.messages.streams import key_of
 from robot_agent.process.certificate_dates import CertificateError, first_trouble, read_dates
@@ -46,7 +47,8 @@ class Telemetry:
     ) -> None:
         """Start the thread that opens the session; without a configured operator, do nothing.
 
-        queue: payloads that may wait for the network before the oldest is dropped.
+        queue: payloads that may wait for the network before the oldest is dropped; MAX_QUEUE_BYTES
+        bounds them too.
         """
         self.sent = 0
         self.failed = ""
@@ -56,7 +58,10 @@ class Telemetry:
         self._keys = settings.keys
         self._robot = robot
         self._team = team
-        self._queue: deque[tuple[str, bytes]] = deque(maxlen=queue)
+        self._most = queue
+        self._queue: deque[tuple[str, bytes]] = deque()
+        self._queued_bytes = 0
+        self._lock = threading.Lock()
         self._waiting = threading.Event()
         self._overflowed = 0
         self._unheard = 0
@@ -75,11 +80,20 @@ class Telemetry:
         """Queue a payload; never blocks."""
         if self._thread is None:
             return
-        if len(self._queue) == self._queue.maxlen:
-            self._overflowed += 1
-        self._queue.append((stream, payload))
+        with self._lock:
+            self._queue.append((stream, payload))
+            self._queued_bytes += len(payload)
+            while len(self._queue) > self._most or self._queued_bytes > MAX_QUEUE_BYTES:
+                self._take()
+                self._overflowed += 1
         if not self._waiting.is_set():
             self._waiting.set()
+
+    def _take(self) -> tuple[str, bytes]:
+        """Remove and return the oldest queued payload."""
+        stream, payload = self._queue.popleft()
+        self._queued_bytes -= len(payload)
+        return stream, payload
 
     def close(self) -> None:
         """Close the session, within CLOSE_S even if the network hangs; idempotent."""
@@ -133,8 +147,11 @@ class Telemetry:
             if (now := time.monotonic()) - checked_at >= CHECK_S:
                 self.failed = "" if self.connected else self._certificate_trouble()
                 checked_at = now
-            while self._queue:
-                stream, payload = self._queue.popleft()
+            while True:
+                with self._lock:
+                    if not self._queue:
+                        break
+                    stream, payload = self._take()
                 heard = _has_operator(session)
                 # Not a declared publisher: that sends only to subscribers it knows, and the
                 # operator sends robots no declarations.
@@ -177,6 +194,8 @@ def session_config(operator: str, keys: str = "") -> zenoh.Config:
         "scouting/delay": 0,
         "open/return_conditions": {"connect_scouted": False, "declares": False},
         "transport/shared_memory/enabled": False,
+        # Names the session: the operator notices two under one name.
+        "timestamping": {"enabled": True},
         "transport/link/tx/lease": LEASE_MS,
     }.items():
         config.insert_json5(key, json.dumps(value))

@@ -12,7 +12,7 @@ from pathlib import Path
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from robot_agent.recording.run_files import refuse_existing
-from tools.monitor.monitor import Monitor, MonitorOptions, PeriodicCall, until
+from tools.monitor.monitor import Monitor, MonitorOptions, PeriodicCall, until, while_sound
 from tools.monitor.playback import Playback
 from tools.monitor.site import Site
 from tools.monitor.team_state import TeamState
@@ -81,6 +81,7 @@ def run(options: argparse.Namespace) -> int:
         foxglove=options.foxglove,
     )
     with closing(Monitor(chosen)) as monitor:
+        going_on = while_sound(going_on, monitor.check)
         if options.text:
             show_team(monitor.watch, going_on)
             return 0
@@ -100,11 +101,12 @@ def play(options: argparse.Namespace, going_on: Callable[[], bool]) -> int:
     site = chosen if chosen.folder else Site(playback.site_folder())
     watch = Watch(TeamState(), site)
     if options.text:
-        with closing(PeriodicCall(lambda: playback.advance(watch))):
-            show_team(watch, going_on)
+        with closing(PeriodicCall(lambda: playback.advance(watch))) as caller:
+            show_team(watch, while_sound(going_on, caller.check))
         return 0
     with closing(WebServer(watch, playback, options.http)) as server:
-        print(f"patrol monitor: {server.url} plays {len(options.play)} files", file=sys.stderr)
+        print(f"patrol monitor: {server.link} plays {len(options.play)} files", file=sys.stderr)
+        going_on = while_sound(going_on, server.check)
         while going_on():
             time.sleep(POLL_S)
     return 0

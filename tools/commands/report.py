@@ -51,6 +51,12 @@ def run(options: argparse.Namespace) -> int:
     for log in runs:
         if log.truncated:
             print(f"patrol report: {log.truncated}; what is whole is reported", file=sys.stderr)
+        if log.unreadable:
+            print(
+                f"patrol report: {log.path}: {log.unreadable} messages do not fit their stream and "
+                "are left out; record again",
+                file=sys.stderr,
+            )
     team = Team(runs, align(runs, stated, trust_host=options.clocks == "host"))
     figures = numbers(team)
     with progress_line("draw", len(SECTIONS), "sections") as progress:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from localization.estimate import Estimate
 from localization.health import Health
 from maps.pose import Pose, wrap_angle
+from tools.logs.csv_cells import csv_cells
 
 ASTRAY_M = 1.0
 """An estimate farther than this from the reference counts as lost, whatever its health."""
@@ -177,7 +178,7 @@ class LocalizeResult:
             writer.writerow(LocalizeRow.__dataclass_fields__)
             for row in self.rows:
                 writer.writerow(
-                    "" if value is None else value for value in dataclasses.astuple(row)
+                    csv_cells("" if value is None else value for value in dataclasses.astuple(row))
                 )
 
 

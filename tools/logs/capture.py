@@ -11,18 +11,21 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated
 
 import msgspec
 
 from drivers.lms200.settings import LaserSettings
+from maps.input_limits import BAD_DATA, MAX_DURATION_S, MAX_PAUSE_S
 from robot_agent.config import AgentConfig, RobotSettings, format_config
 from robot_agent.messages.effects import ChangeBaud, Send
 from robot_agent.messages.events import BytesReceived, LinkName, LinkUp, Tick
 from robot_agent.recording.event_codec import LINKS
 from robot_agent.recording.recording_writer import RecordingWriter
 from robot_agent.recording.run_header import RunHeader, versions
+from tools.logs.log_bytes import LogBytesError, read_log_bytes
 from tools.logs.recorded_config import recorded_config
 from tools.logs.recording import Recording
 
@@ -82,13 +85,17 @@ def read_capture(path: Path) -> list[CaptureLine]:
     """Read a capture and sort it by time; raises CaptureError."""
     lines = []
     decode = msgspec.json.Decoder(CaptureLine).decode
-    for number, row in enumerate(path.read_bytes().splitlines(), start=1):
+    try:
+        data, _ = read_log_bytes(path)
+    except LogBytesError as error:
+        raise CaptureError(str(error)) from error
+    for number, row in enumerate(data.splitlines(), start=1):
         if not row.strip():
             continue
         try:
             line = decode(row)
             bytes.fromhex("" if line.abridged else line.hex)
-        except (ValueError, msgspec.DecodeError) as error:
+        except BAD_DATA as error:
             raise CaptureError(
                 f"{path}: line {number}: {error}: repair or delete this line"
             ) from error
@@ -97,7 +104,14 @@ def read_capture(path: Path) -> list[CaptureLine]:
         raise CaptureError(
             f"{path}: line 1: no traffic of a robot or laser: give a capture with `dir` and `hex`"
         )
-    return sorted(lines, key=lambda line: line.t)
+    lines.sort(key=lambda line: line.t)
+    for before, after in pairwise(lines):
+        if not (after.t - before.t <= MAX_PAUSE_S and abs(after.t) <= MAX_DURATION_S):
+            raise CaptureError(
+                f"{path}: jumps from {before.t:.0f} s to {after.t:.0f} s: its clock was set, "
+                "split it there"
+            )
+    return lines
 
 
 def capture_to_recording(source: Path, target: Path) -> CaptureSummary:

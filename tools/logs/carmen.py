@@ -9,7 +9,6 @@ odometry. In a log that was not corrected the scan line's own odometry pose is r
 from __future__ import annotations
 
 import math
-import zlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,12 +16,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from maps.input_limits import MAX_BEAMS, MAX_DURATION_S, MAX_PAUSE_S
 from maps.pose import Pose
+from tools.logs.log_bytes import LogBytesError, read_log_bytes
 
 # Beams of a SICK LMS over its half turn, first beam at the right (-90 degrees).
 _INCREMENT_DEGREES = {180: 1.0, 181: 1.0, 360: 0.5, 361: 0.5}
 _LASER_REACH = 80.0  # m; an LMS measures no farther, larger readings are error codes
 _CLIPPED_REACH = 50.0  # m; written for "no return" by some loggers
+_LARGEST = 1e10  # m, rad, s; a wall clock's seconds are below
+_LEAST_BEAMS = 2
+_WHOLE_TURN = math.tau + 1e-3  # rad
 _MIN_STEP = 0.03  # s; least time between two scans: two mirror turns of an LMS
 _SAME_POSE = 1e-6  # m and rad; an ODOM line this close to a scan's pose repeats it
 
@@ -143,38 +147,16 @@ def read_carmen(path: Path) -> CarmenLog:
 def _read_text(path: Path) -> tuple[str, str | None]:
     """Return the file's text and, if a gzip stream ends early, a notice of it."""
     try:
-        data = path.read_bytes()
+        data, truncated = read_log_bytes(path)
     except OSError as error:
         raise LogError(f"{path}: cannot be read ({error.strerror}): check the path") from error
-    truncated = None
-    if data[:2] == b"\x1f\x8b":
-        data, truncated = _decompress(path, data)
+    except LogBytesError as error:
+        raise LogError(str(error)) from error
     try:
         return data.decode("ascii", errors="strict"), truncated
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise LogError(f"{path}: line {line}: not text: give a CARMEN log, plain or .gz") from error
-
-
-def _decompress(path: Path, data: bytes) -> tuple[bytes, str | None]:
-    """Decompress gzip members as far as they are complete."""
-    text = bytearray()
-    while data:
-        stream = zlib.decompressobj(wbits=zlib.MAX_WBITS | 16)
-        try:
-            text += stream.decompress(data)
-        except zlib.error as error:
-            raise LogError(
-                f"{path}: line {text.count(10) + 1}: damaged gzip data ({error}): "
-                "fetch the file again"
-            ) from error
-        if not stream.eof:
-            return bytes(text), (
-                f"{path}: gzip data end early, in line {text.count(10) + 1}: "
-                "the whole lines before it are used"
-            )
-        data = stream.unused_data
-    return bytes(text), None
 
 
 def _parse(
@@ -183,12 +165,17 @@ def _parse(
     """Decode all lines of known messages; a last line without its end may be truncated."""
     rows = text.split("\n")
     unfinished = rows.pop()
-    parsed = []
+    parsed: list[_OdometryLine | _ScanLine] = []
     for number, row in enumerate(rows, start=1):
         try:
             line = _parse_line(row)
+            if line is not None and parsed:
+                _check_clock(parsed[0].t, parsed[-1].t, line.t)
         except (ValueError, IndexError) as error:
-            raise LogError(f"{path}: line {number}: {error}: repair or delete this line") from error
+            reason = f"{error!s:.200}"
+            raise LogError(
+                f"{path}: line {number}: {reason}: repair or delete this line"
+            ) from error
         if line is not None:
             parsed.append(line)
     if not unfinished or may_be_cut:
@@ -254,13 +241,18 @@ def _parse_robot_laser(words: list[str]) -> _ScanLine:
         count > 0 and remissions >= 0 and len(words) == expected,
         f"ROBOTLASER1 with {len(words)} fields instead of {expected}",
     )
+    increment = _number(words[3])
+    _require(
+        _LEAST_BEAMS <= count <= MAX_BEAMS and 0.0 < increment * (count - 1) <= _WHOLE_TURN,
+        f"ROBOTLASER1 with {count} beams {increment:g} rad apart, no laser's",
+    )
     tail = words[9 + count + remissions :]
     return _ScanLine(
         t=_time(tail[13]),
         readings=np.array(words[8 : 8 + count], dtype=np.float64),
         reach=_number(words[4]),
         angle_min=_number(words[1]),
-        angle_increment=_number(words[3]),
+        angle_increment=increment,
         laser=_pose(tail[0:3]),
         robot=_pose(tail[3:6]),
     )
@@ -271,9 +263,19 @@ def _require(condition: bool, complaint: str) -> None:
         raise ValueError(complaint)
 
 
+def _check_clock(first: float, before: float, t: float) -> None:
+    _require(
+        t - before <= MAX_PAUSE_S,
+        f"is {t - before:.0f} s after the line before, its clock was set",
+    )
+    _require(
+        t - first <= MAX_DURATION_S, f"is {t - first:.0f} s after the first, its clock was set"
+    )
+
+
 def _number(word: str) -> float:
     value = float(word)
-    _require(math.isfinite(value), f"{word!r} is not a finite number")
+    _require(abs(value) <= _LARGEST, f"{word!r:.40} is not a finite number of a log")
     return value
 
 

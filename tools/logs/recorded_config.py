@@ -8,6 +8,7 @@ from typing import Any, get_args, get_type_hints
 import msgspec
 import tomli_w
 
+from maps.toml_text import TomlError, read_toml
 from robot_agent.config import (
     FIXED_KEYS,
     RENAMED_KEYS,
@@ -41,8 +42,8 @@ def parse_old_config(content: bytes, source: str) -> tuple[AgentConfig, list[str
 
 def _upgraded(content: bytes, source: str) -> tuple[dict[str, Any], list[str]]:
     try:
-        table = tomllib.loads(content.decode())
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        table = read_toml(content)
+    except TomlError as error:
         raise ConfigError(f"{source}: is not TOML: {error}; the recording is damaged") from error
     left_out: list[str] = []
     strategy = _lookup(table, "patrol.strategy")  # "paper", or what is a modifier now

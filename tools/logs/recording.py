@@ -21,9 +21,9 @@ from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Metadata
-from mcap.stream_reader import get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC
 
+from maps.input_limits import BAD_DATA, MAX_DURATION_S, MAX_PAUSE_S, MAX_RECORD_BYTES
 from maps.pose import Pose
 from robot_agent.messages.effects import ChangeBaud, Effect, Publish, Remember, Send, TakePicture
 from robot_agent.messages.events import BytesReceived, Event, LinkName
@@ -43,6 +43,7 @@ from robot_agent.recording.recording_writer import (
     ReferenceMessage,
 )
 from robot_agent.recording.run_header import SCHEMA_VERSION, RunHeader
+from tools.logs.chunk_data import chunk_data
 from tools.logs.recording_upgrades import upgraded
 
 RECORD_HEAD = struct.Struct("<BQ")  # opcode, length of what follows
@@ -52,8 +53,6 @@ DATA_OPCODES = frozenset(
 )
 CHUNK_END = struct.Struct("<8xQ")  # of a chunk: time of its first message, of its last
 PRIVATE_OPCODE = 0x80  # opcodes of private records start here
-CHUNK_LIMIT_BYTES = 256 * 1024 * 1024
-"""Largest plausible chunk, bytes; a larger size means damage."""
 
 
 class RecordingError(ValueError):
@@ -91,12 +90,12 @@ class Recording:
         """
         interpreters: dict[int, Interpreter] = {}
         for channel, t, data in self._raw():
-            interpret = interpreters.get(channel.id)
-            if interpret is None:
-                interpret = interpreters[channel.id] = _interpreter(channel)
             try:
+                interpret = interpreters.get(channel.id)
+                if interpret is None:
+                    interpret = interpreters[channel.id] = _interpreter(channel)
                 item = interpret(t, data)
-            except ValueError as error:
+            except BAD_DATA as error:
                 self.truncated = f"{self.path}: readable up to {t:.6f} s: {channel.topic}: {error}"
                 return
             yield item
@@ -134,7 +133,7 @@ class Recording:
             try:
                 for opcode, body in records:
                     if opcode == Opcode.CHUNK:
-                        yield from messages.of_chunk(_chunk_data(body))
+                        yield from messages.of_chunk(chunk_data(Chunk.read(_stream(body))))
                     elif opcode == Opcode.ATTACHMENT:
                         _attachment(body)  # a damaged attachment ends the readable part too
             except _DAMAGE as error:
@@ -228,6 +227,7 @@ class _Messages:
         self._start_ns = start_wall_ns
         self._channels: dict[int, Channel] = {}
         self._sequence = 0
+        self._t = 0.0
 
     def of_chunk(self, data: bytes) -> Iterator[tuple[Channel, float, bytes]]:
         """Yield a chunk's messages with their times; DamageError where some are missing."""
@@ -242,6 +242,9 @@ class _Messages:
                     raise DamageError(f"message {self._sequence} is missing there")
                 self._sequence = (sequence + 1) % SEQUENCE_MODULUS
                 t = (log_time - self._start_ns) // 1000 / 1e6
+                if abs(t - self._t) > MAX_PAUSE_S or t > MAX_DURATION_S:
+                    raise DamageError(f"the clock jumps by {t - self._t:.0f} s there")
+                self._t = t
                 yield channel, t, data[offset + MESSAGE_HEAD.size : end]
             elif opcode == Opcode.CHANNEL:
                 found = Channel.read(_stream(data[offset + RECORD_HEAD.size : end]))
@@ -276,6 +279,8 @@ class _Records:
             if end > self._size:
                 raise DamageError(f"a record there would end at byte {end}, the file does before")
             wanted = min(length, CHUNK_END.size) if self._shallow else length
+            if wanted > MAX_RECORD_BYTES:
+                raise DamageError(f"a record there has {length} bytes, too many")
             body = self._file.read(wanted)
             if len(body) < wanted:
                 raise DamageError("the file ends inside a record there")
@@ -285,8 +290,8 @@ class _Records:
                 self._file.seek(end)
 
 
-_DAMAGE = (ValueError, McapError, struct.error, zstandard.ZstdError, MemoryError)
-"""Exceptions of reading a damaged record."""
+_DAMAGE = (*BAD_DATA, McapError, struct.error, zstandard.ZstdError, RuntimeError, MemoryError)
+"""Exceptions of reading a damaged record; RuntimeError is lz4's."""
 
 
 def _describe_damage(path: Path, offset: int, error: BaseException) -> str:
@@ -303,15 +308,6 @@ def _attachment(body: bytes) -> Attachment:
         raise DamageError("an attachment there fails its checksum")
     attachment: Attachment = Attachment.read(_stream(body))
     return attachment
-
-
-def _chunk_data(body: bytes) -> bytes:
-    """Return a chunk's records, decompressed and checked."""
-    chunk = Chunk.read(_stream(body))
-    if chunk.uncompressed_size > CHUNK_LIMIT_BYTES:
-        raise DamageError("a chunk there claims an impossible size")
-    stream, size = get_chunk_data_stream(chunk, validate_crc=True)
-    return stream.read(size)
 
 
 _decode_baud = msgspec.json.Decoder(BaudMessage).decode

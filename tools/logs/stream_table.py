@@ -8,13 +8,16 @@ from typing import Any
 
 import msgspec
 
+from maps.input_limits import BAD_DATA
+from tools.logs.csv_cells import csv_cells
 from tools.logs.recording import Recording, RecordingError
 
 
 def stream_to_csv(recording: Recording, topic: str, target: Path) -> int:
     """Write a topic's messages; return their number.
 
-    The first column is ``t``. Bytes of a link are in hexadecimal. Raises RecordingError, naming
+    The first column is ``t``. Bytes of a link, and messages that are no JSON, are in hexadecimal.
+    Raises RecordingError, naming
     the topics with messages, if the topic has none.
     """
     rows = [{"t": t, **_fields(topic, data)} for _topic, t, data in recording.messages((topic,))]
@@ -25,9 +28,10 @@ def stream_to_csv(recording: Recording, topic: str, target: Path) -> int:
         )
     columns = list(dict.fromkeys(name for row in rows for name in row))
     with target.open("w", newline="") as file:
-        writer = csv.DictWriter(file, columns, restval="", lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(csv_cells(columns))
+        for row in rows:
+            writer.writerow(csv_cells(row.get(name, "") for name in columns))
     return len(rows)
 
 
@@ -38,7 +42,10 @@ def _topics(recording: Recording) -> list[str]:
 def _fields(topic: str, data: bytes) -> dict[str, Any]:
     if topic.endswith(("/rx", "/tx")):
         return {"hex": data.hex()}
-    return dict(_flat("", msgspec.json.decode(data)))
+    try:
+        return dict(_flat("", msgspec.json.decode(data)))
+    except BAD_DATA:
+        return {"unreadable": data.hex()}
 
 
 def _flat(name: str, value: Any) -> list[tuple[str, Any]]:

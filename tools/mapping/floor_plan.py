@@ -36,8 +36,10 @@ from numpy.typing import NDArray
 from shapely import contains_xy
 from shapely.geometry import Polygon
 
+from maps.input_limits import MAX_CELLS
 from maps.occupancy_map import FREE, OCCUPIED, UNKNOWN, MapError, OccupancyMap, save_map
 from maps.pose import Pose
+from maps.toml_text import TomlError, read_toml
 
 _Length = Annotated[float, msgspec.Meta(gt=0.0)]
 _Point = tuple[float, float]
@@ -89,11 +91,18 @@ class FloorPlan(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 def load_floor_plan(path: Path) -> FloorPlan:
     """Read a floor plan; raises MapError with the file and the reason."""
     try:
-        return msgspec.toml.decode(path.read_bytes(), type=FloorPlan)
+        plan = msgspec.convert(read_toml(path.read_bytes()), FloorPlan)
     except OSError as error:
         raise MapError(f"{path}: cannot read the floor plan ({error.strerror})") from None
-    except (msgspec.MsgspecError, UnicodeDecodeError) as error:
+    except (msgspec.MsgspecError, TomlError) as error:
         raise MapError(f"{path}: {error}") from None
+    width, height = (length / plan.resolution for length in plan.size)
+    if not width * height <= MAX_CELLS:
+        raise MapError(
+            f"{path}: {width:g} x {height:g} cells are more than {MAX_CELLS}: correct size or "
+            "resolution"
+        )
+    return plan
 
 
 def draw_floor_plan(plan_path: Path, folder: Path) -> OccupancyMap:

@@ -17,6 +17,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from maps.input_limits import MAX_CELLS
 from maps.occupancy_map import FREE, OCCUPIED, UNKNOWN, MapError, OccupancyMap, Surface
 from maps.pose import Pose
 
@@ -24,7 +25,6 @@ Scans = Literal["all", "even", "odd"]
 
 _CHOICE = {"all": slice(None), "even": slice(0, None, 2), "odd": slice(1, None, 2)}
 _MARGIN = 1.0  # m of unknown cells round all known ones
-_MAX_CELLS = 100_000_000  # 0.9 GB while building
 
 
 class PosedScan(Protocol):
@@ -104,7 +104,7 @@ def build_map(
         raise MapError(f"{log.path}: no {scans} scans in the log, a map needs some")
     beams = [_beams(scan, max_range) for scan in chosen]
     origin, shape = _extent(chosen, beams, resolution)
-    if shape[0] * shape[1] > _MAX_CELLS:
+    if shape[0] * shape[1] > MAX_CELLS:
         width, height = shape[1] * resolution, shape[0] * resolution
         raise MapError(
             f"{log.path}: the scans span {width:.0f} x {height:.0f} m, too much for cells of "

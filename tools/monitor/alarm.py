@@ -57,6 +57,9 @@ class Condition:
 
 def conditions_of(robot: RobotState, now: float) -> Iterator[Condition]:
     """Yield the conditions of a robot at the operator's monotonic time now, s."""
+    if robot.rivals_at is not None and now - robot.rivals_at < REMEMBERED_S:
+        words = "two programs report under this name: what is shown may be either's"
+        yield Condition(robot.id, "twin", Severity.CRITICAL, words)
     silence = None if robot.last_heard is None else now - robot.last_heard
     if silence is None:  # connected, no payload yet
         yield Condition(robot.id, "silent", Severity.CRITICAL, "sends nothing", OPENING_S)

@@ -10,7 +10,7 @@ import threading
 
 from robot_agent.config import TelemetrySettings
 from robot_agent.process.telemetry import Telemetry
-from tools.monitor.team_state import MAX_ROBOTS, robot_name
+from tools.monitor.team_state import GIVE_WAY_S, MAX_ROBOTS, robot_name
 
 
 class Forwarder:
@@ -19,7 +19,8 @@ class Forwarder:
     def __init__(self, office: str) -> None:
         """office: Zenoh endpoint of the office, e.g. ``tcp/office.example:7447``."""
         self._settings = TelemetrySettings(operator=office)
-        self._robots: dict[tuple[str, str], Telemetry] = {}
+        self._robots: dict[tuple[str, str], Telemetry] = {}  # the longest silent first
+        self._heard: dict[tuple[str, str], float] = {}
         self._lock = threading.Lock()
 
     @property
@@ -28,21 +29,35 @@ class Forwarder:
         with self._lock:
             return sum(robot.dropped for robot in self._robots.values())
 
-    def on_payload(self, key: str, payload: bytes, _wall: float) -> None:
+    def on_payload(self, key: str, payload: bytes, wall: float) -> None:
         """Queue a payload received under a key; takes microseconds."""
         *parts, stream = key.split("/")
         with self._lock:
-            robot = self._robot(parts)
-        if robot is not None:  # None: not a robot's key, or more than MAX_ROBOTS
+            robot = self._robot(parts, wall)
+        if robot is not None:  # None: not a robot's key, or more than MAX_ROBOTS that all report
             robot.publish(stream, payload)
 
-    def _robot(self, parts: list[str]) -> Telemetry | None:
+    def _robot(self, parts: list[str], wall: float) -> Telemetry | None:
         name = robot_name(parts)
-        if name is None or (name not in self._robots and len(self._robots) >= MAX_ROBOTS):
+        if name is None or (name not in self._robots and not self._make_room(wall)):
             return None
-        if name not in self._robots:
-            self._robots[name] = Telemetry(self._settings, robot=name[1], team=name[0])
-        return self._robots[name]
+        robot = self._robots.pop(name, None)
+        if robot is None:
+            robot = Telemetry(self._settings, robot=name[1], team=name[0])
+        self._robots[name], self._heard[name] = robot, wall
+        return robot
+
+    def _make_room(self, wall: float) -> bool:
+        """Return whether a further robot can be forwarded; the longest silent one gives way."""
+        if len(self._robots) < MAX_ROBOTS:
+            return True
+        name, robot = next(iter(self._robots.items()))
+        if abs(wall - self._heard[name]) < GIVE_WAY_S:
+            return False
+        del self._robots[name], self._heard[name]
+        # Closing waits for the network, and this thread must not.
+        threading.Thread(target=robot.close, name="forwarder closes", daemon=True).start()
+        return True
 
     def close(self) -> None:
         """Close all sessions; idempotent."""

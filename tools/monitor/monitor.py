@@ -15,6 +15,7 @@ from tools.monitor.alarm import Condition, Severity
 from tools.monitor.certificate_watch import CertificateWatch
 from tools.monitor.forwarder import Forwarder
 from tools.monitor.foxglove_server import FoxgloveServer
+from tools.monitor.lasting_thread import LastingThread
 from tools.monitor.operator import Operator, Tap
 from tools.monitor.site import Site
 from tools.monitor.source import LiveSource
@@ -57,6 +58,9 @@ class Monitor:
         """
         self.options = options
         self.url: str | None = None
+        """URL that opens the page with the right to act on it; None: no page."""
+        self.check: Callable[[], None]
+        """Raises RuntimeError if page or table are kept up to date no more."""
         self._recorder: TeamRecorder | None = None
         with ExitStack() as stack:
             taps = list(self._open_taps(stack))
@@ -66,11 +70,14 @@ class Monitor:
             self.watch = Watch(self.operator.team, self.options.site, self._own_conditions)
             source = LiveSource()
             if self.options.http is None:
-                stack.callback(PeriodicCall(lambda: source.advance(self.watch)).close)
+                caller = PeriodicCall(lambda: source.advance(self.watch))
+                stack.callback(caller.close)
+                self.check = caller.check
             else:
                 server = WebServer(self.watch, source, self.options.http)
                 stack.callback(server.close)
-                self.url = server.url
+                self.url = server.link
+                self.check = server.check
             self._stack = stack.pop_all()
 
     def close(self) -> None:
@@ -108,14 +115,17 @@ class PeriodicCall:
     def __init__(self, call: Callable[[], None], period: float = 0.1) -> None:
         """Start at once; period: pause between two calls, s."""
         self._ending = threading.Event()
-        self._thread = threading.Thread(target=self._run, args=(call, period), daemon=True)
-        self._thread.start()
+        self._thread = LastingThread(lambda: self._run(call, period), "monitor's clock")
 
     def _run(self, call: Callable[[], None], period: float) -> None:
         while True:
             call()
             if self._ending.wait(period):
                 return
+
+    def check(self) -> None:
+        """Raise RuntimeError if a call has raised and no more are made."""
+        self._thread.check()
 
     def close(self) -> None:
         """Stop after the present call and wait for it."""
@@ -127,3 +137,13 @@ def until(duration: float | None) -> Callable[[], bool]:
     """Return a function that is True until a duration, s, from now is over; None: for ever."""
     end = math.inf if duration is None else time.monotonic() + duration
     return lambda: time.monotonic() < end
+
+
+def while_sound(going_on: Callable[[], bool], check: Callable[[], None]) -> Callable[[], bool]:
+    """Return ``going_on`` that calls ``check`` first, which raises if the monitor has failed."""
+
+    def sound() -> bool:
+        check()
+        return going_on()
+
+    return sound

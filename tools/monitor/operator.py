@@ -14,13 +14,16 @@ from pathlib import Path
 
 import zenoh
 
+from maps.input_limits import MAX_MESSAGE_BYTES, MAX_PAYLOAD_BYTES
 from robot_agent.messages.streams import key_of
 from robot_agent.process.telemetry import LEASE_MS, plain_reason, tls_settings
 from tools.deploy.certificates import RobotName, known_robots
 from tools.monitor.team_state import TeamState
 
 Tap = Callable[[str, bytes, float], None]
-"""Called with key, bytes and reception time (s since 1970) of every payload, undecoded."""
+"""Called with key, bytes and reception time (s since 1970) of every payload, undecoded.
+
+Payloads beyond MAX_PAYLOAD_BYTES are dropped before."""
 
 
 class OperatorError(ValueError):
@@ -51,6 +54,7 @@ class Operator:
                 f"cannot listen on {listen}: {plain_reason(error)}; "
                 "give a free endpoint, e.g. tcp/0.0.0.0:7447"
             ) from error
+        self._own_id = str(self._session.info.zid())
         self._session.declare_subscriber("patrol/*/*/*", self._on_sample)
         self._session.liveliness().declare_subscriber(
             "patrol/*/*", self._on_liveliness, history=True
@@ -58,11 +62,20 @@ class Operator:
 
     def _on_sample(self, sample: zenoh.Sample) -> None:
         if sample.kind == zenoh.SampleKind.PUT:
-            key, payload = str(sample.key_expr), bytes(sample.payload)
-            wall = time.time()
+            key, wall = str(sample.key_expr), time.time()
+            if len(sample.payload) > MAX_PAYLOAD_BYTES:
+                self.team.refuse(key.split("/")[:-1], time.monotonic())
+                return
+            payload = bytes(sample.payload)
             for tap in self._taps:
                 tap(key, payload, wall)
-            self.team.receive(key, payload, time.monotonic(), wall)
+            self.team.receive(key, payload, time.monotonic(), wall, self._source_of(sample))
+
+    def _source_of(self, sample: zenoh.Sample) -> str:
+        """Return the session that stamped a payload; "" if this router did, in its place."""
+        stamp = sample.timestamp
+        source = "" if stamp is None else str(stamp.get_id())
+        return "" if source == self._own_id else source
 
     def _on_liveliness(self, sample: zenoh.Sample) -> None:
         online = sample.kind == zenoh.SampleKind.PUT
@@ -117,6 +130,7 @@ def _session_config(listen: str, keys: Path | None) -> zenoh.Config:
         "scouting/gossip/enabled": False,
         "transport/shared_memory/enabled": False,
         "transport/link/tx/lease": LEASE_MS,
+        "transport/link/rx/max_message_size": MAX_MESSAGE_BYTES,
         "access_control": access_control(None if keys is None else known_robots(keys)),
     }.items():
         config.insert_json5(key, json.dumps(value))

@@ -1,11 +1,13 @@
 """Messages to the page: the changes since its last message as JSON.
 
 Lengths in m, angles in rad, scans in cm and particles in cm and mrad (integers). Text from the
-network is cut to ``MAX_TEXT`` here, and the page sets it as text only, never as markup.
+network is cut to ``TEXT_SHOWN`` here, and the page sets it as text only, never as markup.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import msgspec
@@ -18,20 +20,21 @@ from tools.monitor.reason import turn_words, why
 from tools.monitor.robot_state import RobotState
 from tools.monitor.watch import Watch
 
-MAX_TEXT = 200
-MAX_BEAMS = 1000
-MAX_PARTICLES = 500
-MAX_TRACKS = 50
+TEXT_SHOWN = 200
+BEAMS_SHOWN = 1000
+PARTICLES_SHOWN = 500
+TRACKS_SHOWN = 50
 FARTHEST = 1e4  # m; larger values are clipped
 _FIRST_SAMPLES = 30_000
 """Most samples of history sent to a new page, all robots together."""
 
 
-def robot_message(robot: RobotState, since: int, now: float) -> dict[str, Any]:
+def robot_message(watch: Watch, robot: RobotState, since: int) -> dict[str, Any]:
     """Return a robot's summary and the streams that changed since the team's version ``since``.
 
-    now: operator's monotonic time, s.
+    A part that cannot be made is left out.
     """
+    now = watch.now
     message: dict[str, Any] = {
         "id": robot.id,
         "team": robot.team,
@@ -39,17 +42,23 @@ def robot_message(robot: RobotState, since: int, now: float) -> dict[str, Any]:
         "online": robot.online,
         "heard": robot.last_heard,
         "malformed": robot.malformed,
-        "why": _text(why(robot, now)),
-        "turned": _text(turn_words(robot, now)),
+        "why": _text(watch.made(robot, partial(why, robot, now)) or ""),
+        "turned": _text(watch.made(robot, partial(turn_words, robot, now)) or ""),
     }
     for stream, make in _PARTS.items():
         if robot.versions.get(stream, 0) > since and stream in robot.payloads:
-            message[stream] = make(robot)
+            part = watch.made(robot, partial(_encoded, make, robot))
+            if part is not None:
+                message[stream] = part
     return message
 
 
+def _encoded(make: Callable[[RobotState], Any], robot: RobotState) -> msgspec.Raw:
+    return msgspec.Raw(msgspec.json.encode(make(robot)))
+
+
 def _text(words: str) -> str:
-    return words[:MAX_TEXT]
+    return words[:TEXT_SHOWN]
 
 
 def _pose(robot: RobotState) -> list[float]:
@@ -141,7 +150,7 @@ def _scan(robot: RobotState) -> dict[str, Any] | None:
     at = robot.pose_at(scan.timestamp)
     if at is None:
         return None
-    ranges = np.array(scan.ranges[:MAX_BEAMS])
+    ranges = np.array(scan.ranges[:BEAMS_SHOWN])
     beams = max(len(scan.ranges) - 1, 1)
     return {
         "at": [round(value, 4) for value in at],
@@ -154,7 +163,7 @@ def _scan(robot: RobotState) -> dict[str, Any] | None:
 def _particles(robot: RobotState) -> list[int]:
     particles = robot.particles
     assert isinstance(particles, PosesInFrame)
-    rows = np.array([planar_pose(pose) for pose in particles.poses[:MAX_PARTICLES]])
+    rows = np.array([planar_pose(pose) for pose in particles.poses[:PARTICLES_SHOWN]])
     scaled = np.clip(rows.reshape(-1, 3), -FARTHEST, FARTHEST) * (100.0, 100.0, 1000.0)
     flat: list[int] = scaled.astype(int).ravel().tolist()
     return flat
@@ -163,7 +172,7 @@ def _particles(robot: RobotState) -> list[int]:
 def _tracks(robot: RobotState) -> list[dict[str, Any]]:
     scene = robot.tracks
     assert scene is not None
-    return [_track(entity) for entity in scene.entities[:MAX_TRACKS] if entity.cylinders]
+    return [_track(entity) for entity in scene.entities[:TRACKS_SHOWN] if entity.cylinders]
 
 
 def _track(entity: SceneEntity) -> dict[str, Any]:
@@ -210,7 +219,7 @@ def _events(robot: RobotState) -> list[list[Any]]:
     ]
 
 
-_PARTS = {
+_PARTS: dict[str, Callable[[RobotState], Any]] = {
     "pose": _pose,
     "decision": _decision,
     "status": _status,
@@ -247,6 +256,7 @@ class PageFeed:
         """Start with nothing sent: the first message holds everything."""
         self._watch = watch
         self._version = 0
+        self._shown: list[str] = []
         self._why: dict[str, str] = {}
         self._alarms: tuple[int, int] | None = None
         self._samples: dict[str, int] = {}
@@ -259,7 +269,7 @@ class PageFeed:
         newest = self._version
         robots = []
         for robot in watch.robots:
-            part = robot_message(robot, self._version, watch.now)
+            part = robot_message(watch, robot, self._version)
             samples = self._new_samples(robot.id)
             if samples:
                 part["history"] = samples
@@ -269,6 +279,12 @@ class PageFeed:
             newest = max(newest, robot.version)
         self._version = newest
         message["robots"] = robots
+        shown = [robot.id for robot in watch.robots]
+        if shown != self._shown:
+            message["shown"] = self._shown = shown
+            for gone in (self._why.keys() | self._samples.keys()) - set(shown):
+                self._why.pop(gone, None)
+                self._samples.pop(gone, None)
         board = watch.alarms
         if self._alarms != (id(board), board.version):
             self._alarms = (id(board), board.version)

@@ -20,17 +20,18 @@ from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Metadata
-from mcap.stream_reader import get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC
 
+from maps.input_limits import BAD_DATA, MAX_RECORD_BYTES
 from robot_agent.messages.streams import STREAMS, key_of
 from robot_agent.recording.recording_writer import MAP_ATTACHMENT_PREFIX, RUN_METADATA
-from tools.logs.recording import CHUNK_LIMIT_BYTES, MESSAGE_HEAD, RECORD_HEAD, RecordingError
+from tools.logs.chunk_data import chunk_data
+from tools.logs.recording import MESSAGE_HEAD, RECORD_HEAD, RecordingError
 from tools.monitor.team_recorder import TEAM_METADATA
 
 _CHUNK_TIMES = struct.Struct("<QQ")
 _CHANNEL_ID = struct.Struct("<H")
-_DAMAGE = (ValueError, McapError, struct.error, zstandard.ZstdError, MemoryError)
+_DAMAGE = (*BAD_DATA, McapError, struct.error, zstandard.ZstdError, RuntimeError, MemoryError)
 _STREAM_OF_TOPIC = {name: name for name in STREAMS} | {"process_log": "event"}
 """Telemetry stream by topic of an agent's recording."""
 
@@ -52,6 +53,7 @@ class _Index:
     attachments: dict[str, bytes] = field(default_factory=dict)
     chunks: list[tuple[int, float, float]] = field(default_factory=list)  # offset, first, last (s)
     channels: dict[int, str] = field(default_factory=dict)  # -> topic
+    searched: int = -1  # offset of the last chunk whose channels are known
 
 
 class RecordedPayloads:
@@ -171,10 +173,10 @@ def _index_record(index: _Index, file: BinaryIO, opcode: int, offset: int, lengt
         if channel not in index.channels:  # it is defined in the chunk before this index
             _index_channels(index, file)
     elif opcode == Opcode.METADATA:
-        metadata = Metadata.read(ReadDataStream(BytesIO(file.read(length))))
+        metadata = Metadata.read(ReadDataStream(BytesIO(_body(file, length))))
         index.metadata[metadata.name] = metadata.metadata
     elif opcode == Opcode.ATTACHMENT:
-        body = file.read(length)
+        body = _body(file, length)
         if zlib.crc32(body[:-4]) == struct.unpack("<I", body[-4:])[0]:
             attachment = Attachment.read(ReadDataStream(BytesIO(body)))
             index.attachments[attachment.name] = attachment.data
@@ -182,6 +184,9 @@ def _index_record(index: _Index, file: BinaryIO, opcode: int, offset: int, lengt
 
 def _index_channels(index: _Index, file: BinaryIO) -> None:
     offset, _, _ = index.chunks[-1]
+    if offset == index.searched:
+        return  # it does not define that channel
+    index.searched = offset
     for opcode, body in _records(_chunk_data(file, offset)):
         if opcode == Opcode.CHANNEL:
             channel = Channel.read(ReadDataStream(BytesIO(body)))
@@ -191,15 +196,17 @@ def _index_channels(index: _Index, file: BinaryIO) -> None:
 def _chunk_data(file: BinaryIO, offset: int) -> bytes:
     """Return the decompressed records of the chunk at an offset.
 
-    Raises ValueError if its stated size exceeds ``CHUNK_LIMIT_BYTES``; for damage, one of _DAMAGE.
+    Raises one of _DAMAGE for damage and impossible sizes.
     """
     file.seek(offset)
     _, length = RECORD_HEAD.unpack(file.read(RECORD_HEAD.size))
-    chunk = Chunk.read(ReadDataStream(BytesIO(file.read(length))))
-    if chunk.uncompressed_size > CHUNK_LIMIT_BYTES:
-        raise ValueError("a chunk claims an impossible size")
-    stream, size = get_chunk_data_stream(chunk, validate_crc=True)
-    return stream.read(size)
+    return chunk_data(Chunk.read(ReadDataStream(BytesIO(_body(file, length)))))
+
+
+def _body(file: BinaryIO, length: int) -> bytes:
+    if length > MAX_RECORD_BYTES:
+        raise ValueError("a record there is too large")
+    return file.read(length)
 
 
 def _records(data: bytes) -> Iterator[tuple[int, bytes]]:

@@ -21,6 +21,12 @@ from robot_agent.messages.streams import DecisionPayload, Payload, ProcessPayloa
 POSES_KEPT = 30
 """About 3 s of poses: a scan is drawn at the robot's pose when it was measured."""
 EVENTS_KEPT = 20
+_SOURCE_KEPT_S = 10.0
+"""A source that was heard this long ago is still there: robots report many times a second."""
+_SOURCES_KEPT = 4
+_STAMP_KEPT_S = 0.25
+"""A robot whose clock is ahead of the operator's by less has its stamps kept: Zenoh replaces those
+more than 0.5 s ahead."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +45,7 @@ class RobotState:
     team: str
     robot: str
     online: bool = False  # its liveliness token is present
+    first_seen: float = 0.0  # time of its first payload or liveliness token
     last_heard: float | None = None  # time of its last payload of any stream; None: none yet
     payloads: Mapping[str, Payload] = field(default_factory=lambda: MappingProxyType({}))
     received: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
@@ -53,11 +60,20 @@ class RobotState:
     last_turn: tuple[float, str] | None = None
     """Time and cause (``turn`` of the decision) of its last turn; None: no turn received."""
     events: tuple[HeardEvent, ...] = ()  # newest last
+    source: str | None = None  # the session its last payload came from; None: none yet
+    sources: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    """Last time of each session of late."""
+    rivals_at: float | None = None  # time at which an earlier session last spoke again
 
     @property
     def id(self) -> str:
         """Team and name."""
         return f"{self.team}/{self.robot}"
+
+    @property
+    def key_parts(self) -> list[str]:
+        """The parts of its telemetry key."""
+        return ["patrol", self.team, self.robot]
 
     @property
     def status(self) -> StatusPayload | None:
@@ -106,6 +122,10 @@ class RobotState:
         received = self.received.get(stream)
         return None if received is None else now - received
 
+    def silence(self, now: float) -> float:
+        """Return for how long nothing that can be read was received, s."""
+        return now - (self.first_seen if self.last_heard is None else self.last_heard)
+
     def pose_at(self, stamp: Timestamp) -> Pose | None:
         """Return the pose (map_from_base) at a time stamp of the robot's clock, interpolated.
 
@@ -119,6 +139,21 @@ class RobotState:
         span = after[0] - before[0]
         share = (t - before[0]) / span if span > 0.0 else 0.0
         return _between(before[1], after[1], share)
+
+    def with_source(self, source: str, t: float) -> RobotState:
+        """Return the state after a payload of a session at t; "" is one that set no time stamp.
+
+        A robot that was started again has a new session once; two sessions that take turns are
+        two programs under one name.
+        """
+        clock_ahead = self.skew is None or self.skew > _STAMP_KEPT_S
+        if source == "" and self.source != "" and clock_ahead:
+            return self  # perhaps this robot's own, with its stamp replaced
+        known = {name: at for name, at in self.sources.items() if t - at < _SOURCE_KEPT_S}
+        again = source in known and source != self.source
+        kept = dict(sorted({**known, source: t}.items(), key=lambda item: item[1])[-_SOURCES_KEPT:])
+        rivals_at = t if again else self.rivals_at
+        return replace(self, source=source, sources=kept, rivals_at=rivals_at)
 
     def with_payload(self, stream: str, payload: Payload, t: float, wall: float) -> RobotState:
         """Return the state after a payload received at t (monotonic) and wall (s since 1970)."""

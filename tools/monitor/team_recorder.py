@@ -17,6 +17,7 @@ import msgspec
 from mcap.well_known import MessageEncoding, SchemaEncoding
 from mcap.writer import Writer
 
+from maps.input_limits import MAX_RECORDER_QUEUE_BYTES
 from maps.map_folder import MapFolder
 from robot_agent.messages.streams import STREAMS
 from robot_agent.recording.recording_writer import CHUNK_BYTES, MAP_ATTACHMENT_PREFIX, OCTET_STREAM
@@ -26,7 +27,7 @@ TEAM_METADATA = "team"
 DRAIN_S = 0.1
 DRAINS_PER_FLUSH = 7
 CAPACITY = 50_000
-"""Queue length in payloads: half a minute of fifty robots."""
+"""Queue length in payloads: half a minute of fifty robots; in bytes MAX_RECORDER_QUEUE_BYTES."""
 MAX_CHANNELS = 2000
 """Most keys recorded; payloads of further ones are counted as lost."""
 
@@ -46,16 +47,21 @@ class TeamRecorder:
         self._folder = folder
         self._border = border
         self._queue: deque[tuple[str, bytes, float]] = deque()
+        self._queued_bytes = 0
+        self._lock = threading.Lock()
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run, name="team recorder", daemon=True)
         self._thread.start()
 
     def on_payload(self, key: str, payload: bytes, wall: float) -> None:
         """Queue a payload received at wall, s since 1970; takes microseconds, from any thread."""
-        if self.failed or len(self._queue) >= CAPACITY:
-            self.lost += 1
-            return
-        self._queue.append((key, payload, wall))
+        with self._lock:
+            waiting = self._queued_bytes + len(payload)
+            if self.failed or len(self._queue) >= CAPACITY or waiting > MAX_RECORDER_QUEUE_BYTES:
+                self.lost += 1
+                return
+            self._queued_bytes = waiting
+            self._queue.append((key, payload, wall))
 
     def close(self) -> None:
         """Write what is queued and finish the file; idempotent."""
@@ -100,7 +106,9 @@ class TeamRecorder:
 
     def _drain(self, writer: Writer, channels: dict[str, int]) -> None:
         for _ in range(len(self._queue)):
-            key, payload, wall = self._queue.popleft()
+            with self._lock:
+                key, payload, wall = self._queue.popleft()
+                self._queued_bytes -= len(payload)
             if key not in channels:
                 if len(channels) >= MAX_CHANNELS:
                     self.lost += 1

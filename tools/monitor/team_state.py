@@ -7,13 +7,14 @@ import threading
 from collections.abc import Callable
 from dataclasses import replace
 
+from maps.input_limits import BAD_DATA, MAX_PAYLOAD_BYTES
 from robot_agent.messages.streams import Payload, PayloadError, decode
 from tools.monitor.robot_state import RobotState
 
 MAX_ROBOTS = 64
-"""Most robots kept; payloads under further names are counted as stray."""
-MAX_PAYLOAD_BYTES = 256 * 1024
-"""Larger payloads are not decoded; the largest real one, 200 particles, has a tenth of this."""
+"""Most robots kept; a further one takes the place of one that is silent, or is not shown."""
+GIVE_WAY_S = 5.0
+"""Silence from which a robot gives way: several of a bad link's pauses."""
 _NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
 """Valid names of a team or robot, as in the robots' configuration."""
 
@@ -33,20 +34,34 @@ class TeamState:
         """Number of messages under a key of no robot, or of a robot beyond ``MAX_ROBOTS``."""
         self.stray_at: float | None = None
         """Operator's monotonic time of the last of them; None: none yet."""
+        self.hidden: dict[str, float] = {}
+        """Robots that were not shown of late, or gave way, with the time; the newest few."""
 
-    def receive(self, key: str, data: bytes, t: float, wall: float | None = None) -> None:
+    def receive(
+        self, key: str, data: bytes, t: float, wall: float | None = None, source: str | None = None
+    ) -> None:
         """Take one payload received under ``patrol/<team>/<robot>/<stream>``.
 
-        t: operator's monotonic time; wall: s since 1970, by default t.
+        t: operator's monotonic time; wall: s since 1970, by default t; source: of the session it
+        came from, None if unknown.
         """
         at = t if wall is None else wall
         parts = key.split("/")
         stream = parts.pop()
+        if source is not None:
+            self._update(parts, t, lambda robot: robot.with_source(source, t))
         payload = _decoded(stream, data)
         if payload is None:
-            self._update(parts, t, lambda robot: _with_malformed(robot, t))
-        else:
+            self.refuse(parts, t)
+            return
+        try:
             self._update(parts, t, lambda robot: robot.with_payload(stream, payload, t, at), stream)
+        except BAD_DATA:
+            self.refuse(parts, t)
+
+    def refuse(self, parts: list[str], t: float) -> None:
+        """Count a payload that cannot be used, of the robot that a key's parts name."""
+        self._update(parts, t, lambda robot: _with_malformed(robot, t))
 
     def set_liveliness(self, key: str, *, online: bool, t: float = 0.0) -> None:
         """Set whether the robot of ``patrol/<team>/<robot>`` is online."""
@@ -63,13 +78,48 @@ class TeamState:
         with self._lock:
             self._version += 1
             name = robot_name(parts)
-            if name is None or (name not in self._robots and len(self._robots) >= MAX_ROBOTS):
+            if name is None:
                 self.stray += 1
                 self.stray_at = t
                 return
-            robot = change(self._robots.get(name, RobotState(*name)))
+            if name not in self._robots and not self._make_room(t):
+                self._hide(name, t)
+                return
+            robot = change(self._robots.get(name, RobotState(*name, first_seen=t)))
             versions = {**robot.versions, stream: self._version}
             self._robots[name] = replace(robot, version=self._version, versions=versions)
+            self.hidden.pop(robot.id, None)
+
+    def _make_room(self, t: float) -> bool:
+        """Return whether a further robot can be kept; of the silent ones one gives way.
+
+        Those that are offline do first, then the longest silent.
+        """
+        if len(self._robots) < MAX_ROBOTS:
+            return True
+        name, robot = max(
+            self._robots.items(), key=lambda item: (not item[1].online, item[1].silence(t))
+        )
+        if robot.silence(t) < GIVE_WAY_S:
+            name, robot = max(self._robots.items(), key=lambda item: item[1].silence(t))
+        if robot.silence(t) < GIVE_WAY_S:
+            return False
+        del self._robots[name]
+        self._hide(name, t)
+        return True
+
+    def _hide(self, name: tuple[str, str], t: float) -> None:
+        """Note that a robot is not shown."""
+        robot = "/".join(name)
+        self.hidden.pop(robot, None)
+        self.hidden[robot] = t
+        if len(self.hidden) > MAX_ROBOTS:
+            del self.hidden[next(iter(self.hidden))]
+
+    def hidden_since(self, t: float) -> list[str]:
+        """Return the robots that have not been shown at some time since t, and are not now."""
+        with self._lock:
+            return [robot for robot, at in self.hidden.items() if at >= t]
 
     def snapshot(self) -> list[RobotState]:
         """Return the robots, ordered by team and name."""
@@ -80,6 +130,7 @@ class TeamState:
         """Remove every robot; the version keeps increasing."""
         with self._lock:
             self._robots.clear()
+            self.hidden.clear()
 
 
 def _decoded(stream: str, data: bytes) -> Payload | None:

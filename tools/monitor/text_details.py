@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from robot_agent.messages.streams import ACTIONS, DecisionPayload, DeviceStatus
 from tools.monitor.reason import turn_words
@@ -13,15 +14,20 @@ from tools.monitor.watch import Watch
 def detail_lines(watch: Watch) -> Iterator[str]:
     """Yield one line per robot that has reported, then one on the border's idleness."""
     for robot in watch.robots:
-        parts = [*_decision_parts(robot.decision), *_status_parts(robot), *_process_parts(robot)]
-        turned = turn_words(robot, watch.now)
-        if turned:
-            parts.append(f"turned {turned}")
+        parts = watch.made(robot, partial(_parts, robot, watch.now))
         if parts:
             yield f"{robot.id}: " + "; ".join(parts)
     if watch.coverage is not None:
         average, worst = watch.coverage.average(watch.now), watch.coverage.worst(watch.now)
         yield f"border unseen for {average:.0f} s on average, {worst:.0f} s at worst"
+
+
+def _parts(robot: RobotState, now: float) -> list[str]:
+    parts = [*_decision_parts(robot.decision), *_status_parts(robot), *_process_parts(robot)]
+    turned = turn_words(robot, now)
+    if turned:
+        parts.append(f"turned {turned}")
+    return parts
 
 
 def _decision_parts(decision: DecisionPayload | None) -> Iterator[str]:

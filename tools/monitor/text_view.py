@@ -13,6 +13,7 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
+from maps.input_limits import BAD_DATA
 from robot_agent.messages.foxglove import planar_pose
 from robot_agent.messages.streams import DecisionPayload, StatusPayload
 from tools.monitor.alarm_board import Alarm
@@ -65,6 +66,14 @@ def row_of(robot: RobotState, now: float) -> Row:
     return Row(*map(_printable, row))
 
 
+def _shown_row(robot: RobotState, now: float) -> Row:
+    """Return one robot's row, empty but for the reason if its telemetry makes none."""
+    try:
+        return row_of(robot, now)
+    except BAD_DATA:
+        return Row._make((robot.id, *[ABSENT] * (len(Row._fields) - 2), "cannot be read"))
+
+
 def _printable(cell: str) -> str:
     """Escape a cell with control characters: they came over the network."""
     return cell if cell.isprintable() else repr(cell)
@@ -111,13 +120,13 @@ def team_table(team: Iterable[RobotState], now: float) -> Table:
         table.add_column(heading)
     for robot in team:
         style = None if robot.online else "dim"
-        table.add_row(*map(Text, row_of(robot, now)), style=style)
+        table.add_row(*map(Text, _shown_row(robot, now)), style=style)
     return table
 
 
 def plain_table(team: Iterable[RobotState], now: float) -> str:
     """Return the table of the team as lines of text, columns aligned."""
-    rows = [Row._fields, *(row_of(robot, now) for robot in team)]
+    rows = [Row._fields, *(_shown_row(robot, now) for robot in team)]
     widths = [max(len(row[column]) for row in rows) for column in range(len(Row._fields))]
     return "\n".join(
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()

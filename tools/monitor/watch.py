@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from typing import TypeVar
 
+from maps.input_limits import BAD_DATA
 from tools.monitor.alarm import REMEMBERED_S, Condition, Severity, conditions_of
 from tools.monitor.alarm_board import AlarmBoard
 from tools.monitor.coverage import Coverage
 from tools.monitor.history import RobotHistory
 from tools.monitor.robot_state import RobotState
 from tools.monitor.site import Site
-from tools.monitor.team_state import TeamState
+from tools.monitor.team_state import MAX_ROBOTS, TeamState
+
+T = TypeVar("T")
 
 _VISIT_PERIOD_S = 0.2
 _FRESH_S = 1.0
+_NAMED = 5
+"""Robots named in one alarm."""
 
 
 class Watch:
@@ -45,9 +52,24 @@ class Watch:
         self.now, self.wall = now, wall
         self.robots = self.team.snapshot()
         self.alarms.update(self._conditions(), now, wall)
+        known = {robot.id for robot in self.robots}
+        for gone in self.histories.keys() - known:
+            del self.histories[gone]
         for robot in self.robots:
-            self.histories.setdefault(robot.id, RobotHistory()).sample(robot, now, wall)
+            history = self.histories.setdefault(robot.id, RobotHistory())
+            self.made(robot, partial(history.sample, robot, now, wall))
         self._update_coverage()
+
+    def made(self, robot: RobotState, make: Callable[[], T]) -> T | None:
+        """Return what ``make`` makes of a robot's telemetry.
+
+        None if it cannot be made: that costs nothing else and is counted as malformed.
+        """
+        try:
+            return make()
+        except BAD_DATA:
+            self.team.refuse(robot.key_parts, self.now)
+            return None
 
     def restart(self) -> None:
         """Discard everything but the site, for playback from another time."""
@@ -59,8 +81,16 @@ class Watch:
 
     def _conditions(self) -> Iterator[Condition]:
         for robot in self.robots:
-            yield from conditions_of(robot, self.now)
+            yield from self.made(robot, partial(_listed, robot, self.now)) or ()
         yield from self._own_conditions()
+        hidden = self.team.hidden_since(self.now - REMEMBERED_S)
+        if hidden:
+            more = f" and {len(hidden) - _NAMED} more" if len(hidden) > _NAMED else ""
+            words = (
+                f"not shown: {', '.join(hidden[:_NAMED])}{more}; {MAX_ROBOTS} robots are shown at "
+                "most, look who reports under names you do not know"
+            )
+            yield Condition("", "hidden", Severity.CRITICAL, words)
         stray_at = self.team.stray_at
         if stray_at is not None and self.now - stray_at < REMEMBERED_S:
             words = f"{self.team.stray} messages under names that are no robot's"
@@ -83,3 +113,7 @@ class Watch:
         ]
         if places:
             self.coverage.visit(places, self.now)
+
+
+def _listed(robot: RobotState, now: float) -> list[Condition]:
+    return list(conditions_of(robot, now))

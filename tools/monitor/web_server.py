@@ -1,22 +1,22 @@
 """Serves the page and sends every open page its updates.
 
-Runs an event loop on its own thread. A page can acknowledge an alarm and steer a playback, no more;
-nothing is sent on to a robot.
+Runs an event loop on its own thread. A page can acknowledge an alarm and steer a playback, no more,
+and only if ``PageAccess`` lets it; nothing is sent on to a robot.
 """
 
 from __future__ import annotations
 
 import asyncio
-import threading
 from collections.abc import Awaitable, Callable
 from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
 
 import msgspec
 from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
 
+from tools.monitor.lasting_thread import LastingThread
+from tools.monitor.page_access import PageAccess
 from tools.monitor.page_message import PageFeed
 from tools.monitor.source import Source
 from tools.monitor.watch import Watch
@@ -41,7 +41,6 @@ _HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-_LOOPBACK = ("localhost", "127.0.0.1", "::1")
 
 
 class WebError(ValueError):
@@ -86,14 +85,14 @@ class WebServer:
         self.watch = watch
         self.source = source
         self._host, self._port = parsed_address(address, "--http")
+        self._access = PageAccess(self._host)
         self._ticked = asyncio.Event()
         self._picture = watch.site.picture()
         self._site = msgspec.json.encode(watch.site.description())
         self._ending = asyncio.Event()
         self._loop = asyncio.new_event_loop()
         ready: Future[int] = Future()
-        self._thread = threading.Thread(target=self._run, args=(ready,), name="page", daemon=True)
-        self._thread.start()
+        self._thread = LastingThread(lambda: self._run(ready), "page's server")
         try:
             self._port = ready.result()
         except OSError as error:
@@ -108,6 +107,15 @@ class WebServer:
         """URL of the page."""
         host = f"[{self._host}]" if ":" in self._host else self._host
         return f"http://{host}:{self._port}/"
+
+    @property
+    def link(self) -> str:
+        """URL that opens the page with the right to act on it, for whoever reads the terminal."""
+        return f"{self.url}?token={self._access.token}" if self._access.token else self.url
+
+    def check(self) -> None:
+        """Raise RuntimeError if the server has ended by itself."""
+        self._thread.check()
 
     def close(self) -> None:
         """Close every page's connection and stop serving; idempotent."""
@@ -158,9 +166,10 @@ class WebServer:
     async def _guard(
         self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
     ) -> web.StreamResponse:
-        """Add security headers; on loopback refuse other host names (DNS rebinding) with 403."""
-        if self._host in _LOOPBACK and _host_name(request.host) not in _LOOPBACK:
-            raise web.HTTPForbidden(text="this page is served to this computer only")
+        """Add security headers; refuse foreign host names and other sites' pages with 403."""
+        refusal = self._access.refusal(request.host, request.headers.get("Origin"))
+        if refusal:
+            raise web.HTTPForbidden(text=refusal)
         response = await handler(request)
         if not response.prepared:
             response.headers.update(_HEADERS)
@@ -177,17 +186,15 @@ class WebServer:
     async def _feed_page(self, request: web.Request) -> web.WebSocketResponse:
         """Send one page its updates until it disconnects; a slow page gets fewer, not older ones.
 
-        A connection opened by another site's page is refused with 403.
+        Requests to act are ignored without the token.
         """
-        origin = request.headers.get("Origin")
-        if origin is not None and urlsplit(origin).netloc != request.host:
-            raise web.HTTPForbidden(text="only this page may listen here")
+        may_act = self._access.may_act(request.query.get("token", ""))
         socket = web.WebSocketResponse(heartbeat=10.0, max_msg_size=_REQUEST_LIMIT, compress=False)
         await socket.prepare(request)
         flow = _FlowControl()
-        listening = asyncio.create_task(self._listen(socket, flow))
+        listening = asyncio.create_task(self._listen(socket, flow, may_act=may_act))
         try:
-            await self._feed(socket, flow)
+            await self._feed(socket, flow, may_act=may_act)
         except ConnectionError:
             pass  # the page is closed, or reconnects by itself
         finally:
@@ -195,13 +202,16 @@ class WebServer:
             await socket.close()
         return socket
 
-    async def _feed(self, socket: web.WebSocketResponse, flow: _FlowControl) -> None:
+    async def _feed(
+        self, socket: web.WebSocketResponse, flow: _FlowControl, *, may_act: bool
+    ) -> None:
         feed, epoch = PageFeed(self.watch), self.source.epoch
         fresh = True
         while not socket.closed and not self._ending.is_set():
             if epoch != self.source.epoch:
                 feed, epoch, fresh = PageFeed(self.watch), self.source.epoch, True
-            extra: dict[str, Any] = {"source": self.source.description(), "fresh": fresh}
+            source = {**self.source.description(), "mayAct": may_act}
+            extra: dict[str, Any] = {"source": source, "fresh": fresh}
             await socket.send_str(feed.message(extra).decode())
             flow.sent += 1
             fresh = False
@@ -209,7 +219,9 @@ class WebServer:
             while flow.behind and not socket.closed and not self._ending.is_set():
                 await self._ticked.wait()
 
-    async def _listen(self, socket: web.WebSocketResponse, flow: _FlowControl) -> None:
+    async def _listen(
+        self, socket: web.WebSocketResponse, flow: _FlowControl, *, may_act: bool
+    ) -> None:
         """Execute a page's requests; an invalid one closes the connection."""
         async for message in socket:
             request = _decoded(message)
@@ -217,6 +229,8 @@ class WebServer:
                 await socket.close(code=WSCloseCode.UNSUPPORTED_DATA)
                 return
             flow.seen = request.seen or flow.seen
+            if not may_act:
+                continue
             if request.acknowledge is not None:
                 self.watch.alarms.acknowledge(request.acknowledge)
             self.source.steer(pause=request.pause, speed=request.speed, seek=request.seek)
@@ -247,8 +261,3 @@ def parsed_address(address: str, option: str) -> tuple[str, int]:
     if not host or not port.isdecimal() or int(port) > 65535:
         raise WebError(f"{option} {address}: not an address; give host:port, e.g. 127.0.0.1:8080")
     return host.strip("[]"), int(port)
-
-
-def _host_name(host: str) -> str:
-    """Return a Host header's name in lower case, without port and brackets."""
-    return (urlsplit(f"//{host}").hostname or "").lower()

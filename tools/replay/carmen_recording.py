@@ -18,11 +18,12 @@ from robot_agent.messages.events import Event
 from robot_agent.pose.start_pose import StartPose
 from robot_agent.recording.recording_writer import RecordingWriter
 from robot_agent.recording.run_header import header_of_run
-from tools.logs.carmen import CarmenLog
-from tools.replay.carmen_devices import BASE_BAUD, LASER_BAUD, LogRig, Moment, play
+from tools.logs.carmen import CarmenLog, LogError
+from tools.replay.carmen_devices import BASE_BAUD, LASER_BAUD, LogRig, Moment, padded_ranges, play
 from tools.simulation.lockstep import LockstepAgent
 
 FLUSH_S = 5.0
+_LMS_BEAMS = (181, 361)
 SPARSE_SCANS_S = 3600.0
 """Laser timeout, s: logs are thinned to a scan every few seconds."""
 
@@ -65,8 +66,10 @@ def convert(
 ) -> Conversion:
     """Write the recording of an agent on the log's robot; the map is ``folder``'s.
 
-    The agent starts at the log's first reference pose. Reference poses are recorded too.
+    The agent starts at the log's first reference pose. Reference poses are recorded too. Raises
+    LogError for scans that an LMS 200 does not send.
     """
+    _require_lms_scans(log)
     config = configuration_for(log, folder)
     start_wall_ns = time.time_ns()
     header = header_of_run(config, folder, source=log.path.name, start_wall_ns=start_wall_ns)
@@ -90,6 +93,17 @@ def convert(
         base_reports=lockstep.agent.base.counters.sips,
         duration=duration,
     )
+
+
+def _require_lms_scans(log: CarmenLog) -> None:
+    sent = padded_ranges(log.scans[0]).size
+    for number, scan in enumerate(log.scans, start=1):
+        beams = padded_ranges(scan).size
+        if beams not in _LMS_BEAMS or beams != sent:
+            raise LogError(
+                f"{log.path}: scan {number}: has {scan.ranges.size} beams, an LMS 200 sends always "
+                "181 or always 361: read the log itself, by `patrol localize` or `map build`"
+            )
 
 
 def configuration_for(log: CarmenLog, folder: MapFolder) -> AgentConfig:

@@ -58,7 +58,10 @@ def _same(recorded: Effect, now: Effect, layout: int) -> bool:
 
 def _same_payload(stream: str, recorded: bytes, now: bytes) -> bool:
     """Compare two payloads (JSON) in the fields of the older one."""
-    old: dict[str, Any] = msgspec.json.decode(modernized(stream, recorded))
+    try:
+        old: dict[str, Any] = msgspec.json.decode(modernized(stream, recorded), type=dict[str, Any])
+    except (msgspec.DecodeError, RecursionError):
+        return False  # no agent of ours wrote it
     new: dict[str, Any] = msgspec.json.decode(now)
     changed = _CHANGED_MEANING if "override" in new else ()
     texts = _TEXT_FIELDS if stream == "status" else ()

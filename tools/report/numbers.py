@@ -85,6 +85,7 @@ def _robot(team: Team, run: RunLog) -> dict[str, Any]:
         "start_s": run.shift,
         "end_s": run.end + run.shift,
         "truncated": run.truncated,
+        "unreadable": run.unreadable,
         "ended_in_order": run.ended_in_order,
         "decisions": int(run.decision_t.size),
         "reach_s": reach_time(run),

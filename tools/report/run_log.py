@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TypeVar
+from typing import Annotated, TypeVar
 
 import msgspec
 import numpy as np
@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import decode_command
 from drivers.p2os.framing import PacketFramer
+from maps.input_limits import BAD_DATA
+from robot_agent.messages.bounded_fields import Count, Number, Text, Word
 from robot_agent.messages.streams import DeviceStatus, LocalizationStatus, PlanarPose, Twist
 from robot_agent.recording.run_header import RunHeader
 from tools.logs.recording import Recording, read_recording
@@ -29,62 +31,62 @@ _CHI_SQUARE_95 = 5.991  # 95 % quantile of chi squared with two degrees of freed
 class _Decision(msgspec.Struct):
     """The fields of a decision payload that a report uses."""
 
-    action: str
-    direction: int
-    distance_from_border: float
-    abscissa: float
+    action: Word
+    direction: Annotated[int, msgspec.Meta(ge=-1, le=1)]
+    distance_from_border: Number
+    abscissa: Number
     pose: PlanarPose
     command: Twist
     neighbor: PlanarPose | None = None
-    gate_reason: str = ""
-    override: str = ""
-    turn: str = ""
+    gate_reason: Word = ""
+    override: Word = ""
+    turn: Word = ""
 
 
 class _Status(msgspec.Struct):
     """The fields of a status payload that a report uses."""
 
-    health: str
+    health: Text
     base: DeviceStatus
     laser: DeviceStatus
     localization: LocalizationStatus
-    battery: float | None = None
+    battery: Number | None = None
 
 
 class _Process(msgspec.Struct):
     """The fields of a process payload that a report uses."""
 
-    cpu: float
-    memory_mb: float
-    lateness_median: float
-    lateness_max: float
-    longest_pause: float = 0.0
-    deadline_misses: int = 0
-    recorder_lost: int = 0
-    telemetry_dropped: int = 0
+    cpu: Number
+    memory_mb: Number
+    lateness_median: Number
+    lateness_max: Number
+    longest_pause: Number = 0.0
+    deadline_misses: Count = 0
+    recorder_lost: Count = 0
+    telemetry_dropped: Count = 0
     operator: bool | None = None
 
 
 class _Log(msgspec.Struct):
-    level: int
-    message: str
-    name: str
+    level: Count
+    message: Text
+    name: Word
 
 
 class _Link(msgspec.Struct):
-    link: str
+    link: Word
     up: bool
-    reason: str = ""
+    reason: Text = ""
 
 
 class _Reference(msgspec.Struct):
-    x: float
-    y: float
-    theta: float
+    x: Number
+    y: Number
+    theta: Number
 
 
 class _Gap(msgspec.Struct):
-    lost: int
+    lost: Count
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +118,8 @@ class RunLog:
     shift: float = 0.0
     """Team time minus agent time, s."""
     truncated: str | None = None
+    unreadable: int = 0
+    """Messages left out because they do not fit their stream."""
     end: float = 0.0
     """Agent time of the last message, s."""
     shutdown_at: float | None = None
@@ -168,6 +172,13 @@ class RunLog:
             theirs.boot,
             theirs.start_monotonic_ns,
         )
+
+    @property
+    def readable_part(self) -> str:
+        """How much of the file could be read, in words."""
+        if not self.unreadable:
+            return self.truncated or "whole"
+        return f"{self.truncated or 'whole'}; {self.unreadable} messages do not fit their stream"
 
     @property
     def ended_in_order(self) -> bool:
@@ -259,8 +270,12 @@ class _Reader:
         times: dict[str, list[float]] = {topic: [] for topic in handlers}
         t = 0.0
         for topic, t, data in self._recording.messages(handlers.keys()):
+            try:
+                handlers[topic](t, data)
+            except BAD_DATA:
+                self._log.unreadable += 1
+                continue
             times[topic].append(t)
-            handlers[topic](t, data)
             if topic == "status":
                 progress(t)
         self._times = times

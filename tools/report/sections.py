@@ -218,7 +218,7 @@ def _clocks(team: Team, figures: dict[str, Any]) -> Blocks:
             f"{clock.correction:+.3f}",
             clock.how,
             _number(clock.residual),
-            run.truncated or "whole",
+            run.readable_part,
         )
         for run, clock in zip(team.runs, team.clocks, strict=True)
     ]

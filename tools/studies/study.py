@@ -23,7 +23,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import as_completed
 from dataclasses import dataclass
@@ -38,6 +37,7 @@ import tomli_w
 
 from maps.border import BorderError
 from maps.map_folder import load_map_folder
+from maps.toml_text import TomlError, read_toml
 from robot_agent.config import AgentConfig, find_map, parse_config
 from tools.bench.bench_fault import BenchFaultError, check_robots, draw_faults
 from tools.bench.sensing import Sensing, bench
@@ -166,10 +166,10 @@ def read_study(
     BorderError, TruthError and ConfigError for maps, borders, truths and settings it names.
     """
     try:
-        content = msgspec.convert(tomllib.loads(path.read_text(encoding="utf-8")), StudyFile)
+        content = msgspec.convert(read_toml(path.read_bytes()), StudyFile)
     except OSError as error:
         raise StudyError(f"{path}: cannot be read ({error.strerror}); give a TOML file") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except TomlError as error:
         raise StudyError(f"{path}: is not TOML: {error}; correct that line") from None
     except msgspec.ValidationError as error:
         raise StudyError(f"{path}: {error}; correct the value") from None

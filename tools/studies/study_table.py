@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
+from tools.logs.csv_cells import csv_cells
 from tools.studies.study import Case, Result
 
 CONFIDENCE = 0.95
@@ -102,8 +103,8 @@ def write_csv(results: Sequence[Result], path: Path) -> None:
     varied = [key for key, _ in results[0].run.case.values]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
-        writer.writerow([*varied, "seed", *COLUMNS])
+        writer.writerow(csv_cells([*varied, "seed", *COLUMNS]))
         for result in results:
             values = [value for _, value in result.run.case.values]
             figures = [extract(result.figures) for extract in COLUMNS.values()]
-            writer.writerow([*values, result.run.seed, *figures])
+            writer.writerow(csv_cells([*values, result.run.seed, *figures]))

@@ -15,6 +15,7 @@ import psutil
 import pytest
 import zenoh
 
+from maps.input_limits import MAX_QUEUE_BYTES
 from robot_agent.config import TelemetrySettings
 from robot_agent.process.telemetry import Telemetry, session_config
 from tools.deploy.child_program import environment, program
@@ -180,6 +181,16 @@ def test_full_queue_drops_the_oldest_and_counts(endpoint: str, listen: Listen, t
         number = int(operator.heard.get(timeout=PATIENCE_S)[1])
         assert number > last
         last = number
+
+
+def test_queue_is_bounded_in_bytes() -> None:
+    telemetry = Telemetry(
+        TelemetrySettings(operator="tcp/127.0.0.1:1"), robot="anna", team="north", queue=1000
+    )
+    for _ in range(20):
+        telemetry.publish("scan", bytes(MAX_QUEUE_BYTES // 4))
+    telemetry.close()
+    assert telemetry.dropped + telemetry.sent >= 20 - 4
 
 
 def test_without_an_operator_nothing_is_opened() -> None:

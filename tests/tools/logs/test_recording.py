@@ -11,6 +11,7 @@ from robot_agent.messages.effects import Publish, Send
 from robot_agent.messages.events import BytesReceived, LinkUp, Tick
 from robot_agent.recording.recording_writer import RecordingWriter
 from robot_agent.recording.run_header import SCHEMA_VERSION, RunHeader
+from tests.tools.monitor.agent_recordings import header_of
 from tools.logs.recording import Item, RecordingError, read_recording
 
 HEADER = RunHeader(
@@ -207,3 +208,17 @@ def test_other_mcap_files_are_refused(
     with pytest.raises(RecordingError) as raised:
         read_recording(path)
     assert reason in str(raised.value)
+
+
+@pytest.mark.parametrize("jump", [1e7, 8e9])
+def test_clock_that_jumps_ends_the_readable_part(tmp_path: Path, jump: float) -> None:
+    path = tmp_path / "jump.mcap"
+    with path.open("wb") as file:
+        writer = RecordingWriter(file, header_of("robot", 1_700_000_000.0))
+        for t in (0.0, 1.0, 1.0 + jump):
+            writer.write_event(Tick(t))
+        writer.finish()
+    recording = read_recording(path)
+    assert [event.t for event in recording.items() if isinstance(event, Tick)] == [0.0, 1.0]
+    assert recording.truncated is not None
+    assert f"the clock jumps by {jump:.0f} s there" in recording.truncated

@@ -17,20 +17,23 @@ FOLDER = load_map_folder(find_map("paper_lab", Path()))
 START = 1_700_000_000.0
 
 
-def agent_recording(name: str, path: Path, begin: float, seconds: float) -> Path:
-    """Write a robot's recording from ``begin`` (s since 1970) on: it drives along x at 0.1 m/s."""
-    config = AgentConfig()
-    header = RunHeader(
+def header_of(name: str, begin: float) -> RunHeader:
+    """Return the head of a robot's recording from ``begin`` (s since 1970) on."""
+    return RunHeader(
         robot=name,
         team="north",
         seed=1,
         software_version="0.1.0",
         start_wall_ns=round(begin * 1e9),
-        configuration=format_config(config).encode(),
+        configuration=format_config(AgentConfig()).encode(),
         map_files=FOLDER.files,
     )
+
+
+def agent_recording(name: str, path: Path, begin: float, seconds: float) -> Path:
+    """Write a robot's recording from ``begin`` (s since 1970) on: it drives along x at 0.1 m/s."""
     file = io.BytesIO()
-    writer = RecordingWriter(file, header)
+    writer = RecordingWriter(file, header_of(name, begin))
     for step in range(round(10 * seconds)):
         t = 0.1 * step
         x = 0.1 * (begin - START + t)

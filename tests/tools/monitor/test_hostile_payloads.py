@@ -115,7 +115,7 @@ def test_large_lists_and_texts_are_cut_for_the_page() -> None:
     assert len(PageFeed(watch).message({})) < 10_000
 
 
-def test_invalid_names_and_robots_beyond_the_maximum_are_stray() -> None:
+def test_invalid_names_are_stray_and_robots_beyond_the_maximum_are_named() -> None:
     team = TeamState()
     watch = Watch(team, Site(None))
     for key in ("patrol", "patrol//anna/pose", "patrol/north/<b>/pose", "a/b/c/d", ""):
@@ -124,5 +124,8 @@ def test_invalid_names_and_robots_beyond_the_maximum_are_stray() -> None:
         team.receive(f"patrol/north/r{number}/pose", encode(pose(1.0)), 1.0)
     watch.advance(1.0, 1.0)
     assert len(team.snapshot()) == MAX_ROBOTS
-    assert team.stray == 15
-    assert "15 messages" in next(a for a in watch.alarms.alarms() if a.kind == "stray").text
+    texts = {alarm.kind: alarm.text for alarm in watch.alarms.alarms()}
+    assert team.stray == 5
+    assert "5 messages" in texts["stray"]
+    assert "not shown: north/r64, north/r65" in texts["hidden"]
+    assert "5 more" in texts["hidden"]

@@ -14,6 +14,7 @@ from robot_agent.config import TelemetrySettings
 from robot_agent.messages.streams import encode
 from robot_agent.process.telemetry import Telemetry
 from tests.tools.monitor.reports import pose
+from tools.monitor import forwarder
 from tools.monitor.endpoint import free_endpoint
 from tools.monitor.foxglove_server import FoxgloveServer
 from tools.monitor.monitor import Monitor, MonitorOptions
@@ -92,3 +93,13 @@ def test_foxglove_viewer_gets_channels_with_schemas_and_payloads() -> None:
         asyncio.run(look(server.port, server))
         with pytest.raises(WebError, match="--foxglove"):
             FoxgloveServer(f"127.0.0.1:{server.port}")
+
+
+def test_silent_robot_gives_its_place_at_the_office_to_a_later_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(forwarder, "MAX_ROBOTS", 2)
+    with closing(forwarder.Forwarder(free_endpoint())) as onward:
+        for wall, name in ((0.0, "a"), (0.0, "b"), (1.0, "c"), (4.0, "a"), (6.0, "c")):
+            onward.on_payload(f"patrol/north/{name}/pose", b"{}", wall)
+        assert [name for _team, name in onward._robots] == ["a", "c"]

@@ -8,6 +8,7 @@ from contextlib import closing
 import pytest
 import zenoh
 
+from maps.input_limits import MAX_MESSAGE_BYTES, MAX_PAYLOAD_BYTES
 from maps.pose import Pose
 from robot_agent.config import TelemetrySettings
 from robot_agent.messages.foxglove import PoseInFrame, Timestamp, pose3
@@ -51,6 +52,21 @@ def test_team_state_follows_the_robots_reports(endpoint: str) -> None:
         robots["anna"].close()
 
 
+def test_two_sessions_under_one_name_are_rivals(endpoint: str) -> None:
+    with closing(Operator(endpoint)) as operator:
+        settings = TelemetrySettings(operator=endpoint)
+        pair = [Telemetry(settings, robot="anna", team="north") for _ in range(2)]
+        wait_until(lambda: all(one.connected for one in pair))
+        rivals = []
+        for number in range(4):
+            pair[number % 2].publish("pose", encode(POSE))
+            wait_until(lambda n=number: len(operator.team.snapshot()[0].poses) == n + 1)
+            rivals.append(operator.team.snapshot()[0].rivals_at is not None)
+        assert rivals == [False, False, True, True]
+        for one in pair:
+            one.close()
+
+
 def test_malformed_payload_is_counted(endpoint: str) -> None:
     with closing(Operator(endpoint)) as operator:
         robot = Telemetry(TelemetrySettings(operator=endpoint), robot="anna", team="north")
@@ -58,6 +74,21 @@ def test_malformed_payload_is_counted(endpoint: str) -> None:
         robot.publish("pose", b"not JSON")
         wait_until(lambda: operator.team.snapshot()[0].malformed == 1)
         robot.close()
+
+
+def test_oversize_payloads_are_dropped_before_they_are_kept(endpoint: str) -> None:
+    kept: list[int] = []
+    with (
+        closing(Operator(endpoint, [lambda _key, data, _wall: kept.append(len(data))])) as operator,
+        zenoh.open(session_config(endpoint)) as stranger,
+    ):
+        wait_until(lambda: bool(stranger.info.routers_zid()))
+        for size in (MAX_MESSAGE_BYTES * 2, MAX_PAYLOAD_BYTES + 1, 2):
+            stranger.put("patrol/north/anna/pose", b"1" * size)
+        wait_until(lambda: bool(kept))
+        (robot,) = operator.team.snapshot()
+        assert kept == [2]
+        assert robot.malformed == 2, "the largest never left the door"
 
 
 def test_deletions_and_other_keys_are_ignored(endpoint: str) -> None:

@@ -8,10 +8,12 @@ import subprocess
 import time
 from contextlib import closing
 from pathlib import Path
+from threading import Thread
 
 import pytest
 from mcap.reader import make_reader
 
+from maps.input_limits import MAX_PAYLOAD_BYTES, MAX_RECORDER_QUEUE_BYTES
 from robot_agent.config import TelemetrySettings
 from robot_agent.messages.streams import encode
 from robot_agent.process.telemetry import Telemetry
@@ -53,6 +55,22 @@ def test_every_payload_is_recorded_unchanged(tmp_path: Path) -> None:
         found = list(make_reader(opened).iter_messages())
     assert found[0][0].name == "foxglove.PoseInFrame"
     assert found[0][1].topic == f"{KEY}/pose"
+
+
+def test_queue_of_a_slow_disk_is_bounded_in_bytes(tmp_path: Path) -> None:
+    fifo = tmp_path / "slow.mcap"
+    os.mkfifo(fifo)  # opening it waits for a reader: a disk that never gets to write
+    recorder = TeamRecorder(fifo, None, "border")
+    payload = b"1" * MAX_PAYLOAD_BYTES
+    fitting = MAX_RECORDER_QUEUE_BYTES // MAX_PAYLOAD_BYTES
+    for _ in range(fitting + 7):
+        recorder.on_payload("patrol/north/anna/scan", payload, 1.0)
+    assert recorder.lost == 7
+    with fifo.open("rb") as reader:
+        draining = Thread(target=reader.read, daemon=True)
+        draining.start()
+        recorder.close()
+        draining.join()
 
 
 def test_disk_full_is_an_alarm_and_the_monitor_goes_on() -> None:

@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from maps.pose import Pose
 from robot_agent.messages.foxglove import PoseInFrame, Timestamp, pose3
 from robot_agent.messages.streams import STREAMS, encode
-from tools.monitor.team_state import MAX_ROBOTS, TeamState
+from tests.tools.monitor.reports import status
+from tools.monitor.team_state import GIVE_WAY_S, MAX_ROBOTS, TeamState
 
 POSE = PoseInFrame(
     timestamp=Timestamp(sec=1, nsec=0), frame_id="map", pose=pose3(Pose(1.0, 2.0, 0.5))
@@ -61,12 +62,78 @@ def test_snapshot_is_ordered_by_team_and_name() -> None:
     ]
 
 
-def test_robots_beyond_the_maximum_are_stray() -> None:
+def full_team() -> TeamState:
+    """Return as many robots as are kept, all online and heard at 0 s."""
     team = TeamState()
-    for number in range(MAX_ROBOTS + 10):
+    for number in range(MAX_ROBOTS):
         team.set_liveliness(f"patrol/north/robot{number}", online=True)
+        team.receive(f"patrol/north/robot{number}/pose", encode(POSE), 0.0)
+    return team
+
+
+def names(team: TeamState) -> set[str]:
+    return {robot.id for robot in team.snapshot()}
+
+
+def test_robot_beyond_the_maximum_is_hidden_while_all_others_report() -> None:
+    team = full_team()
+    for number in range(10):
+        team.set_liveliness(f"patrol/north/more{number}", online=True, t=1.0)
     assert len(team.snapshot()) == MAX_ROBOTS
-    assert team.stray == 10
+    assert len(team.hidden_since(0.5)) == 10
+    assert team.hidden_since(1.5) == []
+    assert team.stray == 0
+
+
+def test_silent_robot_gives_way_and_is_named() -> None:
+    team = full_team()
+    for number in range(1, MAX_ROBOTS):
+        team.receive(f"patrol/north/robot{number}/pose", encode(POSE), GIVE_WAY_S + 1.0)
+    team.receive("patrol/north/more/pose", encode(POSE), GIVE_WAY_S + 1.0)
+    assert "north/more" in names(team)
+    assert "north/robot0" not in names(team)
+    assert team.hidden_since(0.0) == ["north/robot0"]
+
+
+def test_of_silent_robots_the_offline_one_gives_way_first() -> None:
+    team = full_team()
+    team.set_liveliness("patrol/north/robot7", online=False, t=1.0)
+    team.receive("patrol/north/more/pose", encode(POSE), 20.0)
+    assert "north/robot7" not in names(team)
+
+
+def test_invented_names_do_not_keep_later_robots_out_for_long() -> None:
+    team = TeamState()
+    for number in range(MAX_ROBOTS):
+        team.set_liveliness(f"patrol/x/invented{number}", online=True, t=0.0)
+        team.receive(f"patrol/x/invented{number}/pose", b"junk", 100.0)
+    team.receive("patrol/north/anna/pose", encode(POSE), 100.0)
+    assert "north/anna" in names(team), "junk is no report"
+    for number in range(1000):
+        team.receive(f"patrol/x/other{number}/pose", encode(POSE), 101.0)
+        team.receive("patrol/north/anna/pose", encode(POSE), 101.0)
+    assert "north/anna" in names(team), "a robot that reports keeps its place"
+    assert len(team.hidden) <= MAX_ROBOTS
+
+
+def test_sessions_that_take_turns_are_rivals_and_a_restart_is_none() -> None:
+    team = TeamState()
+    for t, source in ((0.0, "a"), (0.1, "a"), (1.0, "b"), (1.1, "b")):
+        team.receive("patrol/north/anna/pose", encode(POSE), t, t, source)
+    assert team.snapshot()[0].rivals_at is None
+    team.receive("patrol/north/anna/pose", encode(POSE), 1.2, 1.2, "a")
+    assert team.snapshot()[0].rivals_at == 1.2
+
+
+@pytest.mark.parametrize(("clock", "rivals_at"), [(0.0, 2.2), (0.6, None)])
+def test_payload_without_stamp_is_a_rivals_unless_the_clock_explains_it(
+    clock: float, rivals_at: float | None
+) -> None:
+    team = TeamState()
+    team.receive("patrol/north/anna/status", encode(status(2.0 + clock)), 2.0, 2.0, "a")
+    for t, source in ((2.1, ""), (2.2, "a")):
+        team.receive("patrol/north/anna/pose", encode(POSE), t, t, source)
+    assert team.snapshot()[0].rivals_at == rivals_at
 
 
 @pytest.mark.parametrize("key", ["", "patrol", "patrol/north/pose", "other/north/anna/pose", "a/b"])

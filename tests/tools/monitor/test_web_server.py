@@ -3,6 +3,7 @@ from __future__ import annotations
 import asyncio
 import json
 import re
+import socket
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import closing
 from typing import Any
@@ -68,6 +69,52 @@ def test_other_host_names_and_origins_are_refused(server: WebServer) -> None:
     assert get(server.url + "live", Origin="http://evil.example")[0] == 403
 
 
+@pytest.fixture
+def open_server() -> Iterator[WebServer]:
+    """A server on every address of this computer."""
+    watch = Watch(TeamState(), Site(None), lambda: [TROUBLE])
+    with closing(WebServer(watch, LiveSource(), "0.0.0.0:0")) as started:
+        yield started
+
+
+def test_page_for_others_answers_to_addresses_and_own_names_only(open_server: WebServer) -> None:
+    port = open_server.url.rsplit(":", 1)[1].strip("/")
+    for host in ("192.0.2.7", "[2001:db8::1]", socket.gethostname(), "LOCALHOST"):
+        assert get(open_server.url, Host=f"{host}:{port}")[0] == 200, host
+    for host in ("evil.example", "192.0.2.7.evil.example", "", "[", f"127.0.0.1.{port}"):
+        assert get(open_server.url, Host=f"{host}:{port}")[0] in (400, 403), host
+    for origin in ("http://evil.example", "null", f"http://192.0.2.7:{port}"):
+        assert get(open_server.url + "live", Origin=origin)[0] == 403, origin
+        assert get(open_server.url + "site.json", Origin=origin)[0] == 403, origin
+
+
+def test_acknowledging_takes_the_token_of_the_printed_url(open_server: WebServer) -> None:
+    token = open_server.link.partition("?")[2]
+    assert re.fullmatch(r"token=[\w-]{20,}", token)
+
+    def acknowledged(query: str) -> bool:
+        """Acknowledge the alarm from a page opened with a query; return whether it then is."""
+        told: list[bool] = []
+
+        async def acknowledge(page: Page) -> None:
+            message = await page.next()
+            while not message.get("alarms"):
+                message = await page.next()
+            await page.socket.send_str('{"acknowledge": 1}')
+            for _ in range(5):
+                message = await page.next()
+            told.append(message["source"]["mayAct"])
+
+        on_a_page(open_server, acknowledge, query)
+        (alarm,) = open_server.watch.alarms.alarms()
+        assert told == [alarm.acknowledged]
+        return alarm.acknowledged
+
+    for query in ("", "token=", "token=guessed", "token=%C3%BC"):
+        assert not acknowledged(query), query
+    assert acknowledged(token)
+
+
 class Page:
     """A page that draws every message at once."""
 
@@ -90,11 +137,11 @@ class Page:
                     return found
 
 
-def on_a_page(server: WebServer, act: Callable[[Page], Awaitable[None]]) -> None:
+def on_a_page(server: WebServer, act: Callable[[Page], Awaitable[None]], query: str = "") -> None:
     async def connected() -> None:
         async with (
             aiohttp.ClientSession() as session,
-            session.ws_connect(server.url + "live") as socket,
+            session.ws_connect(f"{server.url}live?{query}") as socket,
         ):
             await act(Page(socket))
 

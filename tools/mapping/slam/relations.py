@@ -6,9 +6,7 @@ errors of relative poses do not depend on the map's origin.
 
 from __future__ import annotations
 
-import gzip
 import math
-import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from maps.pose import Pose, wrap_angle
+from tools.logs.log_bytes import LogBytesError, read_log_bytes
 
 PUBLISHED_M = {"scan matching": 0.220, "particle filter": 0.070, "graph mapping": 0.031}
 """Mean translational errors in the paper's table for the Intel Research Lab, m."""
@@ -70,13 +69,15 @@ def read_relations(path: Path, offset: float = 0.0) -> list[Relation]:
     and remedy.
     """
     try:
-        data = path.read_bytes()
-        text = (gzip.decompress(data) if data[:2] == b"\x1f\x8b" else data).decode("ascii")
+        data, truncated = read_log_bytes(path)
+        text = data.decode("ascii")
     except OSError as error:
         reason = error.strerror or error
         raise RelationsError(f"{path}: cannot be read ({reason}): check the file") from error
-    except (EOFError, zlib.error, UnicodeDecodeError) as error:
+    except (LogBytesError, UnicodeDecodeError) as error:
         raise RelationsError(f"{path}: cannot be read ({error}): copy it again") from error
+    if truncated:
+        raise RelationsError(f"{path}: cannot be read ({truncated}): copy it again")
     relations = []
     for number, line in enumerate(text.splitlines(), start=1):
         if not line.strip() or line.startswith("#"):

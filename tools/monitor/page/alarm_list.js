@@ -31,13 +31,15 @@ export class AlarmList {
     this.acknowledge(this.unseen().slice(0, 1));
   }
 
-  show(alarms) {
+  // mayAct: whether this page was opened with the token that the monitor prints.
+  show(alarms, mayAct) {
     if (alarms === this.alarms) return;
     this.alarms = alarms;
     const active = alarms.filter((alarm) => alarm.cleared === null);
     const unseen = this.unseen();
     setText(this.counter, active.length ? `${active.length} active` : "");
-    this.all.hidden = unseen.length < 2;
+    this.mayAct = mayAct;
+    this.all.hidden = unseen.length < 2 || !mayAct;
     const numbers = new Set(alarms.map((alarm) => alarm.number));
     for (const [number, item] of this.items) {
       if (!numbers.has(number)) {
@@ -88,7 +90,7 @@ export class AlarmList {
     setText(item.text, `${alarm.robot ? `${this.robotName(alarm.robot)}: ` : ""}${alarm.text}`);
     const times = `${timeOfDay(alarm.raised)}${over ? ` – ${timeOfDay(alarm.cleared)} over` : ""}`;
     setText(item.when, alarm.acknowledged ? `${times}, acknowledged` : times);
-    item.button.hidden = alarm.acknowledged;
+    item.button.hidden = alarm.acknowledged || !this.mayAct;
     item.button.setAttribute("aria-label", `acknowledge ${alarm.text}`);
   }
 }

@@ -18,6 +18,11 @@ export class CardList {
   }
 
   show() {
+    for (const [id, card] of this.cards) {
+      if (this.team.robots.has(id)) continue;
+      card.root.remove();
+      this.cards.delete(id);
+    }
     const rank = { critical: 0, warning: 1, info: 2 };
     const worst = new Map(this.team.ordered.map((robot) => [robot.id, this.team.trouble(robot.id)]));
     const order = [...this.team.ordered].sort((a, b) => (rank[worst.get(a.id)] ?? 3) - (rank[worst.get(b.id)] ?? 3));

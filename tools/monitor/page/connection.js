@@ -14,7 +14,7 @@ export class Connection {
 
   open() {
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    this.socket = new WebSocket(`${scheme}://${location.host}/live`);
+    this.socket = new WebSocket(`${scheme}://${location.host}/live${location.search}`);
     let seen = 0;
     this.socket.onmessage = (event) => {
       this.receivedAt = performance.now();

@@ -46,7 +46,7 @@ function take(message) {
   if (message.fresh) cards.clear();
   team.take(message);
   map.changed = true;
-  alarms.show(team.alarms);
+  alarms.show(team.alarms, team.source.mayAct);
 }
 
 function showLink(up) {

@@ -49,6 +49,7 @@ export class PlaybackBar {
     this.box.hidden = source.kind !== "playback";
     if (this.box.hidden) return;
     this.source = source;
+    for (const control of [this.button, this.slider, this.speed]) control.disabled = !source.mayAct;
     setText(this.button, source.paused ? "Play" : "Pause");
     this.slider.min = source.start;
     this.slider.max = source.end;

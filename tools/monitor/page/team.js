@@ -65,6 +65,7 @@ export class Team {
     this.now = message.now;
     this.wall = message.wall;
     this.source = message.source;
+    if (message.shown) this.keep(new Set(message.shown));
     for (const part of message.robots) this.robot(part.id).take(part, message.now);
     if (message.alarms) this.alarms = message.alarms;
     if (message.coverage) this.coverage = message.coverage;
@@ -80,10 +81,20 @@ export class Team {
     return this.active(id)[0]?.severity ?? "";
   }
 
+  // Removes the robots that gave way to others.
+  keep(shown) {
+    for (const id of [...this.robots.keys()]) if (!shown.has(id)) this.robots.delete(id);
+    this.order();
+  }
+
+  order() {
+    this.ordered = [...this.robots.values()].sort((a, b) => a.id.localeCompare(b.id, undefined, { numeric: true }));
+  }
+
   robot(id) {
     if (!this.robots.has(id)) {
       this.robots.set(id, new Robot(id, this.freeNumber(id)));
-      this.ordered = [...this.robots.values()].sort((a, b) => a.id.localeCompare(b.id, undefined, { numeric: true }));
+      this.order();
     }
     return this.robots.get(id);
   }

@@ -1,0 +1,45 @@
+"""TOML files within their limits: whatever they hold, reading them ends soon with one error."""
+
+from __future__ import annotations
+
+import tomllib
+from typing import Any
+
+from maps.input_limits import MAX_DESCRIPTION_BYTES, MAX_NUMBER_TEXT
+
+
+class TomlError(ValueError):
+    """Bytes that are no TOML or exceed the limits; the message names the reason."""
+
+
+def read_toml(data: bytes) -> dict[str, Any]:
+    """Decode a TOML file's bytes, with or without the mark that Windows' editors write.
+
+    Raises TomlError.
+    """
+    if len(data) > MAX_DESCRIPTION_BYTES:
+        raise TomlError(f"has {len(data)} bytes, more than {MAX_DESCRIPTION_BYTES}: shorten it")
+    try:
+        table = tomllib.loads(data.decode("utf-8-sig"))
+        _check_integers(table)
+    except RecursionError:
+        raise TomlError("is nested too deeply, flatten it") from None
+    except ValueError as error:  # also of UTF-8, and of integers of thousands of digits
+        raise TomlError(plain_trouble(error)) from error
+    return table
+
+
+def plain_trouble(error: ValueError) -> str:
+    """Return in one line why a text cannot be decoded."""
+    if "digits" in str(error):
+        return "holds a number of thousands of digits, correct it"
+    return f"{' '.join(str(error).split()):.200}"
+
+
+def _check_integers(value: Any) -> None:
+    """Raise TomlError for an integer that no float holds, at any depth."""
+    if isinstance(value, int) and abs(value) > MAX_NUMBER_TEXT:
+        raise TomlError(f"holds a number of {len(str(abs(value)))} digits, correct it")
+    if isinstance(value, dict | list):
+        for part in value.values() if isinstance(value, dict) else value:
+            _check_integers(part)
