@@ -119,7 +119,7 @@ def best_correction(run: RunLog, others: Sequence[RunLog]) -> tuple[float, float
         return float(np.concatenate([pair.misses(correction) for pair in pairs]).mean())
 
     coarse = np.arange(-SEARCH_S, SEARCH_S + COARSE_S, COARSE_S)
-    middle = coarse[int(np.argmin([cost(c) for c in coarse]))]
+    middle = coarse[int(np.argmin([cost(c) for c in coarse.tolist()]))]
     fine = np.arange(middle - 2 * COARSE_S, middle + 2 * COARSE_S, FINE_S)
     best = float(fine[int(np.argmin([cost(c) for c in fine]))])
     misses = np.concatenate([pair.misses(best) for pair in pairs])
@@ -165,4 +165,4 @@ class _Sightings:
         x, y = (np.interp(t, self.track_t, self.track[:, axis]) for axis in (0, 1))
         misses = np.hypot(x - self.position[:, 0], y - self.position[:, 1])
         misses[(t < self.track_t[0]) | (t > self.track_t[-1])] = SEEN_M
-        return np.minimum(misses, SEEN_M)
+        return np.asarray(np.minimum(misses, SEEN_M))
