@@ -121,4 +121,4 @@ def spread_evenly(points: NDArray[np.float64], count: int) -> NDArray[np.float64
     """Return at most ``count`` of points (m, 2), evenly spread over their order."""
     if len(points) <= count:
         return points
-    return points[np.arange(count) * len(points) // count]
+    return np.asarray(points[np.arange(count) * len(points) // count])

@@ -7,6 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from tools.fixed_arithmetic import fix_arithmetic
+
+fix_arithmetic()  # as the program does, before numpy is imported
+
 LONG_TEST_S = 1200
 """Limit of a test that takes minutes; all others have that of pyproject.toml."""
 REPOSITORY = Path(__file__).resolve().parent.parent

@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import os
 import sys
 from importlib.metadata import version
 from types import ModuleType
+
+from tools.computer_check import unfit_computer
+from tools.fixed_arithmetic import fix_arithmetic
 
 ROOMS = ("drivers", "maps", "localization", "robot_agent", "tools")
 
@@ -77,8 +79,11 @@ def main(arguments: list[str] | None = None) -> int:
     arguments: the words after ``patrol``; None: those of the process. Errors that are not about
     input are raised.
     """
-    # Matrices are small: more BLAS threads cost time, and make sums depend on the machine.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    unfit = unfit_computer()
+    if unfit:
+        print(f"patrol: {unfit}", file=sys.stderr)
+        return 1
+    fix_arithmetic()
     words = sys.argv[1:] if arguments is None else arguments
     command = next((word for word in words if not word.startswith("-")), None)
     options = make_parser(command).parse_args(words)

@@ -42,7 +42,7 @@ class SonarRing:
         Readings older than ``max_age`` (s) or at the far value, which means no echo, are left out.
         """
         echoes = self.echoes()
-        return echoes[(self.ages(t) <= max_age) & np.isfinite(echoes[:, 0])]
+        return np.asarray(echoes[(self.ages(t) <= max_age) & np.isfinite(echoes[:, 0])])
 
     def echoes(self) -> NDArray[np.float64]:
         """Return each transducer's last echo as points (transducers, 2), m, in base_link; nan for

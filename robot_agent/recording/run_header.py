@@ -11,6 +11,7 @@ from pathlib import Path
 
 from maps.map_folder import MapFolder
 from robot_agent.config import AgentConfig, format_config
+from robot_agent.recording.arithmetic import arithmetic, processor
 
 SCHEMA_VERSION = 4
 DEPENDENCIES = ("numpy", "scipy", "opencv-python-headless", "filterpy")
@@ -36,7 +37,9 @@ class RunHeader:
     schema_version: int = SCHEMA_VERSION
     map_hash: str = ""  # SHA-256 of the map's files, empty for no map
     border_hash: str = ""  # SHA-256 of the border's file, empty for no border
-    versions: str = ""  # of Python and the libraries, e.g. "python 3.11.2, numpy 2.4.6"
+    versions: str = ""  # of Python and the libraries, e.g. "python 3.11.2, numpy 2.3.5"
+    processor: str = ""  # of the computer, a label only
+    arithmetic: str = ""  # what decides how it rounds, see ``arithmetic.arithmetic``
     boot: str = ""  # of the host: two runs with the same share the monotonic clock
     configuration: bytes = b""  # effective configuration, TOML
     map_files: Mapping[str, bytes] = field(default_factory=dict)  # the map folder's files
@@ -67,6 +70,8 @@ def header_of_run(
         map_hash=map_hash,
         border_hash=border_hash,
         versions=versions(),
+        processor=processor(),
+        arithmetic=arithmetic(),
         boot="" if start_monotonic_ns is None else boot_id(),
         configuration=format_config(config).encode(),
         map_files=folder.files,
@@ -108,6 +113,14 @@ def same_versions(recorded: str) -> bool:
     """
     named = set(recorded.split(", ")) if recorded else None
     return named is None or named.issuperset(versions().split(", "))
+
+
+def same_arithmetic(header: RunHeader) -> bool:
+    """Return whether a recording's numbers were rounded as this process does, to the last bit.
+
+    False for one that does not tell: numbers may differ.
+    """
+    return header.arithmetic == arithmetic() and same_versions(header.versions)
 
 
 def boot_id() -> str:

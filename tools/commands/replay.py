@@ -11,12 +11,17 @@ import cv2
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from robot_agent.messages.events import LinkName
+from robot_agent.recording.run_header import same_arithmetic
 from tools.logs.recorded_config import changed_config
 from tools.logs.recording import Recording, read_recording
 from tools.progress import progress_line
 from tools.replay.recorded_devices import serve
-from tools.replay.replay import Replay, ReplayResult, notices, report_lines
+from tools.replay.replay import Replay, notices, report_lines
+from tools.replay.verdict import Verdict, verdict
 from tools.replay.what_if import WhatIf
+
+_EXIT_STATUS = {Verdict.IDENTICAL: 0, Verdict.DIFFERENT: 1, Verdict.EQUAL_IN_DECISIONS: 3}
+"""Of ``--check``."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -24,7 +29,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.epilog = """examples:
   patrol replay out/robot1.mcap --check
   patrol replay out/robot1.mcap --set gate.max_speed=0.2 --from 60 --until 120
-  patrol replay out/robot1.mcap --serve --base tcp:8101"""
+  patrol replay out/robot1.mcap --serve --base tcp:8101
+exit status of --check: 0 identical, 3 equal in decisions (on another computer), 1 different"""
     parser.add_argument("recording", type=Path, metavar="REC.mcap")
     parser.add_argument(
         "--check", action="store_true", help="compare every decision and byte with the recorded"
@@ -57,7 +63,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Replay one recording; print its contents and, with ``--check``, the comparison.
 
-    Returns 1 when a comparison fails or is empty, 2 for contradicting options, else 0.
+    Returns 1 when a comparison fails or is empty, 2 for contradicting options, 3 when it is equal
+    in decisions only, else 0.
     """
     if options.check and (options.set or options.map):
         _print_messages(
@@ -74,7 +81,9 @@ def run(options: argparse.Namespace) -> int:
         config = changed_config(recording.header.configuration, str(options.recording), options.set)
     replay = Replay(recording, folder, config)
     _print_messages(notices(replay, recording))
-    what_if = WhatIf() if options.set or options.map else None
+    changed = bool(options.set or options.map)
+    by_decisions = options.check and not same_arithmetic(recording.header)
+    what_if = WhatIf() if changed or by_decisions else None
     with progress_line("replay", options.until or recording.end(), "s") as progress:
         result = replay.run(
             options.until,
@@ -82,12 +91,17 @@ def run(options: argparse.Namespace) -> int:
             check=options.check,
             since=options.since,
             what_if=what_if,
+            against=Replay(recording) if changed else None,
         )
     if recording.truncated:
         _print_messages([f"{recording.truncated}; what is whole was replayed"])
     for line in (*report_lines(result), *(what_if.lines() if what_if else ())):
         print(line)
-    return _verdict(recording, result) if options.check else 0
+    if not options.check:
+        return 0
+    found, words = verdict(result, what_if)
+    print(words)
+    return _EXIT_STATUS[found]
 
 
 def _serve(recording: Recording, options: argparse.Namespace) -> int:
@@ -112,16 +126,3 @@ def _serve(recording: Recording, options: argparse.Namespace) -> int:
 def _print_messages(lines: list[str]) -> None:
     for line in lines:
         print(f"patrol replay: {line}", file=sys.stderr)
-
-
-def _verdict(recording: Recording, result: ReplayResult) -> int:
-    """Print whether all effects were identical; return 0 if so, else 1."""
-    if result.events == 0:
-        print(f"nothing to compare: {recording.path} holds no event there")
-        return 1
-    if result.difference is not None:
-        print(result.difference)
-        return 1
-    counts = f"{result.events} events, {result.decisions} decisions, {result.bytes_sent} bytes"
-    print(f"identical: {counts}")
-    return 0

@@ -105,9 +105,10 @@ def _draw_border(canvas: _Canvas, occupancy: OccupancyMap, border: Border) -> st
         # One point more than the part, so that successive parts join.
         piece = points[part[0] : part[-1] + 2]
         canvas.line(piece, _TOO_NARROW if narrow[part[0]] else _ENOUGH_ROOM)
-    for s in np.arange(_TICK_STEP / 2, border.length, _TICK_STEP):
+    for s in np.arange(_TICK_STEP / 2, border.length, _TICK_STEP).tolist():
         _draw_arrow(canvas, border, s)
-    for s in np.arange(0.0, border.length - (_TICK_STEP / 2 if border.closed else 0.0), _TICK_STEP):
+    end = border.length - (_TICK_STEP / 2 if border.closed else 0.0)
+    for s in np.arange(0.0, end, _TICK_STEP).tolist():
         _draw_tick(canvas, border, s)
     worst = canvas.pixel(room.narrowest.x, room.narrowest.y)
     color = _TOO_NARROW if room.minimum < NEEDED_CLEARANCE else _LABEL

@@ -20,12 +20,13 @@ from robot_agent.config import AgentConfig
 from robot_agent.messages.effects import Effect, Publish, Send
 from robot_agent.messages.events import Event
 from robot_agent.perception.silhouette import BODY
+from robot_agent.recording.arithmetic import arithmetic, processor
 from robot_agent.recording.recording_writer import Gap, Note, Reference
-from robot_agent.recording.run_header import same_versions, versions
+from robot_agent.recording.run_header import same_arithmetic, same_versions, versions
 from tools.logs.recorded_config import recorded_config
 from tools.logs.recording import Recording
 from tools.replay.comparison import same_effects
-from tools.replay.what_if import WhatIf
+from tools.replay.what_if import ANOTHER_COMMAND, WhatIf
 
 SHOWN = 200
 """Most characters of a differing effect that are printed."""
@@ -60,6 +61,8 @@ class ReplayResult:
     """Distance from the recording's reference pose at each scan that has one, m."""
     difference: str | None = None
     """Description of the first differing effect; None while all are identical."""
+    records_lost: bool = False
+    """Whether it ended where the recorder lost records."""
 
 
 _FACES_SINCE_LAYOUT = 3
@@ -108,11 +111,13 @@ class Replay:
         check: bool = True,
         since: float = 0.0,
         what_if: WhatIf | None = None,
+        against: Replay | None = None,
     ) -> ReplayResult:
         """Replay up to agent time ``until``, or to the first difference when checking.
 
         Events before ``since`` are replayed, because the agent's state depends on them, but neither
-        compared nor counted. ``what_if`` receives all decisions after it.
+        compared nor counted. ``what_if`` receives all decisions after it, with those of ``against``
+        on the same events, or those recorded; with it, checking goes on after a difference.
         """
         result = ReplayResult()
         started = time.perf_counter()
@@ -123,18 +128,22 @@ class Replay:
                 break
             first_t = t if first_t is None else first_t
             effects = self._agent.handle(step.event)
+            before = step.effects if against is None else against._agent.handle(step.event)
             result.duration = t - first_t
             progress(t)
             if t < since:
                 continue
             self._count(result, effects)
             if what_if is not None and step.complete:
-                what_if.compare(t, step.effects, effects)
-            if check and not same_effects(
+                what_if.compare(t, before, effects)
+            if not check or result.difference is not None:
+                continue
+            if not same_effects(
                 step.effects, effects, self._recording.layout, complete=step.complete
             ):
                 result.difference = _describe(step, effects)
-                break
+                if what_if is None:
+                    break
         result.wall = time.perf_counter() - started
         return result
 
@@ -154,6 +163,7 @@ class Replay:
             if event is not None:
                 yield Step(event, effects, complete=not isinstance(item, Gap))
             if isinstance(item, Gap):
+                result.records_lost = True
                 result.difference = (
                     f"the recorder lost {item.lost} records at {item.t:.6f} s: "
                     "a replay cannot go past that"
@@ -224,9 +234,19 @@ def notices(replay: Replay, recording: Recording) -> list[str]:
     lines = [f"layout {step}" for step in recording.upgrades]
     if replay.left_out:
         lines.append(f"settings that exist no more are left out: {', '.join(replay.left_out)}")
-    recorded = recording.header.versions
-    if not same_versions(recorded):
-        lines.append(f"recorded with {recorded}; this is {versions()}: numbers may differ")
+    header = recording.header
+    if not same_versions(header.versions):
+        lines.append(f"recorded with {header.versions}; this is {versions()}")
+    if header.arithmetic and header.arithmetic != arithmetic():
+        lines.append(
+            f"recorded on {header.processor or 'another computer'} ({header.arithmetic}); "
+            f"this is {processor() or 'another'} ({arithmetic()})"
+        )
+    if not same_arithmetic(header):
+        lines.append(
+            f"numbers may differ: a check is by decisions, with commands within {ANOTHER_COMMAND} "
+            "m/s and rad/s"
+        )
     return lines
 
 

@@ -1,4 +1,4 @@
-"""Comparison of an agent's decisions under other settings with the recorded ones.
+"""Comparison of an agent's decisions under other settings, or on another computer.
 
 Only decisions on the recorded inputs are compared; the consequences of other decisions are not
 simulated.
@@ -31,7 +31,7 @@ class Episode:
 
 @dataclass
 class WhatIf:
-    """Collects the differences between recorded and new decisions."""
+    """Collects the differences between decisions before and now."""
 
     decisions: int = 0
     """Decisions compared, and those made on one side only."""
@@ -45,6 +45,12 @@ class WhatIf:
     largest_w: float = 0.0
     """Largest difference of commanded turn rate, rad/s."""
     episodes: list[Episode] = field(default_factory=list)
+
+    @property
+    def equal(self) -> bool:
+        """Whether there were decisions, and all were equal, with commands within the bound."""
+        others = self.other_action + self.other_gate + self.other_command + self.one_sided
+        return self.decisions > 0 and others == 0
 
     def compare(self, t: float, recorded: Iterable[Effect], now: Iterable[Effect]) -> None:
         """Compare the decisions of one event at ``t``."""
@@ -82,7 +88,7 @@ class WhatIf:
             f"{self.decisions} decisions compared on the recorded inputs: "
             f"{self.other_action} another action, {self.other_gate} another word of the gate, "
             f"{self.other_command} another command "
-            f"(by up to {self.largest_v:.3f} m/s, {self.largest_w:.3f} rad/s)"
+            f"(by up to {self.largest_v:.2g} m/s, {self.largest_w:.2g} rad/s)"
         ]
         if self.one_sided:
             lines.append(f"{self.one_sided} decisions made only then or only now")

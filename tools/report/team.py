@@ -54,7 +54,7 @@ class Team:
     @cached_property
     def t(self) -> Floats:
         """Sampling times, (n,), STEP_S apart."""
-        return np.arange(0.0, self.end + STEP_S, STEP_S)
+        return np.arange(0.0, self.end + STEP_S, STEP_S, dtype=np.float64)
 
     @cached_property
     def sampled(self) -> list[RobotRun]:

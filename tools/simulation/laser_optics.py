@@ -102,7 +102,7 @@ class LaserOptics:
         """
         across, up = x / self._resolution, y / self._resolution
         on_side = np.abs(across - np.rint(across)) < np.abs(up - np.rint(up))
-        return np.abs(np.where(on_side, *directions))
+        return np.asarray(np.abs(np.where(on_side, *directions)))
 
     def _mix(
         self, ranges: NDArray[np.float64], firsts: Sequence[int], rng: np.random.Generator

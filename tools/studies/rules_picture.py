@@ -135,8 +135,8 @@ def _draw_decisions(
     axes: Axes, system: MamdaniSystem, gamma: float, ends: Mapping[str, float], place: str
 ) -> None:
     spans = {variable.name: _span(variable)[1] for variable in system.inputs}
-    border = np.arange(_STEP / 2, spans["distance_from_border"], _STEP)
-    neighbor = np.arange(_STEP / 2, spans["distance_from_neighbor"], _STEP)
+    border = np.arange(_STEP / 2, spans["distance_from_border"], _STEP, dtype=np.float64)
+    neighbor = np.arange(_STEP / 2, spans["distance_from_neighbor"], _STEP, dtype=np.float64)
     axes.pcolormesh(
         border,
         neighbor,

@@ -73,6 +73,9 @@ def test_decisions_before_since_are_not_counted(recording: Recording) -> None:
 def test_command_line_prints_the_comparison(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["replay", str(KEPT), "--set", "gate.max_speed=0.05", "--from", "3"]) == 0
     assert "decisions compared on the recorded inputs" in capsys.readouterr().out
+    # The recording is of an earlier program, which decided otherwise: the comparison is with now.
+    assert main(["replay", str(KEPT), "--set", "gate.max_speed=0.4"]) == 0
+    assert "0 another action, 0 another word of the gate, 0 another" in capsys.readouterr().out
     assert main(["replay", str(KEPT), "--check", "--set", "gate.max_speed=0.05"]) == 2
     assert main(["replay", str(KEPT), "--set", "gate.speed=0.05"]) == 1
     assert "gate.speed: unknown key" in capsys.readouterr().err
