@@ -69,7 +69,7 @@ def best_correction(run: RunLog, others: Sequence[RunLog]) -> ClockFit:
         return ClockFit(None, trouble="too few mutual sightings to correct it")
     lowest = min(other.shift - run.shift - run.end for other in others)
     highest = max(other.shift + other.end - run.shift for other in others)
-    corrections = np.arange(lowest, highest + COARSE_S, COARSE_S)
+    corrections = np.arange(lowest, highest + COARSE_S, COARSE_S, dtype=np.float64)
     support = np.sum([pair.support(corrections) for pair in pairs], axis=0)
     chosen = _clear_best(corrections, support)
     if chosen is None:
@@ -103,7 +103,7 @@ def _refined(middle: float, pairs: Sequence[_Sightings]) -> tuple[float, float]:
     def misses(correction: float) -> Floats:
         return np.concatenate([pair.misses(correction) for pair in pairs])
 
-    fine = np.arange(middle - 2 * COARSE_S, middle + 2 * COARSE_S, FINE_S)
+    fine = np.arange(middle - 2 * COARSE_S, middle + 2 * COARSE_S, FINE_S).tolist()
     best = float(fine[int(np.argmin([misses(correction).mean() for correction in fine]))])
     found = misses(best)
     return best, float(np.median(found[found < SEEN_M]))
@@ -166,7 +166,7 @@ class _Sightings:
         x, y = (np.interp(t, self.track_t, self.track[:, axis]) for axis in (0, 1))
         misses = np.hypot(x - self.position[:, 0], y - self.position[:, 1])
         misses[(t < self.track_t[0]) | (t > self.track_t[-1])] = SEEN_M
-        return np.minimum(misses, SEEN_M)
+        return np.asarray(np.minimum(misses, SEEN_M))
 
 
 def _moving(position: Floats) -> list[int]:
