@@ -50,8 +50,10 @@ MAX_RECORD_BYTES = 64 * 1024 * 1024
 """One record of a recording: a chunk, decompressed, or a map's image; ours have 256 kB."""
 MAX_PAUSE_S = 3600.0
 """Time between two messages of a log or recording; more is a clock that was set."""
-MAX_DURATION_S = 7 * 86_400.0
-"""Duration of a log or recording."""
+MAX_DURATION_S = 2 * 86_400.0
+"""Duration of a log, and of what one report is drawn of: it samples ten times a second."""
+MAX_RECORDING_S = 1e7
+"""Time in a recording: four months, which a robot may run."""
 
 BAD_DATA = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
 """What a computation raises on data it was not made for; none of them means a broken program."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from drivers.p2os.command_numbers import CommandNumber
 from drivers.p2os.commands import decode_command
 from drivers.p2os.framing import PacketFramer
-from maps.input_limits import BAD_DATA
+from maps.input_limits import BAD_DATA, MAX_DURATION_S
 from robot_agent.messages.bounded_fields import Count, Number, Text, Word
 from robot_agent.messages.streams import DeviceStatus, LocalizationStatus, PlanarPose, Twist
 from robot_agent.recording.run_header import RunHeader
@@ -268,8 +268,14 @@ class _Reader:
     def read(self, progress: Callable[[float], None]) -> RunLog:
         handlers = self._handlers
         times: dict[str, list[float]] = {topic: [] for topic in handlers}
-        t = 0.0
-        for topic, t, data in self._recording.messages(handlers.keys()):
+        t, cut = 0.0, None
+        for topic, at, data in self._recording.messages(handlers.keys()):
+            if at > MAX_DURATION_S:
+                cut = (
+                    f"{self._log.path}: a report holds {MAX_DURATION_S:.0f} s, not up to {at:.0f} s"
+                )
+                break
+            t = at
             try:
                 handlers[topic](t, data)
             except BAD_DATA:
@@ -280,7 +286,7 @@ class _Reader:
                 progress(t)
         self._times = times
         self._log.end = t
-        self._log.truncated = self._recording.truncated
+        self._log.truncated = cut or self._recording.truncated
         self._fill_arrays()
         return self._log
 

@@ -210,7 +210,7 @@ def test_other_mcap_files_are_refused(
     assert reason in str(raised.value)
 
 
-@pytest.mark.parametrize("jump", [1e7, 8e9])
+@pytest.mark.parametrize("jump", [1e8, 8e9])
 def test_clock_that_jumps_ends_the_readable_part(tmp_path: Path, jump: float) -> None:
     path = tmp_path / "jump.mcap"
     with path.open("wb") as file:
@@ -221,4 +221,4 @@ def test_clock_that_jumps_ends_the_readable_part(tmp_path: Path, jump: float) ->
     recording = read_recording(path)
     assert [event.t for event in recording.items() if isinstance(event, Tick)] == [0.0, 1.0]
     assert recording.truncated is not None
-    assert f"the clock jumps by {jump:.0f} s there" in recording.truncated
+    assert f"the clock jumps to {1.0 + jump:.0f} s there" in recording.truncated

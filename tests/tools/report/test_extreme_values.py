@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from maps.input_limits import MAX_DURATION_S
 from maps.pose import Pose
 from robot_agent.messages.effects import Publish
 from robot_agent.messages.events import BytesReceived, Shutdown, Tick
@@ -22,6 +23,7 @@ from tools.monitor.playback import Playback
 from tools.monitor.site import Site
 from tools.monitor.team_state import TeamState
 from tools.monitor.watch import Watch
+from tools.report.run_log import read_run
 
 START = 1_700_000_000.0
 LARGEST = 20_000
@@ -81,3 +83,17 @@ def test_items_and_tables_of_it_are_read(recording: Path, tmp_path: Path) -> Non
 
 def test_replay_says_that_it_differs(recording: Path) -> None:
     assert main(["replay", str(recording), "--check"]) == 1
+
+
+def test_report_of_a_clock_that_jumps_ends_before_the_jump(tmp_path: Path) -> None:
+    path = tmp_path / "jump.mcap"
+    with path.open("wb") as file:
+        writer = RecordingWriter(file, header_of("robot", START))
+        for t in (0.0, 1.0, 2.0, MAX_DURATION_S + 1.0):
+            writer.write_event(Tick(t))
+            writer.write_effect(t, Publish("decision", encode(decision(START + t))))
+        writer.finish()
+    log = read_run(path)
+    assert (log.end, log.decision_t.tolist()) == (2.0, [0.0, 1.0, 2.0])
+    assert log.truncated is not None
+    assert "not up to 172801 s" in log.truncated
