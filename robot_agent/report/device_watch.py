@@ -7,7 +7,7 @@ into counters for the status.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 from drivers.scanner import Framer
@@ -17,6 +17,8 @@ from robot_agent.messages.notice import Notice
 
 PATIENCE_S = 3.0
 """s in one step of a session after which it is told; most take less than a second."""
+PERIOD_S = 0.2
+"""s between two looks at a session."""
 
 PROGRESS = frozenset({"sips", "commands", "scans"})
 """Counters that grow while all is well."""
@@ -94,18 +96,29 @@ class DeviceWatch:
         self._down = down
         self._told = _Told(state=down)
         self._bad_before = 0
+        self._next = 0.0
 
     def notices(self, t: float, session: DeviceSession, name: str | None) -> Iterator[Notice]:
         """Return what is new at t; name: of the device, None while unknown."""
+        if t < self._next:
+            return
+        self._next = t + PERIOD_S
         yield from self._of_state(t, session, name)
         yield from self._of_counters(t, session)
 
     def counters(self, session: DeviceSession) -> dict[str, int]:
         """Return the counters that tell of anything, by name; those at 0 are left out."""
-        counted = {**asdict(session.counters), "bad_checksum": session.framer.counters.bad_checksum}
-        if "searches" in counted:
-            counted["searches"] = max(counted["searches"] - 1, 0)  # the first is how it begins
-        return {name: n for name, n in counted.items() if n and name not in PROGRESS}
+        source = session.counters  # read field by field: asdict copies, at each of many ticks
+        counted = {
+            name: n
+            for name in source.__dataclass_fields__
+            if name not in PROGRESS and (n := getattr(source, name))
+        }
+        if session.framer.counters.bad_checksum:
+            counted["bad_checksum"] = session.framer.counters.bad_checksum
+        if "searches" in counted:  # the first is how it begins
+            counted["searches"] -= 1
+        return {name: n for name, n in counted.items() if n}
 
     def _of_state(self, t: float, session: DeviceSession, name: str | None) -> Iterator[Notice]:
         told, state, trouble = self._told, str(session.state), session.trouble
