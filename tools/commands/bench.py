@@ -18,17 +18,20 @@ from tools.bench.fleet_recorder import FleetRecorder
 from tools.bench.sensing import Sensing, bench
 from tools.commands.settings_option import add_set_option, chosen_config
 from tools.commands.truth_option import add_truth_option, chosen_truth
+from tools.number_range import positive, whole
 from tools.progress import progress_line
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = "example: patrol bench --robots 3 --duration 600 --json out.json"
-    parser.add_argument("--robots", type=int, default=3, metavar="N")
+    parser.add_argument("--robots", type=whole(1, 500), default=3, metavar="N")
     parser.add_argument("--map", default="paper_lab", metavar="DIR", help="map folder or name")
     parser.add_argument("--border", default="border", metavar="NAME", help="border file of the map")
-    parser.add_argument("--duration", type=float, default=300.0, metavar="S", help="simulated time")
-    parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument(
+        "--duration", type=positive, default=300.0, metavar="S", help="simulated time"
+    )
+    parser.add_argument("--seed", type=whole(), default=1, metavar="N")
     parser.add_argument(
         "--sensing",
         choices=list(Sensing),
@@ -44,7 +47,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "seed); kinds: " + ", ".join(FaultKind),
     )
     parser.add_argument(
-        "--strangers", type=int, default=0, metavar="N", help="moving people and carts to emulate"
+        "--strangers",
+        type=whole(),
+        default=0,
+        metavar="N",
+        help="moving people and carts to emulate",
     )
     parser.add_argument(
         "--camera", choices=["on", "off"], default="off", help="emulate the robots' cameras; slower"

@@ -19,15 +19,16 @@ from tools.demo.demo import Demo, DemoOptions
 from tools.demo.demo_summary import print_summary, read_runs
 from tools.monitor.endpoint import free_endpoint
 from tools.monitor.site import Site
+from tools.number_range import positive, whole
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = "example: patrol demo --duration 240 --headless --record out/"
-    parser.add_argument("--robots", type=int, default=3, metavar="N")
+    parser.add_argument("--robots", type=whole(1, 500), default=3, metavar="N")
     parser.add_argument("--map", default="paper_lab", metavar="DIR", help="map folder or name")
     parser.add_argument("--border", default="border", metavar="NAME", help="border file of the map")
-    parser.add_argument("--duration", type=float, metavar="S", help="end after S seconds")
+    parser.add_argument("--duration", type=positive, metavar="S", help="end after S seconds")
     parser.add_argument("--headless", action="store_true", help="no table, only the summary")
     parser.add_argument(
         "--http",
@@ -36,12 +37,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--record", type=Path, metavar="DIR", help="keep recordings in DIR")
     parser.add_argument(
-        "--strangers", type=int, default=0, metavar="N", help="moving people and carts to emulate"
+        "--strangers",
+        type=whole(),
+        default=0,
+        metavar="N",
+        help="moving people and carts to emulate",
     )
     parser.add_argument("--camera", choices=["on", "off"], default="on", help="on the robots")
     add_truth_option(parser)
     add_set_option(parser)
-    parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument("--seed", type=whole(), default=1, metavar="N")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from robot_agent.config import load_config
+from tools.number_range import positive
 from tools.preflight.doctor import TRIAL_LIMIT_S, examine, is_fit
 from tools.preflight.finding import Finding, Verdict
 from tools.preflight.watchdog_trial import LIMIT_S, WARNING, try_watchdog
@@ -40,7 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--wheels-off-ground", action="store_true", help="answers the question of --watchdog-test"
     )
     parser.add_argument(
-        "--limit", type=float, default=TRIAL_LIMIT_S, metavar="S", help="wait for silent devices"
+        "--limit", type=positive, default=TRIAL_LIMIT_S, metavar="S", help="wait for silent devices"
     )
 
 

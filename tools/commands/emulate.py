@@ -12,6 +12,7 @@ from pathlib import Path
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.commands.truth_option import add_truth_option, chosen_truth
+from tools.number_range import whole
 from tools.simulation.base_options import add_base_options, chosen_base
 from tools.simulation.emulate import EmulateOptions, Emulation, parse_pose
 
@@ -60,10 +61,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--lms1xx-faults", default="", metavar="SPEC", help="faults of its connection"
     )
-    parser.add_argument("--camera", type=int, metavar="PORT", help="serve its view as MJPEG there")
+    parser.add_argument(
+        "--camera", type=whole(0, 65535), metavar="PORT", help="serve its view as MJPEG there"
+    )
     parser.add_argument("--map", default="paper_lab", metavar="DIR", help="map folder or name")
     parser.add_argument("--pose", metavar="X,Y,DEG", help="start; default a free place")
-    parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument("--seed", type=whole(), default=1, metavar="N")
 
 
 def run(options: argparse.Namespace) -> int:

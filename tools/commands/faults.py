@@ -12,6 +12,7 @@ from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from tools.campaign.fault_list import FAULTS, chosen_faults
 from tools.campaign.fault_table import markdown, run_faults
 from tools.campaign.reaction import Reaction
+from tools.number_range import not_negative
 from tools.preflight.watchdog_trial import ADVISED_WATCHDOG_S
 from tools.progress import progress_line
 
@@ -29,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--watchdog",
-        type=float,
+        type=not_negative,
         default=ADVISED_WATCHDOG_S,
         metavar="S",
         help=f"watchdog time-out in the base's FLASH; default {ADVISED_WATCHDOG_S:g}, factory "

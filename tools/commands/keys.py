@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 
 from tools.deploy.certificates import make_keys
+from tools.number_range import whole
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -21,7 +22,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="address or name at which robots reach the operator; several may be given",
     )
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
-    parser.add_argument("--days", type=int, default=3650, metavar="N", help="validity in days")
+    parser.add_argument("--days", type=whole(1), default=3650, metavar="N", help="validity in days")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -23,6 +23,7 @@ from tools.logs.recorded_config import recorded_config
 from tools.logs.recorded_scans import recorded_scans
 from tools.logs.recording import read_recording
 from tools.mapping.map_build import Scans
+from tools.number_range import not_negative, whole
 from tools.progress import progress_line
 
 _EPILOG = """examples:
@@ -63,11 +64,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--global", dest="anywhere", action="store_true", help="start without an initial pose"
     )
     parser.add_argument(
-        "--kidnap", type=float, metavar="T", help="carry the robot elsewhere T s after the start"
+        "--kidnap",
+        type=not_negative,
+        metavar="T",
+        help="carry the robot elsewhere T s after the start",
     )
     parser.add_argument("--start-noise", action="store_true", help="start off the true pose")
-    parser.add_argument("--first-scan", type=int, default=0, metavar="N", help="as LOG:N")
-    parser.add_argument("--seed", type=int, default=0, metavar="N")
+    parser.add_argument("--first-scan", type=whole(), default=0, metavar="N", help="as LOG:N")
+    parser.add_argument("--seed", type=whole(), default=0, metavar="N")
     parser.add_argument("--seeds", type=_positive, default=20, metavar="N", help="of a study")
     parser.add_argument("--trials", type=_positive, default=100, metavar="N", help="of a study")
     parser.add_argument("--csv", type=Path, metavar="OUT", help="write one line per scan")

@@ -20,6 +20,7 @@ from tools.mapping.map_picture import draw_map
 from tools.mapping.slam.mapper import map_from_odometry
 from tools.mapping.slam.relations import read_relations, relation_error, synchronize
 from tools.mapping.slam.trajectory import Trajectory
+from tools.number_range import positive, real, whole
 from tools.progress import progress_line
 
 PICTURE = "map.png"
@@ -34,7 +35,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     build.epilog = "example: patrol map build drive.mcap -o my_map --from odometry"
     build.add_argument("log", type=Path, help="CARMEN log (plain or gzip) or recording (.mcap)")
     build.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
-    build.add_argument("--resolution", type=float, default=0.05, metavar="M", help="cell side")
+    build.add_argument("--resolution", type=positive, default=0.05, metavar="M", help="cell side")
     build.add_argument("--scans", choices=("all", "even", "odd"), default="all")
     build.add_argument(
         "--from",
@@ -43,13 +44,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default="reference",
         help="poses: those in the log, or found from raw odometry and the scans",
     )
-    build.add_argument("--first-scan", type=int, default=0, metavar="N", help="leave out earlier")
+    build.add_argument(
+        "--first-scan", type=whole(), default=0, metavar="N", help="leave out earlier"
+    )
     build.add_argument(
         "--relations", type=Path, metavar="FILE", help="true relations to judge the poses by"
     )
     build.add_argument(
         "--relations-epoch",
-        type=float,
+        type=real,
         default=0.0,
         metavar="S",
         help="the relations' time at the log's time zero",

@@ -19,6 +19,7 @@ from tools.monitor.team_state import TeamState
 from tools.monitor.text_view import show_team
 from tools.monitor.watch import Watch
 from tools.monitor.web_server import WebServer
+from tools.number_range import positive
 
 POLL_S = 0.2
 
@@ -58,7 +59,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="REC.mcap",
         help="show recordings of agents or of a monitor instead, in step",
     )
-    parser.add_argument("--duration", type=float, metavar="S", help="end after S seconds")
+    parser.add_argument("--duration", type=positive, metavar="S", help="end after S seconds")
 
 
 def run(options: argparse.Namespace) -> int:

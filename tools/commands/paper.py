@@ -12,6 +12,7 @@ from robot_agent.config import find_map
 from tools.bench.sensing import Sensing
 from tools.commands.settings_option import add_set_option, chosen_config
 from tools.commands.truth_option import add_truth_option, chosen_truth
+from tools.number_range import positive, whole
 from tools.progress import progress_line
 from tools.studies.paper import BORDER, DURATION_S, MAP, PaperTrial, claims, over_seeds, run_seeds
 from tools.studies.paper_figures import write_figures
@@ -23,10 +24,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="DIR", help="for figures and JSON"
     )
-    parser.add_argument("--duration", type=float, default=DURATION_S, metavar="S")
-    parser.add_argument("--seed", type=int, default=1, metavar="N", help="the first")
-    parser.add_argument("--seeds", type=int, default=1, metavar="N", help="how many")
-    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes at a time")
+    parser.add_argument("--duration", type=positive, default=DURATION_S, metavar="S")
+    parser.add_argument("--seed", type=whole(), default=1, metavar="N", help="the first")
+    parser.add_argument("--seeds", type=whole(1), default=1, metavar="N", help="how many")
+    parser.add_argument("--jobs", type=whole(1), default=1, metavar="N", help="processes at a time")
     parser.add_argument("--map", default=MAP, metavar="DIR", help="map folder or name")
     parser.add_argument("--border", default=BORDER, metavar="NAME")
     parser.add_argument(

@@ -15,6 +15,7 @@ from tools.calibration.perception_pictures import draw_picture, draw_scan, momen
 from tools.localize.localize import log_steps, map_of_log
 from tools.logs.carmen import LogError, read_carmen
 from tools.logs.recording import read_recording
+from tools.number_range import whole
 from tools.progress import progress_line
 
 RESOLUTION = 0.05  # m
@@ -36,9 +37,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "and the others are looked at",
     )
     parser.add_argument(
-        "--first-scan", type=int, default=0, metavar="N", help="leave out the scans before"
+        "--first-scan", type=whole(), default=0, metavar="N", help="leave out the scans before"
     )
-    parser.add_argument("--seed", type=int, default=0, metavar="N")
+    parser.add_argument("--seed", type=whole(), default=0, metavar="N")
 
 
 def run(options: argparse.Namespace) -> int:

@@ -14,6 +14,7 @@ from robot_agent.messages.events import LinkName
 from robot_agent.recording.run_header import same_arithmetic
 from tools.logs.recorded_config import changed_config
 from tools.logs.recording import Recording, read_recording
+from tools.number_range import not_negative
 from tools.progress import progress_line
 from tools.replay.recorded_devices import serve
 from tools.replay.replay import Replay, notices, report_lines
@@ -44,9 +45,14 @@ exit status of --check: 0 identical, 3 equal in decisions (on another computer),
         "e.g. gate.max_speed=0.2",
     )
     parser.add_argument(
-        "--from", dest="since", type=float, default=0.0, metavar="T", help="report from T (s) on"
+        "--from",
+        dest="since",
+        type=not_negative,
+        default=0.0,
+        metavar="T",
+        help="report from T (s) on",
     )
-    parser.add_argument("--until", type=float, metavar="T", help="stop at agent time T (s)")
+    parser.add_argument("--until", type=not_negative, metavar="T", help="stop at agent time T (s)")
     parser.add_argument(
         "--serve", action="store_true", help="play the recorded devices to an external driver"
     )

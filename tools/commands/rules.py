@@ -7,6 +7,7 @@ from pathlib import Path
 
 from robot_agent.patrol.rules import RULES_FILE, check_rules
 from robot_agent.patrol.settings import PatrolSettings
+from tools.number_range import not_negative
 
 _SHIPPED = PatrolSettings()
 
@@ -42,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
 def _add_safety_distance(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--safety-distance",
-        type=float,
+        type=not_negative,
         default=_SHIPPED.safety_distance,
         metavar="M",
         help="d_s the sets must agree with",

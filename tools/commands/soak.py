@@ -11,6 +11,7 @@ from pathlib import Path
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.commands.truth_option import add_truth_option, chosen_truth
+from tools.number_range import not_negative, positive, whole
 from tools.progress import progress_line
 from tools.studies.soak import HOUR_S, Soak, SoakHour, SoakLog, summary
 
@@ -21,13 +22,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "example: patrol soak --hours 24 --json soak.jsonl\n\n"
         "One line per simulated hour: contacts, idleness, memory, recordings; then a summary."
     )
-    parser.add_argument("--hours", type=float, default=24.0, metavar="H", help="simulated hours")
-    parser.add_argument("--robots", type=int, default=3, metavar="N")
+    parser.add_argument("--hours", type=positive, default=24.0, metavar="H", help="simulated hours")
+    parser.add_argument("--robots", type=whole(1, 500), default=3, metavar="N")
     parser.add_argument("--map", default="paper_lab", metavar="DIR", help="map folder or name")
-    parser.add_argument("--seed", type=int, default=1, metavar="N")
+    parser.add_argument("--seed", type=whole(), default=1, metavar="N")
     parser.add_argument(
         *("--every", "--fault-every"),
-        type=float,
+        type=not_negative,
         default=600.0,
         metavar="S",
         help="mean time between two faults of a robot",

@@ -12,6 +12,7 @@ from rich.table import Table
 
 from tools.commands.settings_option import add_set_option, robots_file
 from tools.commands.truth_option import add_truth_option, chosen_truth
+from tools.number_range import whole
 from tools.progress import progress_line
 from tools.studies.study import read_study, run_study
 from tools.studies.study_plot import plot_study
@@ -24,7 +25,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("file", type=Path, metavar="FILE.toml", help="what to vary")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
     parser.add_argument(
-        "--jobs", type=int, default=os.cpu_count() or 1, metavar="N", help="processes at a time"
+        "--jobs",
+        type=whole(1),
+        default=os.cpu_count() or 1,
+        metavar="N",
+        help="processes at a time",
     )
     parser.add_argument(
         "--cluster",

@@ -13,6 +13,7 @@ from drivers.p2os.commands import HOST_BAUDS
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from drivers.p2os.emulator.emulator import P2osEmulator
 from drivers.p2os.emulator.firmware import Firmware
+from tools.number_range import positive
 from tools.simulation.emulate_error import EmulateError
 from tools.simulation.hanging_up_port import HangingUpPort
 from tools.simulation.truth.robot_truth import BumperTruth, ChargingTruth, RobotTruth
@@ -99,7 +100,7 @@ def add_base_options(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         "--watchdog",
-        type=float,
+        type=positive,
         default=FACTORY_WATCHDOG,
         metavar="S",
         help="watchdog time-out in its FLASH (default: %(default)s)",
