@@ -45,9 +45,6 @@ def run(options: argparse.Namespace) -> int:
 
     Every seed's claims are in ``claims.json``; the figures are of the first seed.
     """
-    if options.seeds < 1 or options.jobs < 1:
-        print("patrol paper: --seeds and --jobs must be 1 or more", file=sys.stderr)
-        return 2
     config, truth = chosen_config(options), chosen_truth(options)
     folder = find_map(options.map, Path.cwd())
     load_map_folder(folder, options.border)  # reports a wrong folder before anything is run

@@ -105,5 +105,7 @@ def test_claim_broken_by_one_seed_is_broken_over_all(tmp_path):
 
 
 def test_no_seeds_are_refused(tmp_path, capsys):
-    assert command.run(arguments("-o", str(tmp_path), "--seeds", "0")) == 2
+    with pytest.raises(SystemExit) as ended:
+        command.run(arguments("-o", str(tmp_path), "--seeds", "0"))
+    assert ended.value.code == 2
     assert "--seeds" in capsys.readouterr().err
