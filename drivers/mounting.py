@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Protocol
+from typing import Annotated, Protocol
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +15,21 @@ from drivers.scan import Scan, Special
 
 Sectors = tuple[tuple[float, float], ...]
 """First and last direction of each, rad, laser frame; or in the scanner's own degrees."""
+
+MountSetting = Annotated[
+    tuple[float, float, float] | None,
+    msgspec.Meta(
+        description="Place of the laser in base_link: x, y, theta; unset: the model's",
+        extra={"unit": "m, m, rad"},
+    ),
+]
+UpsideDownSetting = Annotated[
+    bool | None,
+    msgspec.Meta(
+        description="The scanner is mounted upside down: its beams run clockwise; unset: as"
+        " the model's"
+    ),
+]
 
 _AHEAD_DEG = 90.0  # the scanner's own degrees straight ahead
 _FARTHEST_MOUNT = 1.0  # m from the axle, either way

@@ -23,18 +23,16 @@ false``) or from the first piece of the file::
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import msgspec
 
 from maps.border import Border, BorderError, describe
 from maps.border_primitives import Arc, Point, Primitive, Segment
-from maps.input_limits import MAX_BORDER_PIECES
+from maps.input_limits import MAX_BORDER_PIECES, MAX_COORDINATE_M
 from maps.rounded_polygon import round_polygon
-from maps.toml_text import TomlError, read_toml
+from maps.toml_text import TomlError, leaves, read_toml
 
-_FARTHEST = 1e5  # m; no border reaches farther
 _MEETING = 1e-3  # m within which two ends are the same point
 
 _Radius = Annotated[float, msgspec.Meta(gt=0.0)]  # m
@@ -76,19 +74,12 @@ def read_border(data: bytes, place: str) -> Border:
         raise BorderError(f"{place}: {error}") from None
 
 
-def _numbers_of(value: Any) -> Iterator[float]:
-    """Yield all numbers in tables and lists."""
-    if isinstance(value, dict | list | tuple):
-        for item in value.values() if isinstance(value, dict) else value:
-            yield from _numbers_of(item)
-    elif isinstance(value, int | float):
-        yield value
-
-
 def _border_of(entries: BorderEntries) -> Border:
-    for number in _numbers_of(msgspec.to_builtins(entries)):
-        if not abs(number) <= _FARTHEST:  # so is NaN, and what no float can hold
-            raise BorderError(f"has {number!s:.20}, beyond {_FARTHEST:g} m; correct it")
+    for _place, number in leaves(msgspec.to_builtins(entries)):
+        if not isinstance(number, int | float) or abs(number) <= MAX_COORDINATE_M:
+            continue
+        # NaN comes here too
+        raise BorderError(f"has {number!s:.20}, beyond {MAX_COORDINATE_M:g} m; correct it")
     count = max(len(entries.vertices or ()), len(entries.segment) + len(entries.arc))
     if count > MAX_BORDER_PIECES:
         raise BorderError(f"has {count} vertices or pieces, more than {MAX_BORDER_PIECES}: thin it")

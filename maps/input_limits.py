@@ -40,6 +40,10 @@ MAX_DEPTH = 8
 """Nesting of a map's description, which has two levels."""
 MAX_CELLS = 36_000_000
 """Cells of a map: 300 m x 300 m at 0.05 m."""
+MAX_MAP_NUMBER = 1e12
+"""Largest magnitude of a number in a map's description."""
+MAX_COORDINATE_M = 1e5
+"""Largest magnitude of a number in a border's file, m."""
 MAX_BORDER_M = 10_000.0
 """Length of a border, m."""
 MAX_BORDER_PIECES = 2000

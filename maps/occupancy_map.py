@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from maps.image_size import HEAD_BYTES, image_size
-from maps.input_limits import MAX_CELLS, MAX_RECORD_BYTES, MAX_WORD
+from maps.input_limits import MAX_CELLS, MAX_MAP_NUMBER, MAX_RECORD_BYTES, MAX_WORD
 from maps.pose import Pose
 from maps.yaml_text import YamlError, read_yaml
 
@@ -34,7 +34,6 @@ _OCCUPIED_THRESH, _FREE_THRESH = 0.65, 0.196
 _PIXEL_OF_STATE = np.array([254, 0, 205], dtype=np.uint8)
 _GAP = rb"(?:\s+|#[^\n]*\n){1,99}"
 _BINARY_PGM = re.compile(rb"P5" + _GAP + rb"\d{1,9}" + _GAP + rb"\d{1,9}" + _GAP + rb"(\d{1,9})\s")
-_LARGEST = 1e12  # of any number in a map's description
 _REQUIRED_KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
 
 
@@ -277,7 +276,11 @@ def _image_name(value: Any, place: str) -> str:
 
 
 def _number(value: Any, what: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= _LARGEST:
+    if (
+        isinstance(value, bool)
+        or not isinstance(value, int | float)
+        or not abs(value) <= MAX_MAP_NUMBER
+    ):
         raise MapError(f"{what} must be a number, got {value!r:.40}")
     return float(value)
 

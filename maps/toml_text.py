@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Iterator
 from typing import Any
 
 from maps.input_limits import MAX_DESCRIPTION_BYTES, MAX_NUMBER_TEXT
@@ -36,10 +37,20 @@ def plain_trouble(error: ValueError) -> str:
     return f"{' '.join(str(error).split()):.200}"
 
 
-def _check_integers(value: Any) -> None:
+def leaves(value: Any, place: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield all values in tables and lists, at any depth, with the dotted keys of their tables."""
+    if isinstance(value, dict):
+        for name, part in value.items():
+            yield from leaves(part, f"{place}.{name}" if place else name)
+    elif isinstance(value, list | tuple):
+        for part in value:
+            yield from leaves(part, place)
+    else:
+        yield place, value
+
+
+def _check_integers(table: dict[str, Any]) -> None:
     """Raise TomlError for an integer that no float holds, at any depth."""
-    if isinstance(value, int) and abs(value) > MAX_NUMBER_TEXT:
-        raise TomlError(f"holds a number of {len(str(abs(value)))} digits, correct it")
-    if isinstance(value, dict | list):
-        for part in value.values() if isinstance(value, dict) else value:
-            _check_integers(part)
+    for _place, value in leaves(table):
+        if isinstance(value, int) and abs(value) > MAX_NUMBER_TEXT:
+            raise TomlError(f"holds a number of {len(str(abs(value)))} digits, correct it")

@@ -17,8 +17,8 @@ from drivers.p2os.model import ModelFileError, UnknownModelError, load_model, lo
 from drivers.p2os.settings import BaseSettings
 from drivers.scanner import DEFAULT_KIND, ScannerSettings
 from localization.settings import LocalizationSettings
-from maps.map_folder import MAP_FILE, MapFolder, load_map_folder
-from maps.toml_text import TomlError, read_toml
+from maps.map_folder import MAP_FILE
+from maps.toml_text import TomlError, leaves, read_toml
 from robot_agent.motion.gate_settings import GateSettings
 from robot_agent.motion.teleop import TeleopSettings
 from robot_agent.patrol.settings import PatrolSettings
@@ -167,7 +167,7 @@ def parse_config(content: bytes, source: str) -> AgentConfig:
         table = read_toml(content)
     except TomlError as error:
         raise ConfigError(f"{source}: is not TOML: {error}; correct that line") from error
-    for place, value in _leaf_values(table, ""):
+    for place, value in leaves(table):
         if isinstance(value, float) and not math.isfinite(value):
             raise ConfigError(f"{source}: {place}: is {value}; write a finite number")
     if isinstance(table.get("laser"), dict):
@@ -231,18 +231,6 @@ def _leaves(value: Any, place: str) -> Iterator[str]:
         yield from _leaves(item, f"{place}.{name}")
 
 
-def _leaf_values(value: Any, place: str) -> Iterator[tuple[str, Any]]:
-    """Yield the dotted keys of all values, also in lists, with the values."""
-    if isinstance(value, dict):
-        for name, item in value.items():
-            yield from _leaf_values(item, f"{place}.{name}".lstrip("."))
-    elif isinstance(value, list):
-        for item in value:
-            yield from _leaf_values(item, place)
-    else:
-        yield place, value
-
-
 def _former_key(key: str) -> str:
     """Return what is wrong with an unknown key (renamed, fixed, unknown), with the remedy."""
     if key in RENAMED_KEYS:
@@ -262,15 +250,6 @@ def _without_none(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _without_none(item) for key, item in value.items() if item is not None}
     return value
-
-
-def load_map(config: AgentConfig, relative_to: Path) -> MapFolder:
-    """Load the configured map: a path from ``relative_to``, else a shipped map of that name.
-
-    Raises:
-        MapError, BorderError: the map or its border cannot be used.
-    """
-    return load_map_folder(find_map(config.map.folder, relative_to), config.map.border)
 
 
 def find_map(folder: str, relative_to: Path) -> Path:

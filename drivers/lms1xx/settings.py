@@ -9,7 +9,14 @@ import msgspec
 
 from drivers.lms1xx.framing import ETHERNET
 from drivers.lms1xx.telegrams import PER_DEGREE, PER_HERTZ, OutputRange, Scanning
-from drivers.mounting import Sectors, check_mounting, in_laser_frame, in_own_degrees
+from drivers.mounting import (
+    MountSetting,
+    Sectors,
+    UpsideDownSetting,
+    check_mounting,
+    in_laser_frame,
+    in_own_degrees,
+)
 
 _AHEAD_DEG = 90.0  # the scanner's own degrees straight ahead
 _WIDEST_DEG = 270.0
@@ -68,20 +75,8 @@ class LaserSettings(
         bool,
         msgspec.Meta(description="Ask for each scan, 20 a second at most, for a slow network"),
     ] = False
-    mount: Annotated[
-        tuple[float, float, float] | None,
-        msgspec.Meta(
-            description="Place of the laser in base_link: x, y, theta; unset: the model's",
-            extra={"unit": "m, m, rad"},
-        ),
-    ] = None
-    upside_down: Annotated[
-        bool | None,
-        msgspec.Meta(
-            description="The scanner is mounted upside down: its beams run clockwise; unset: as"
-            " the model's"
-        ),
-    ] = None
+    mount: MountSetting = None
+    upside_down: UpsideDownSetting = None
     ignore: Annotated[
         tuple[tuple[float, float], ...],
         msgspec.Meta(

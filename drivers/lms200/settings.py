@@ -17,7 +17,13 @@ from drivers.lms200.measurement import (
     UNIT_MM,
 )
 from drivers.lms200.telegrams import VARIANTS, Variant
-from drivers.mounting import check_mounting, in_laser_frame, in_own_degrees
+from drivers.mounting import (
+    MountSetting,
+    UpsideDownSetting,
+    check_mounting,
+    in_laser_frame,
+    in_own_degrees,
+)
 
 _FRAME_BYTES = 10  # of a telegram of measured values, besides two per value
 _BITS_PER_BYTE = 10
@@ -102,20 +108,8 @@ class LaserSettings(
             description="Each range comes with what the beam's end reflects, in measuring mode 14"
         ),
     ] = False
-    mount: Annotated[
-        tuple[float, float, float] | None,
-        msgspec.Meta(
-            description="Place of the laser in base_link: x, y, theta; unset: the model's",
-            extra={"unit": "m, m, rad"},
-        ),
-    ] = None
-    upside_down: Annotated[
-        bool | None,
-        msgspec.Meta(
-            description="The scanner is mounted upside down: its beams run clockwise; unset: as"
-            " the model's"
-        ),
-    ] = None
+    mount: MountSetting = None
+    upside_down: UpsideDownSetting = None
     ignore: Annotated[
         tuple[tuple[float, float], ...],
         msgspec.Meta(

@@ -37,6 +37,7 @@ from drivers.p2os.packets import decode_packet
 from drivers.p2os.robot_identity import decode_sync_reply
 from drivers.p2os.session import P2osSession
 from drivers.p2os.settings import BaseSettings
+from tests.drivers.damaged_frame import mutated
 
 PART = 200_000  # bytes
 LONG_RUN = 10_000_000  # bytes
@@ -317,7 +318,7 @@ def fuzzed(codec: Codec, traffic: list[bytes], size: int, rng: np.random.Generat
             frame = traffic[index]
             if rng.random() < DAMAGED_SHARE:
                 damaged += 1
-                frame = mutated(codec, frame, rng)
+                frame = mutated(frame, rng, frame_start(codec))
             else:
                 whole.append(codec.payload(frame))
             parts.append(frame)
@@ -325,26 +326,9 @@ def fuzzed(codec: Codec, traffic: list[bytes], size: int, rng: np.random.Generat
     return Fuzzed(b"".join(parts), whole, damaged)
 
 
-def mutated(codec: Codec, frame: bytes, rng: np.random.Generator) -> bytes:
-    """Return a frame with bytes changed, lost, added or repeated, or with frame starts in it."""
-    data = bytearray(frame)
-    at = int(rng.integers(len(data)))
-    match int(rng.integers(7)):
-        case 0:
-            data[at] ^= 1 << int(rng.integers(8))
-        case 1:
-            data[at] = int(rng.integers(256))
-        case 2:
-            del data[at]
-        case 3:
-            del data[at:]
-        case 4:
-            data[at:at] = rng.bytes(int(rng.integers(1, 20)))
-        case 5:
-            data[at:at] = codec.magic + bytes((int(rng.integers(256)), int(rng.integers(4))))
-        case _:
-            data[at:at] = data[: int(rng.integers(len(data)))]
-    return bytes(data)
+def frame_start(codec: Codec) -> Callable[[np.random.Generator], bytes]:
+    """Return what draws the beginning of a frame with any length."""
+    return lambda rng: codec.magic + bytes((int(rng.integers(256)), int(rng.integers(4))))
 
 
 def pieces(stream: bytes, rng: np.random.Generator) -> Iterator[bytes]:

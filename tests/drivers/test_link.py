@@ -25,6 +25,7 @@ from drivers.lms200.settings import LaserSettings
 from drivers.port_error import PortTrouble
 from drivers.requests import SetBaud
 from drivers.scan import Scan
+from tests.drivers.pumped import pumped
 
 LIMIT = 10.0  # s, generous: nothing waits that long when it works
 READ_TYPE = encode_telegram(b"\x3a")
@@ -62,25 +63,6 @@ class Heard:
             for item in framer.feed(data):
                 if isinstance(item, Telegram):
                     return item
-
-
-@contextmanager
-def pumped(port: PtyPort | TcpPort) -> Iterator[str]:
-    """Run an emulated port in real time; yields its URL."""
-    done = threading.Event()
-
-    def pump() -> None:
-        while not done.wait(0.002):
-            port.pump(time.monotonic())
-
-    thread = threading.Thread(target=pump)
-    thread.start()
-    try:
-        yield port.url
-    finally:
-        done.set()
-        thread.join()
-        port.close()
 
 
 @contextmanager

@@ -5,13 +5,13 @@ from pathlib import Path
 import pytest
 
 from drivers.p2os.model import load_model
+from maps.map_folder import load_map_folder
 from robot_agent.config import (
     AgentConfig,
     ConfigError,
     find_map,
     format_config,
     load_config,
-    load_map,
     parse_config,
 )
 from robot_agent.pose.start_pose import StartPose
@@ -101,7 +101,7 @@ def test_mark_of_windows_editors_at_the_beginning_is_skipped() -> None:
 
 def test_configured_map_is_loaded_with_its_border(tmp_path: Path) -> None:
     config = parse_config(b'[map]\nfolder = "paper_lab"\nborder = "open"', "robot.toml")
-    folder = load_map(config, tmp_path)
+    folder = load_map_folder(find_map(config.map.folder, tmp_path), config.map.border)
     assert folder.border is not None
     assert not folder.border.closed
 

@@ -15,7 +15,7 @@ import msgspec
 
 from maps.map_folder import MapFolder
 from robot_agent.agent import Agent
-from robot_agent.config import AgentConfig, ConfigError, format_config, load_config, load_map
+from robot_agent.config import AgentConfig, ConfigError, format_config, load_config
 from robot_agent.process.journal import Journal
 from robot_agent.process.pose_file import PoseFile
 from robot_agent.process.runtime import Clock, DeviceFilterError, Runtime, end_on_signals
@@ -25,7 +25,7 @@ from robot_agent.recording.recorder import Recorder
 from robot_agent.recording.recording_retention import RecordingRetention
 from robot_agent.recording.run_files import NumberedRuns, OneFile, RunFiles, refuse_existing
 from robot_agent.recording.run_header import header_of_run
-from tools.preflight.doctor import never_drives
+from tools.preflight.doctor import NeverDrivesError, load_patrol_map
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -73,10 +73,10 @@ def _run(options: argparse.Namespace) -> int:
     if options.print_config:
         print(format_config(config), end="")
         return 0
-    reason = never_drives(config, options.config.parent)
-    if reason:
-        raise ConfigError(f"{options.config}: can never patrol: {reason}")
-    folder = load_map(config, options.config.parent)
+    try:
+        folder = load_patrol_map(config, options.config.parent)
+    except NeverDrivesError as error:
+        raise ConfigError(f"{options.config}: can never patrol: {error}") from error
     cv2.setNumThreads(1)
     pose_file = make_pose_file(config, folder)
     if pose_file is not None:

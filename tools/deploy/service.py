@@ -14,9 +14,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from maps.map_folder import MAP_FILE
-from robot_agent.config import load_config
+from robot_agent.config import AgentConfig, load_config
 from tools.deploy.service_paths import examine_paths
-from tools.preflight.doctor import never_drives
+from tools.preflight.doctor import NeverDrivesError, load_patrol_map
 from tools.preflight.finding import Finding, Verdict, failed, ok, warning
 
 DEPLOY = Path(__file__).parent
@@ -67,34 +67,34 @@ def deploy(root: Path, configs: Sequence[Path], user: str, program: Path) -> Dep
     udev rules are kept, since they name this robot's adapters. Raises DeploymentError and
     the errors of ``load_config``, before anything is written.
     """
-    cameras = [_check_config(config) for config in configs]
-    beside = {config: _files_beside(config) for config in configs}
+    loaded = {path: _drivable(path) for path in configs}
+    beside = {path: _files_beside(path, config) for path, config in loaded.items()}
     done = Deployment()
     text = (DEPLOY / UNIT.name).read_text()
     text = text.replace("@PATROL@", str(program)).replace("@USER@", user)
     _write(done, root / UNIT, text)
     _write(done, root / USER, f'u {user} - "Border patrol" /var/lib/patrol\nm {user} dialout\n')
-    modules = (*SERIAL_DRIVERS, *(CAMERA_DRIVERS if any(cameras) else ()))
+    cameras = any(config.camera.url.startswith("/dev/") for config in loaded.values())
+    modules = (*SERIAL_DRIVERS, *(CAMERA_DRIVERS if cameras else ()))
     _write(done, root / MODULES, "# For patrol@.service\n" + "".join(f"{m}\n" for m in modules))
     if (root / RULES).exists():
         done.kept.append(root / RULES)
     else:
         _write(done, root / RULES, (DEPLOY / RULES.name).read_text())
-    for config in configs:
-        _write(done, root / CONFIGS / config.name, config.read_text())
-        for file in beside[config]:
-            _write(done, root / CONFIGS / file, (config.parent / file).read_bytes())
-        done.findings += examine_paths(load_config(config), user)
+    for path, config in loaded.items():
+        _write(done, root / CONFIGS / path.name, path.read_text())
+        for file in beside[path]:
+            _write(done, root / CONFIGS / file, (path.parent / file).read_bytes())
+        done.findings += examine_paths(config, user)
     done.findings += [_program(program), *check_unit(root / UNIT)]
     return done
 
 
-def _files_beside(path: Path) -> list[Path]:
+def _files_beside(path: Path, config: AgentConfig) -> list[Path]:
     """Return the files, relative to a configuration, that it names so: map, rules, model.
 
     Raises DeploymentError for one that lies above its folder.
     """
-    config = load_config(path)
     folder = Path(config.map.folder)
     named = [folder / name.name for name in sorted((path.parent / folder).glob("*.*"))]
     if folder.is_absolute() or not (path.parent / folder / MAP_FILE).is_file():
@@ -116,13 +116,14 @@ def _write(done: Deployment, path: Path, content: str | bytes) -> None:
     done.written.append(path)
 
 
-def _check_config(path: Path) -> bool:
-    """Raise if a configuration could never patrol; return whether it has a camera."""
+def _drivable(path: Path) -> AgentConfig:
+    """Return a configuration; raises DeploymentError if it could never patrol."""
     config = load_config(path)
-    reason = never_drives(config, path.parent)
-    if reason:
-        raise DeploymentError(f"{path}: can never patrol: {reason}")
-    return config.camera.url.startswith("/dev/")
+    try:
+        load_patrol_map(config, path.parent)
+    except NeverDrivesError as error:
+        raise DeploymentError(f"{path}: can never patrol: {error}") from error
+    return config
 
 
 def _program(program: Path) -> Finding:

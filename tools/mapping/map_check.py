@@ -10,7 +10,7 @@ import numpy as np
 
 from maps.border import Border, BorderError
 from maps.clearance import NEEDED_CLEARANCE, border_clearance
-from maps.map_folder import DEFAULT_BORDER, load_map_folder
+from maps.map_folder import DEFAULT_BORDER, MapFolder, load_map_folder
 from maps.occupancy_map import OCCUPIED, UNKNOWN, MapError, OccupancyMap
 from robot_agent.patrol.settings import PatrolSettings
 
@@ -32,9 +32,10 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class MapReport:
-    """The findings of a map check."""
+    """The findings of a map check, and the map folder; None if it cannot be read."""
 
     findings: tuple[Finding, ...]
+    content: MapFolder | None = None
 
     @property
     def ok(self) -> bool:
@@ -60,8 +61,9 @@ def check_map(
     findings = _map_findings(content.map)
     if content.border is None:
         missing = f"{folder / border}.toml is missing, draw one (see maps/border_file.py)"
-        return MapReport((*findings, Finding("border", ok=False, text=missing)))
-    return MapReport((*findings, *_border_findings(content.map, content.border, needed)))
+        return MapReport((*findings, Finding("border", ok=False, text=missing)), content)
+    findings += _border_findings(content.map, content.border, needed)
+    return MapReport(tuple(findings), content)
 
 
 def _map_findings(occupancy: OccupancyMap) -> list[Finding]:

@@ -22,7 +22,7 @@ from drivers.scanner import kind_of
 from maps.clearance import needed_clearance
 from maps.map_folder import MapFolder
 from maps.occupancy_map import FREE
-from robot_agent.config import AgentConfig, ConfigError, find_map, load_config, load_map
+from robot_agent.config import AgentConfig, ConfigError, find_map, load_config
 from robot_agent.motion.gate_settings import gate_limits
 from robot_agent.patrol.patrol import Patrol
 from robot_agent.patrol.rules import RulesError
@@ -86,11 +86,40 @@ def examine_config(config: AgentConfig, model: RobotModel) -> list[Finding]:
     ]
 
 
+class NeverDrivesError(ValueError):
+    """A configuration that can never patrol; the message says why in one line, with remedies."""
+
+
+def load_patrol_map(config: AgentConfig, relative_to: Path) -> MapFolder:
+    """Return the map of a configuration that can patrol; paths are relative to a folder.
+
+    Raises NeverDrivesError by the checks of map, start and rules, UnknownModelError for a model
+    that nobody knows.
+    """
+    findings, content = _examined_map(config, relative_to, expected_model(config.base))
+    reasons = [
+        f"{finding.subject}: {finding.text}: {finding.remedy}"
+        for finding in findings
+        if finding.verdict is Verdict.FAILED
+    ]
+    if reasons or content is None:
+        raise NeverDrivesError("; ".join(reasons))
+    return content
+
+
 def examine_map(config: AgentConfig, relative_to: Path, model: RobotModel) -> list[Finding]:
     """Check map and border, then start pose and rules; paths are relative to a folder.
 
     model: of the robot that must have room along the border.
     """
+    findings, _content = _examined_map(config, relative_to, model)
+    return findings
+
+
+def _examined_map(
+    config: AgentConfig, relative_to: Path, model: RobotModel
+) -> tuple[list[Finding], MapFolder | None]:
+    """Return the findings of ``examine_map``, and the map unless it is unusable."""
     folder = find_map(config.map.folder, relative_to)
     report = check_map(folder, config.map.border, needed_clearance(model.body.corner_reach))
     wrong = [
@@ -98,29 +127,17 @@ def examine_map(config: AgentConfig, relative_to: Path, model: RobotModel) -> li
     ]
     if wrong:
         remedy = f"correct it; `patrol map show {folder} -o map.png` draws it"
-        return [failed("map and border", "; ".join(wrong), remedy)]
-    content = load_map(config, relative_to)
+        return [failed("map and border", "; ".join(wrong), remedy)], None
+    content = report.content
+    assert content is not None, "check_map has read it"
     assert content.border is not None, "check_map requires it"
     summary = f"{folder}, {config.map.border}: {content.border.length:.1f} m"
-    return [
+    findings = [
         ok("map and border", summary),
         examine_start(config, content),
         _examine_rules(config, content),
     ]
-
-
-def never_drives(config: AgentConfig, relative_to: Path) -> str:
-    """Return why a configuration can never patrol, by the checks of map, start and rules, in one
-    line with remedies; empty if it can. Paths are relative to a folder.
-
-    Raises UnknownModelError for a model that nobody knows.
-    """
-    findings = examine_map(config, relative_to, expected_model(config.base))
-    return "; ".join(
-        f"{finding.subject}: {finding.text}: {finding.remedy}"
-        for finding in findings
-        if finding.verdict is Verdict.FAILED
-    )
+    return findings, content
 
 
 def examine_start(config: AgentConfig, content: MapFolder) -> Finding:

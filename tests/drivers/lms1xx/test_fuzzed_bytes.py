@@ -17,6 +17,7 @@ from drivers.lms1xx.scan import scan_of
 from drivers.lms1xx.session import Lms1xxSession, SessionState
 from drivers.lms1xx.settings import LaserSettings
 from drivers.lms1xx.telegrams import OutputRange, ScanContent, Scanning
+from tests.drivers.damaged_frame import mutated
 from tests.drivers.lms1xx.conftest import MakeNetwork
 
 PART = 200_000  # bytes
@@ -80,27 +81,10 @@ def decode(telegram: Telegram) -> None:
     telegrams.decode_fault(telegram)
 
 
-def mutated(frame: bytes, rng: np.random.Generator) -> bytes:
-    """Return a frame with bytes changed, lost, added or repeated, or with frame starts in it."""
-    data = bytearray(frame)
-    at = int(rng.integers(len(data)))
-    match int(rng.integers(7)):
-        case 0:
-            data[at] ^= 1 << int(rng.integers(8))
-        case 1:
-            data[at] = int(rng.integers(256))
-        case 2:
-            del data[at]
-        case 3:
-            del data[at:]
-        case 4:
-            data[at:at] = rng.bytes(int(rng.integers(1, 20)))
-        case 5:
-            size = bytes((int(rng.integers(4)), int(rng.integers(256))))
-            data[at:at] = b"\x02\x02\x02\x02\x00\x00" + size + b"sRA"
-        case _:
-            data[at:at] = data[: int(rng.integers(len(data)))]
-    return bytes(data)
+def frame_start(rng: np.random.Generator) -> bytes:
+    """Return the beginning of a CoLa B frame with any length."""
+    size = bytes((int(rng.integers(4)), int(rng.integers(256))))
+    return b"\x02\x02\x02\x02\x00\x00" + size + b"sRA"
 
 
 def fuzzed(
@@ -113,7 +97,7 @@ def fuzzed(
         frame = traffic[int(rng.integers(len(traffic)))]
         if rng.random() < DAMAGED_SHARE:
             damaged += 1
-            frame = mutated(frame, rng)
+            frame = mutated(frame, rng, frame_start)
         else:
             whole.append(frame)
         parts.append(frame)

@@ -5,8 +5,6 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -20,6 +18,7 @@ from drivers.lms1xx.settings import LaserSettings
 from drivers.requests import Write
 from drivers.scan import Scan
 from tests.drivers.lms1xx.conftest import ramp
+from tests.drivers.pumped import pumped
 
 LIMIT = 10.0  # s, generous: nothing waits that long when it works
 
@@ -63,26 +62,6 @@ class Host:
         else:
             assert isinstance(what, bytes)
             self.scans += self.session.feed(what, t)
-
-
-@contextmanager
-def pumped(port: TcpPort, lock: threading.Lock) -> Iterator[str]:
-    """Run an emulated port in real time; yields its URL."""
-    done = threading.Event()
-
-    def pump() -> None:
-        while not done.wait(0.002):
-            with lock:
-                port.pump(time.monotonic())
-
-    thread = threading.Thread(target=pump)
-    thread.start()
-    try:
-        yield port.url
-    finally:
-        done.set()
-        thread.join()
-        port.close()
 
 
 @pytest.mark.parametrize("dialect", Dialect)

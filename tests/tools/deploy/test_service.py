@@ -23,7 +23,7 @@ from tools.deploy.service import (
     this_program,
 )
 from tools.deploy.service_paths import examine_paths, may_read
-from tools.preflight.doctor import never_drives
+from tools.preflight.doctor import load_patrol_map
 from tools.preflight.finding import Verdict
 
 needs_systemd = pytest.mark.skipif(
@@ -134,7 +134,7 @@ def test_a_map_beside_the_configuration_is_copied_with_it(tmp_path: Path, config
     deploy(tmp_path / "root", [config], "patrol", this_program())
     installed = tmp_path / "root" / "etc" / "patrol"
     assert (installed / "lab" / "map.pgm").read_bytes() == (tmp_path / "lab/map.pgm").read_bytes()
-    assert never_drives(load_config(installed / "robot1.toml"), installed) == ""
+    assert load_patrol_map(load_config(installed / "robot1.toml"), installed).border is not None
 
 
 @pytest.mark.parametrize(
