@@ -16,7 +16,7 @@ from maps.occupancy_map import FREE, OccupancyMap
 
 _TURNING_MARGIN_CM = 3  # beyond the reach of a body that turns on the spot
 _PASSING_MARGIN_CM = 8  # beside a body that drives straight
-_NARROW_COST = 3.0  # cost factor of narrow cells, so that wider paths are preferred
+_NARROW_COST = 3.0  # cost factor of the narrowest cells, so that wider paths are preferred
 _BESIDE = 0.30  # m; nearer to the border no wall can be between: it keeps 0.45 m from all walls
 _LOOK_AHEAD = 0.8  # m along the path to the point steered for
 _SNAP = 0.6  # m to the nearest cell with a path, for a robot outside all of them
@@ -53,8 +53,9 @@ class BodySize(NamedTuple):
 
     @property
     def turning_clearance(self) -> float:
-        """Clearance, m, in which it turns on the spot; whole centimetres."""
-        return (math.ceil(100.0 * self.reach) + _TURNING_MARGIN_CM) / 100.0
+        """Clearance, m, in which it turns on the spot and drives out; whole centimetres."""
+        turning = (math.ceil(100.0 * self.reach) + _TURNING_MARGIN_CM) / 100.0
+        return max(turning, self.passing_clearance)  # a round body turns where it cannot drive
 
     @property
     def passing_clearance(self) -> float:
@@ -88,11 +89,11 @@ class ApproachField:
         self._nearest = _nearest_with_path(np.isfinite(cost))
 
     def around_walls(self, x: float, y: float, foot: tuple[float, float]) -> Approach | None:
-        """Return the path from (x, y); None if the line to ``foot`` is free of walls.
+        """Return the path from (x, y); None if a straight line to ``foot`` keeps its clearance.
 
         foot: the border's point nearest to (x, y). All in m in the map frame.
         """
-        if math.dist((x, y), foot) < _BESIDE or self._line_of_sight(x, y, *foot):
+        if math.dist((x, y), foot) < _BESIDE or self._is_passable(x, y, *foot):
             return None
         cell = self._cell_with_path(x, y)
         if cell == _NOWHERE:
@@ -141,9 +142,13 @@ class ApproachField:
         return origin.x + (col + 0.5) * resolution, origin.y + (row + 0.5) * resolution
 
     def _is_passable(self, x: float, y: float, to_x: float, to_y: float) -> bool:
-        """Whether a line keeps the clearance to turn, or the clearance of its start if less."""
+        """Whether a line keeps the clearance to turn, or that of its start or end if less.
+
+        A line that only a body with no error of pose could follow leads into a door's frame.
+        """
         room = self._clearance_along(x, y, to_x, to_y)
-        return bool(room.min() >= min(self._body.turning_clearance, room[0]))
+        needed = min(self._body.turning_clearance, float(room[0]), float(room[-1]))
+        return bool(room.min() >= max(needed, self._occupancy.resolution / 2))
 
     def _line_of_sight(self, x: float, y: float, to_x: float, to_y: float) -> bool:
         """Whether a line keeps the clearance to pass, or the clearance of its start if less."""
@@ -193,7 +198,7 @@ def _shortest_paths(
     if not len(starts):
         return cost, next_cell
     lengths, before, _ = dijkstra(
-        _graph(node, clearance < body.turning_clearance, len(cells)),
+        _graph(node, _costs(clearance, body), len(cells)),
         indices=starts,
         min_only=True,
         return_predecessors=True,
@@ -204,9 +209,20 @@ def _shortest_paths(
     return cost, next_cell
 
 
-def _graph(node: NDArray[np.int32], narrow: NDArray[np.bool_], count: int) -> csr_array[np.float64]:
-    """Return the graph (nodes, nodes) of the lengths between neighboring cells."""
-    factor = np.where(narrow, _NARROW_COST, 1.0)
+def _costs(clearance: NDArray[np.float32], body: BodySize) -> NDArray[np.float64]:
+    """Return (rows, cols) cost factors: 1 where the body turns, more the less room is beside it.
+
+    The cheapest way through a narrow place is along its middle.
+    """
+    span = max(body.turning_clearance - body.passing_clearance, 0.01)
+    lack = (body.turning_clearance - clearance.astype(np.float64)) / span
+    return 1.0 + (_NARROW_COST - 1.0) * np.clip(lack, 0.0, 1.0)
+
+
+def _graph(
+    node: NDArray[np.int32], factor: NDArray[np.float64], count: int
+) -> csr_array[np.float64]:
+    """Return the graph (nodes, nodes) of the lengths between neighboring cells, times factors."""
     ones, others, lengths = [], [], []
     for move in _MOVES:
         for row, col in (move, -move):

@@ -1,6 +1,6 @@
 """The watch for the robot's own parts in the laser's view, as a mast or the paddles of a gripper.
 
-A thing near the robot, with a jump of the ranges at each of its edges, moves through the beams as
+A thing near the robot, with a jump of the ranges at its edges, moves through the beams as
 the robot turns. One whose edges stay in their beams turns with the robot. Only turns in place are
 evidence, as a robot may drive round a pillar, and they must have taken a while, as a teammate may
 pass at the rate of the turn.
@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from drivers.scan import Scan
+from drivers.scan import Scan, Special
 from maps.pose import Pose
 
 Sectors = tuple[tuple[float, float], ...]
@@ -116,19 +116,24 @@ def _places(part: _Part, scan: Scan) -> NDArray[np.float64]:
 
 
 def _near_things(t: float, scan: Scan) -> list[_Part]:
-    """Return the near things of a scan that have a jump, or the end of the view, at both edges."""
+    """Return the near things of a scan with a jump at one edge, a jump or a cut at the other.
+
+    The end of the view and an ignored sector cut whatever passes there, always at the same beam.
+    """
     ranges, angles = scan.ranges, scan.angles
     near = np.concatenate(([False], ranges < _FARTHEST, [False]))
     if not near.any():
         return []
     with np.errstate(invalid="ignore"):  # no return after no return
         jumps = np.concatenate(([True], ~(np.abs(np.diff(ranges)) < _JUMP), [True]))
+    ignored = np.concatenate(([True], scan.specials == Special.IGNORED, [True]))
+    cuts = ignored[:-1] | ignored[1:]
     begins = np.flatnonzero(near[1:-1] & (jumps[:-1] | ~near[:-2]))
     ends = np.flatnonzero(near[1:-1] & (jumps[1:] | ~near[2:]))
     return [
         _Part(float(angles[a]), float(angles[b]), float(ranges[a : b + 1].min()), t)
         for a, b in zip(begins.tolist(), ends.tolist(), strict=True)
-        if jumps[a] and jumps[b + 1]
+        if jumps[a] and jumps[b + 1] and not (cuts[a] and cuts[b + 1])
     ]
 
 

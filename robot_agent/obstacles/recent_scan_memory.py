@@ -1,4 +1,4 @@
-"""Memory of points near the robot that have left the laser's field of view.
+"""Memory of points near the robot that the laser measures no longer.
 
 The laser covers half of all directions and the sonars little of the rest. A person close beside a
 robot that turns in place leaves its field of view just before a rear corner comes round.
@@ -41,13 +41,13 @@ class RecentScanMemory:
         t: float,
         odometry: Pose,
         seen_before: NDArray[np.float64],
-        in_view: Callable[[NDArray[np.float64]], NDArray[np.bool_]],
+        measured: Callable[[NDArray[np.float64]], NDArray[np.bool_]],
     ) -> None:
         """Store points of the scan before the one at t that are out of view now.
 
-        odometry: odom_from_base at t. seen_before: points (n, 2), m, base_link at t. in_view:
-        returns (n,) which points (n, 2) are in the laser's field of view; those are dropped, as
-        the new scan replaces them. Points within the turn margin of the footprint when they leave
+        odometry: odom_from_base at t. seen_before: points (n, 2), m, base_link at t. measured:
+        returns (n,) which points (n, 2) lie where the new scan measured something; those are
+        dropped, as it replaces them. Points within the turn margin of the footprint when they leave
         the view are dropped too: they would only pin the robot.
         """
         kept = move_points(self._points, odometry.between(_ORIGIN))
@@ -57,7 +57,7 @@ class RecentScanMemory:
         matters = (
             (np.hypot(points[:, 0], points[:, 1]) < self._reach)
             & ((t - lost_at <= MEMORY) | self.lasts)
-            & ~in_view(points)
+            & ~measured(points)
         )
         self._points = move_points(points[matters], odometry)
         self._lost_at = lost_at[matters]

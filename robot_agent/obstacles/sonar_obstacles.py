@@ -36,6 +36,7 @@ MISSES = 2
 ping elsewhere (specular loss), and the robot would turn its corner into it."""
 _SEEN_BEYOND = 0.15  # m farther than the echo at which a laser point still explains it
 _WIDE_CONE = math.radians(20.0)  # to each side: within it near things are heard, if weakly
+_SIDE_LOBES = math.radians(30.0)  # likewise, near walls and door frames; ours
 _ORIGIN = Pose(0.0, 0.0, 0.0)
 
 
@@ -129,7 +130,7 @@ class SonarObstacles:
             self._low_t = self._low_t[kept]
             self._low_misses = self._low_misses[kept]
         if distance < FRONT_REACH and self._is_confirmed(t, number, place):
-            explained = self._cone_to(number, _WIDE_CONE, distance + _SEEN_BEYOND).mask(seen())
+            explained = self._cone_to(number, _SIDE_LOBES, distance + _SEEN_BEYOND).mask(seen())
             if not explained.any():
                 self._low = np.concatenate((self._low, place[None]))
                 self._low_t = np.append(self._low_t, t)

@@ -71,7 +71,7 @@ class Surroundings:
         """
         points = self._projector.points(scan, *history.twist_at(scan.t))
         self._recent_scans.update(
-            scan.t, odometry, self._obstacles.around(odometry), self._projector.in_view
+            scan.t, odometry, self._obstacles.around(odometry), self._projector.has_measured
         )
         self._obstacles.update(scan.t, odometry, points)
         return points
@@ -153,7 +153,7 @@ class Surroundings:
     def _unseen_walls(
         self, odometry: Pose, localized: Pose
     ) -> list[tuple[ObstacleSource, NDArray[np.float64]]]:
-        """Return walls of the map, and walls just passed, outside the latest scan's view."""
+        """Return walls of the map, and walls just passed, that the latest scan did not measure."""
         mapped, passed = self._map_obstacles.around(localized), self._wall_memory.around(odometry)
         walls = np.concatenate((mapped, passed))
         if not len(walls):
@@ -165,13 +165,13 @@ class Surroundings:
         ]
 
     def _unseen(self, odometry: Pose, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Return (n,) which points (n, 2), m, base_link, were outside the latest scan's view.
+        """Return (n,) which points (n, 2), m, base_link, the latest scan has not measured.
 
         The view is that of the scan's pose: a robot that turns has no measurement yet of what has
         come into view since.
         """
         seen_from = self._obstacles.from_scan(odometry, points)
-        return ~self._projector.in_view(seen_from)
+        return ~self._projector.has_measured(seen_from)
 
     def _left(self, odometry: Pose, localized: Pose | None) -> NDArray[np.float64]:
         """Return recent points out of view, m, base_link, without walls that the map has.

@@ -44,6 +44,7 @@ class ScanProjector:
         self._geometry: tuple[int, float, float, int, float, bool] | None = None
         self._directions = np.empty((0, 2))
         self._delays = np.empty(0)
+        self._hit = np.empty(0, dtype=np.bool_)  # of the latest scan's beams
 
     def points(self, scan: Scan, v: float = 0.0, w: float = 0.0) -> NDArray[np.float64]:
         """Return the returns of a scan, shape (n, 2), m, base_link at the middle of the sweep.
@@ -52,7 +53,7 @@ class ScanProjector:
         base's speeds during the sweep, by which the points are deskewed.
         """
         self._look_along(scan)
-        hit = hits(scan)
+        hit = self._hit = hits(scan)
         points = self._directions[hit] * scan.ranges[hit, None]
         points += (self._mount.x, self._mount.y)
         return deskewed(points, self._delays[hit], v, w) if v or w else points
@@ -97,6 +98,22 @@ class ScanProjector:
         for view in self.views:
             seen |= view.mask(points)
         return seen
+
+    def has_measured(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return (n,) which points (n, 2), m, base_link, the latest scan has measured or replaced.
+
+        They are in its field of view, and the nearest beam has a return. A beam without one says
+        nothing: dark, shiny and dazzling surfaces look like free space.
+        """
+        measured = self.in_view(points)
+        if self._geometry is None or self._hit.all():
+            return measured
+        _, first, increment, *_ = self._geometry
+        x, y = (points - (self._mount.x, self._mount.y)).T
+        bearing = np.arctan2(y, x) - self._mount.theta - first
+        beam = np.rint(bearing % math.tau / increment).astype(np.intp)
+        measured &= self._hit.take(beam, mode="clip")
+        return measured
 
     def _beam_directions(self, n: int, angle_min: float, increment: float) -> NDArray[np.float64]:
         angles = self._mount.theta + angle_min + increment * np.arange(n)

@@ -127,6 +127,8 @@ def test_clearances_follow_the_size_of_the_body():
     assert TWO_WHEELED_PIONEER.passing_clearance == 0.30
     large = BodySize(0.6401, 0.34)
     assert (large.turning_clearance, large.passing_clearance) == (0.68, 0.42)
+    round_one = BodySize(0.25, 0.25)
+    assert (round_one.turning_clearance, round_one.passing_clearance) == (0.33, 0.33)
 
 
 def test_gap_that_only_a_small_body_passes_is_a_way_for_that_one_alone():
@@ -136,6 +138,17 @@ def test_gap_that_only_a_small_body_passes_is_a_way_for_that_one_alone():
     assert large is not None
     assert large.distance == math.inf
     assert small is None or small.distance < math.inf
+
+
+def test_way_leads_through_the_middle_of_doors_and_never_along_their_frames():
+    for left, right in ((3.0, 3.65), (3.0, 3.9)):  # too narrow to turn in, and wide enough
+        field = ApproachField(hall((0.0, 2.0, left, 2.2), (right, 2.0, 10.0, 2.2)), LINE)
+        x, y = right - 0.31, 3.0  # from here a straight line passes the frame
+        while y > 2.1:
+            found = ask(field, x, y)
+            dx, dy = found.direction if found else (0.0, -1.0)
+            x, y = x + 0.02 * dx, y + 0.02 * dy
+        assert abs(x - 0.5 * (left + right)) < 0.06
 
 
 def test_paper_lab_has_a_path_from_every_room_and_is_fast():

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.lms200.measurement import TURN
-from drivers.scan import Scan
+from drivers.scan import Scan, Special
 from maps.pose import Pose
 from robot_agent.obstacles.own_parts_watch import OwnPartsWatch
 
@@ -84,4 +84,17 @@ def test_parts_are_kept_until_the_laser_is_opened_again() -> None:
     assert len(watch.sectors) == 1
     watch.restart()
     turn(watch)
+    assert watch.sectors == ()
+
+
+def test_a_wall_cut_by_the_end_of_the_view_and_an_ignored_sector_is_no_part() -> None:
+    watch = OwnPartsWatch()
+    for number in range(100):  # 20 s, by 40 degrees, along a wall that is always at 0.4 m
+        t = 0.2 * number
+        ranges = np.full(181, 3.0)
+        ranges[:40] = 0.4
+        ranges[12:40] = math.inf
+        seen = scan(t, ranges)
+        seen.specials[12:40] = Special.IGNORED
+        watch.update(t, Pose(0.0, 0.0, math.radians(0.4 * number)), seen)
     assert watch.sectors == ()

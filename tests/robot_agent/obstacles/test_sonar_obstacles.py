@@ -109,6 +109,19 @@ def test_wall_of_a_narrow_corridor_that_the_laser_sees_does_not_stop_the_robot()
     assert len(sonar.around(1.6, ORIGIN)) == 0
 
 
+def test_frame_of_a_door_that_the_laser_sees_does_not_stop_the_robot() -> None:
+    y = np.linspace(0.425, 1.0, 47)
+    near = np.concatenate([np.column_stack((np.full_like(y, 0.27), side * y)) for side in (1, -1)])
+    x = np.linspace(0.27, 0.42, 13)
+    inside = [np.column_stack((x, np.full_like(x, side * 0.425))) for side in (1, -1)]
+    frame = np.concatenate((near, *inside))
+    sonar = SonarObstacles(MODEL)
+    for t in (1.0, 1.3, 1.6):
+        # Off the axis by 25 degrees, the transducers at 30 degrees hear the inner side.
+        sonar.update(report(t, (2, 0.42), (5, 0.42)), ORIGIN, lambda: frame)
+    assert len(sonar.around(1.6, ORIGIN)) == 0
+
+
 def test_front_echo_is_kept_until_the_transducer_hears_past_its_place_twice() -> None:
     assert len(heard(0.5, 0.5, 1.2)) == 1, "a slanted face sends one ping elsewhere"
     assert len(heard(0.5, 0.5, 1.2, MODEL.sonar_far)) == 0

@@ -33,13 +33,13 @@ def surroundings() -> Surroundings:
     return Surroundings(projector, GateLimits(), model, occupancy, unexplained)
 
 
-def looked(surroundings: Surroundings, heading: float) -> None:
-    """Process a scan without returns, at the origin with a heading."""
+def looked(surroundings: Surroundings, heading: float, far: float = 3.0) -> None:
+    """Process a scan of walls far away, at the origin with a heading; far: m, inf: no returns."""
     scan = Scan(
         t=1.0,
         angle_min=-math.pi / 2,
         angle_increment=math.radians(1.0),
-        ranges=np.full(181, np.inf),
+        ranges=np.full(181, far),
         status=0x10,
         turns=1,
         turn_time=TURN,
@@ -70,6 +70,11 @@ def test_map_walls_in_view_of_the_latest_scan_are_left_out(surroundings: Surroun
     looked(surroundings, heading=0.4)
     assert not len(around(surroundings, 0.4))
     assert not len(around(surroundings, 0.0))  # turned back: the scan has shown it to be free
+
+
+def test_map_walls_count_where_the_beams_do_not_return(surroundings: Surroundings) -> None:
+    looked(surroundings, heading=0.4, far=np.inf)  # as before a dark or a shiny surface
+    assert len(around(surroundings, 0.4)) == 1
 
 
 def test_without_a_scan_map_walls_of_all_sides_are_returned(surroundings: Surroundings) -> None:

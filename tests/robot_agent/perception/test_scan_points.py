@@ -88,6 +88,15 @@ def test_view_is_between_the_outermost_beams() -> None:
     assert projector.in_view(places).tolist() == [True, False, True, False, True]
 
 
+def test_a_beam_without_a_return_has_measured_nothing() -> None:
+    projector = ScanProjector(Pose(0.1, 0.0, math.pi))  # looks back
+    places = np.array([(0.1, 0.5), (0.0, 0.0), (-0.3, 0.1), (0.1, -0.5), (0.6, 0.0)])
+    projector.points(scan_of([1.0, 1.0, 1.0]))
+    assert projector.has_measured(places).tolist() == [True, True, True, True, False]
+    projector.points(scan_of([1.0, math.inf, 1.0]))
+    assert projector.has_measured(places).tolist() == [True, False, False, True, False]
+
+
 def test_beam_delays_follow_the_mirror() -> None:
     delays = beam_time_offsets(181, -math.pi / 2, math.radians(1.0), 1, TURN)
     assert delays[90] == pytest.approx(0.0, abs=1e-12)
