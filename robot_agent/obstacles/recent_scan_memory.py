@@ -16,9 +16,10 @@ from robot_agent.motion.footprint import Footprint
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.perception.scan_points import move_points
 
-MEMORY = 10.0
-"""s a point is kept out of view. It may have left unseen, and must not hold the robot for good; a
-robot that is held turns the other way sooner, which brings the place into view."""
+MEMORY = 60.0
+"""s a point is kept out of view, longer than robots stand before things that hold them. It may have
+left unseen, and must not hold the robot for good; a robot that is held turns the other way sooner,
+which brings the place into view."""
 _BEYOND = 0.2  # m beyond the corners' reach in a turn in place
 _ORIGIN = Pose(0.0, 0.0, 0.0)
 
