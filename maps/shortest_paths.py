@@ -47,12 +47,20 @@ def shortest_paths(
         finished += 1.0
         distance = length[waiting]
         near = distance < finished + 1.0
-        wave = np.unique(waiting[near & (distance >= finished)])
+        wave = _once_each(waiting[near & (distance >= finished)])
         waiting = waiting[~near]
     inner = (slice(_RIM, -_RIM), slice(_RIM, -_RIM))
     row, col = np.divmod(before.reshape(-1, width)[inner], width)
     next_cell = np.where(row < 0, NOWHERE, (row - _RIM) * cost.shape[1] + col - _RIM)
     return length.reshape(-1, width)[inner].astype(np.float32), next_cell.astype(np.int32)
+
+
+def _once_each(cells: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return cells sorted and without repetitions; ``np.unique`` would import all of ``np.ma``."""
+    ordered = np.sort(cells)
+    first = np.ones(len(ordered), dtype=np.bool_)
+    np.not_equal(ordered[1:], ordered[:-1], out=first[1:])
+    return ordered[first]
 
 
 def _relax(

@@ -157,7 +157,7 @@ class Runtime:
                 self._camera.start()
             for link in self._links.values():
                 link.start()
-            self._notifier.ready()
+            self._notifier.running()
             try:
                 self._serve()
             except BaseException:

@@ -5,8 +5,13 @@ import sys
 
 AGENT = """
 import sys
-import tools.commands.agent
+import tools.deploy.onboard_process
 print([name for name in sys.modules if name.partition(".")[0] in ("scipy", "matplotlib")])
+"""
+OPTIONS = """
+import sys
+import tools.commands.agent
+print([name for name in ("numpy", "cv2", "msgspec") if name in sys.modules])
 """
 FILTER = """
 import numpy as np
@@ -40,6 +45,10 @@ def output_of(code: str) -> list[str]:
 
 def test_agent_imports_no_scipy():
     assert output_of(AGENT) == ["[]"]
+
+
+def test_service_is_ready_before_the_heavy_imports():
+    assert output_of(OPTIONS) == ["[]"]
 
 
 def test_filter_imports_scipy_when_it_uses_it():
