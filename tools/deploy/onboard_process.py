@@ -80,7 +80,7 @@ def make_pose_file(config: AgentConfig, folder: MapFolder) -> PoseFile | None:
     """Return the file that keeps the robot's pose over restarts, or None if none is configured."""
     if not config.memory.file:
         return None
-    return PoseFile(Path(config.memory.file).expanduser(), config.robot.name, folder)
+    return PoseFile(Path(config.memory.file), config.robot.name, folder)
 
 
 def settle_memory() -> None:
@@ -109,7 +109,7 @@ def make_recorder(
         start_wall_ns=clock.start_wall_ns,
         start_monotonic_ns=clock.start_monotonic_ns,
     )
-    files: RunFiles = NumberedRuns(Path(config.recorder.folder).expanduser(), config.robot.name)
+    files: RunFiles = NumberedRuns(Path(config.recorder.folder), config.robot.name)
     if wanted is not None:
         refuse_existing(wanted)
         files = OneFile(wanted)
