@@ -40,7 +40,8 @@ class StartBackoff:
         if self._file is None:
             return 0.0
         count, begun = self._read()
-        self.failed = count + 1 if 0.0 <= now - begun < HEALTHY_S else 0
+        # Before ``begun`` in its pause, after it in its first minute.
+        self.failed = count + 1 if -PAUSES_S[-1] <= now - begun < HEALTHY_S else 0
         pause = PAUSES_S[min(self.failed, len(PAUSES_S) - 1)]
         try:
             self._file.write_text(f"{self.failed} {now + pause:.3f}")

@@ -19,6 +19,11 @@ def test_pauses_grow_while_every_start_fails_and_end_at_half_a_minute(tmp_path):
     assert pauses == [0.0, 0.0, 2.0, 4.0, 8.0, 16.0, 30.0, 30.0, 30.0, 30.0]
 
 
+def test_agent_killed_in_its_pause_has_failed_too(tmp_path):
+    pauses = [begin(tmp_path, 1000.0 + attempt) for attempt in range(5)]
+    assert pauses == [0.0, 0.0, 2.0, 4.0, 8.0]
+
+
 def test_start_after_a_healthy_minute_waits_for_nothing(tmp_path):
     now = 1000.0
     for _ in range(6):
