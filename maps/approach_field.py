@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from maps.border import Border
 from maps.occupancy_map import FREE, OccupancyMap
+from maps.shortest_paths import NOWHERE, shortest_paths
 
 _TURNING_MARGIN_CM = 3  # beyond the reach of a body that turns on the spot
 _PASSING_MARGIN_CM = 8  # beside a body that drives straight
@@ -20,12 +19,6 @@ _NARROW_COST = 3.0  # cost factor of the narrowest cells, so that wider paths ar
 _BESIDE = 0.30  # m; nearer to the border no wall can be between: it keeps 0.45 m from all walls
 _LOOK_AHEAD = 0.8  # m along the path to the point steered for
 _SNAP = 0.6  # m to the nearest cell with a path, for a robot outside all of them
-_MOVES = np.array(  # (rows, cols) between neighboring cells; 16 directions keep lengths within 3 %
-    [(0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1), (2, -1), (1, -2)]
-)
-_NOWHERE = -1
-
-_Number = TypeVar("_Number", bound=np.generic)
 
 
 class Approach(NamedTuple):
@@ -83,7 +76,7 @@ class ApproachField:
         inside = occupancy.inside(rows, cols)
         goals = np.zeros(occupancy.cells.shape, dtype=np.bool_)
         goals[rows[inside], cols[inside]] = True
-        cost, next_cell = _shortest_paths(self._clearance, goals, body)
+        cost, next_cell = shortest_paths(_cell_costs(self._clearance, goals, body), goals)
         self._distance = cost * occupancy.resolution
         self._next_cell = next_cell
         self._nearest = _nearest_with_path(np.isfinite(cost))
@@ -96,7 +89,7 @@ class ApproachField:
         if math.dist((x, y), foot) < _BESIDE or self._is_passable(x, y, *foot):
             return None
         cell = self._cell_with_path(x, y)
-        if cell == _NOWHERE:
+        if cell == NOWHERE:
             return _NO_PATH
         aim = self._point_ahead(x, y, cell)
         dx, dy = aim[0] - x, aim[1] - y
@@ -110,25 +103,25 @@ class ApproachField:
     def _cell_with_path(self, x: float, y: float) -> int:
         """Return the index of a cell with a path: at (x, y), or near and in line of sight.
 
-        _NOWHERE if there is none.
+        NOWHERE if there is none.
         """
         rows, cols = self._occupancy.cells_at((x, y))
         if not self._occupancy.inside(rows, cols)[0]:
-            return _NOWHERE
+            return NOWHERE
         here = int(rows[0]) * self._clearance.shape[1] + int(cols[0])
         cell = int(self._nearest.flat[here])
-        if cell in (here, _NOWHERE):
+        if cell in (here, NOWHERE):
             return cell
         center = self._center(cell)
         near = math.dist((x, y), center) <= _SNAP
-        return cell if near and self._line_of_sight(x, y, *center) else _NOWHERE
+        return cell if near and self._line_of_sight(x, y, *center) else NOWHERE
 
     def _point_ahead(self, x: float, y: float, cell: int) -> tuple[float, float]:
         """Return the farthest point of the path within _LOOK_AHEAD that a straight line reaches."""
         points = [self._center(cell)]
         while math.dist(points[-1], (x, y)) < _LOOK_AHEAD:
             cell = int(self._next_cell.flat[cell])
-            if cell == _NOWHERE:
+            if cell == NOWHERE:
                 break
             points.append(self._center(cell))
         for point in points[:1:-2]:
@@ -182,79 +175,25 @@ def _clearances(occupancy: OccupancyMap) -> NDArray[np.float32]:
     return np.where(occupancy.cells == FREE, np.maximum(room, 0.0), 0.0).astype(np.float32)
 
 
-def _shortest_paths(
+def _cell_costs(
     clearance: NDArray[np.float32], goals: NDArray[np.bool_], body: BodySize
-) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-    """Return (rows, cols) path lengths in cells to the nearest goal, and each path's next cell.
+) -> NDArray[np.float64]:
+    """Return (rows, cols) the cost factor of each cell, infinite where the body has no room.
 
-    Length infinite and next cell -1 where there is no path; next cell -1 at the goals.
+    It is 1 where the body turns, and more the less room is beside it: the cheapest way through a
+    narrow place is along its middle.
     """
-    node = np.full(clearance.shape, _NOWHERE, dtype=np.int32)
-    cells = np.flatnonzero((clearance >= body.passing_clearance) | (goals & (clearance > 0.0)))
-    node.flat[cells] = np.arange(len(cells))
-    cost = np.full(clearance.shape, np.inf, dtype=np.float32)
-    next_cell = np.full(clearance.shape, _NOWHERE, dtype=np.int32)
-    starts = node[goals & (node != _NOWHERE)]
-    if not len(starts):
-        return cost, next_cell
-    lengths, before, _ = dijkstra(
-        _graph(node, _costs(clearance, body), len(cells)),
-        indices=starts,
-        min_only=True,
-        return_predecessors=True,
-    )
-    cost.flat[cells] = lengths
-    known = before >= 0
-    next_cell.flat[cells[known]] = cells[before[known]]
-    return cost, next_cell
-
-
-def _costs(clearance: NDArray[np.float32], body: BodySize) -> NDArray[np.float64]:
-    """Return (rows, cols) cost factors: 1 where the body turns, more the less room is beside it.
-
-    The cheapest way through a narrow place is along its middle.
-    """
+    passable = (clearance >= body.passing_clearance) | (goals & (clearance > 0.0))
     span = max(body.turning_clearance - body.passing_clearance, 0.01)
     lack = (body.turning_clearance - clearance.astype(np.float64)) / span
-    return 1.0 + (_NARROW_COST - 1.0) * np.clip(lack, 0.0, 1.0)
-
-
-def _graph(
-    node: NDArray[np.int32], factor: NDArray[np.float64], count: int
-) -> csr_array[np.float64]:
-    """Return the graph (nodes, nodes) of the lengths between neighboring cells, times factors."""
-    ones, others, lengths = [], [], []
-    for move in _MOVES:
-        for row, col in (move, -move):
-            here, there = _shifted(node, row, col)
-            joined = (here != _NOWHERE) & (there != _NOWHERE)
-            cost, other_cost = (side[joined] for side in _shifted(factor, row, col))
-            ones.append(here[joined])
-            others.append(there[joined])
-            lengths.append((cost + other_cost) / 2.0 * math.hypot(row, col))
-    edges = (np.concatenate(lengths), (np.concatenate(ones), np.concatenate(others)))
-    return csr_array(edges, shape=(count, count))
-
-
-def _shifted(
-    grid: NDArray[_Number], rows: int, cols: int
-) -> tuple[NDArray[_Number], NDArray[_Number]]:
-    """Return two views of a grid; each cell of the first is (rows, cols) before the second's."""
-
-    def parts(shift: int, size: int) -> tuple[slice, slice]:
-        return slice(max(-shift, 0), size - max(shift, 0)), slice(
-            max(shift, 0), size + min(shift, 0)
-        )
-
-    here_rows, there_rows = parts(rows, grid.shape[0])
-    here_cols, there_cols = parts(cols, grid.shape[1])
-    return grid[here_rows, here_cols], grid[there_rows, there_cols]
+    factor = 1.0 + (_NARROW_COST - 1.0) * np.clip(lack, 0.0, 1.0)
+    return np.where(passable, factor, np.inf)
 
 
 def _nearest_with_path(has_path: NDArray[np.bool_]) -> NDArray[np.int32]:
     """Return (rows, cols) the index of the nearest cell that has a path, -1 if none has."""
     if not has_path.any():
-        return np.full(has_path.shape, _NOWHERE, dtype=np.int32)
+        return np.full(has_path.shape, NOWHERE, dtype=np.int32)
     _, labels = cv2.distanceTransformWithLabels(
         np.where(has_path, 0, 255).astype(np.uint8),
         cv2.DIST_L2,

@@ -38,6 +38,12 @@ FIXED_KEYS: dict[str, Any] = _FORMER_KEYS["fixed"]
 """Keys of earlier configuration files that are constants now, with the value."""
 
 
+_PATHS = (
+    *(("recorder", "folder"), ("memory", "file"), ("patrol", "rules_file"), ("telemetry", "keys")),
+)
+"""Section and key of the paths that are always files or folders of one's own."""
+
+
 class ConfigError(ValueError):
     """An unusable configuration; the message names file, key and remedy."""
 
@@ -81,7 +87,6 @@ class TelemetrySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknow
     keys: Annotated[
         str,
         msgspec.Meta(
-            pattern=r"^$|^/",
             description="Folder of this robot's keys, as `patrol keys` makes it; needed for tls/",
         ),
     ] = ""
@@ -142,7 +147,7 @@ class AgentConfig(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fiel
 
 
 def load_config(path: Path) -> AgentConfig:
-    """Read a robot's TOML file.
+    """Read a robot's TOML file; the paths it names are relative to it.
 
     Raises:
         ConfigError: the file is missing, is not TOML, or has an unknown key, a wrong type or a
@@ -154,11 +159,24 @@ def load_config(path: Path) -> AgentConfig:
         raise ConfigError(
             f"{path}: cannot be read ({error.strerror}); give the path of a robot's TOML file"
         ) from error
-    return _with_model_file(parse_config(content, str(path)), path)
+    return _with_model_file(parse_config(content, str(path), path.parent), path)
 
 
-def parse_config(content: bytes, source: str) -> AgentConfig:
+def place_paths(table: dict[str, Any], folder: Path) -> None:
+    """Make the paths in a configuration's table absolute: they are relative to its file's folder.
+
+    ``map.folder`` and ``base.model`` stay, since they may be names of what is shipped.
+    """
+    for section, key in _PATHS:
+        place = table.get(section)
+        if isinstance(place, dict) and isinstance(path := place.get(key), str) and path:
+            place[key] = str((folder / Path(path).expanduser()).absolute())
+
+
+def parse_config(content: bytes, source: str, folder: Path | None = None) -> AgentConfig:
     """Decode a configuration; ``source`` names it in errors.
+
+    folder: what paths are relative to; None leaves them as they are written.
 
     Raises:
         ConfigError: as ``load_config``.
@@ -167,6 +185,8 @@ def parse_config(content: bytes, source: str) -> AgentConfig:
         table = read_toml(content)
     except TomlError as error:
         raise ConfigError(f"{source}: is not TOML: {error}; correct that line") from error
+    if folder is not None:
+        place_paths(table, folder)
     for place, value in leaves(table):
         if isinstance(value, float) and not math.isfinite(value):
             raise ConfigError(f"{source}: {place}: is {value}; write a finite number")

@@ -1,9 +1,7 @@
 """The rule file: fuzzy sets and the paper's Table I in TOML, checked and built into a fuzzy system.
 
 A set is defined by scikit-fuzzy's membership functions of its break points. It is evaluated exactly
-by ``fuzzy.Trapezoid``; a file on which the two differ is refused. Only the submodule ``membership``
-of skfuzzy is imported. In an agent, which needs SciPy anyway, that takes 0.25 MB and 4 ms (34 MB
-and 0.45 s where SciPy is not loaded yet).
+by ``fuzzy.Trapezoid``; a file on which the two differ is refused.
 """
 
 from __future__ import annotations
@@ -16,10 +14,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from skfuzzy.membership import trapmf, trimf
 
+from robot_agent.light_import import import_lightly
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.fuzzy import MamdaniSystem, Rule, Trapezoid, Variable
+
+_membership = import_lightly("skfuzzy.membership")
 
 RULES_FILE = Path(__file__).with_name("rules.toml")
 
@@ -308,8 +308,9 @@ def _fuzzy_set(points: Sequence[float]) -> Trapezoid:
     corners = sorted({x for x in points if math.isfinite(x)} or {0.0})
     between = [(x + y) / 2.0 for x, y in pairwise(corners)]
     places = [corners[0] - 1.0, *corners, *between, corners[-1] + 1.0]
+    shape = _membership.trapmf if c else _membership.trimf
     with np.errstate(invalid="ignore"):  # infinity minus infinity is NaN, detected below
-        degrees = (trapmf if c else trimf)(np.array(places), np.array(points)).tolist()
+        degrees = shape(np.array(places), np.array(points)).tolist()
     for x, degree in zip(places, degrees, strict=True):
         if degree != exact(x):
             raise ValueError(f"gives no degree at {x:g}, let no side rise or fall for ever")

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from drivers.camera_source import CameraSettings
 from maps.pose import Pose
 from robot_agent.messages.blob import Blob
+from robot_agent.perception.assignment import cheapest_pairs
 from robot_agent.perception.band_detector import BAND_RANGE
 from robot_agent.perception.track import Track
 
@@ -24,7 +24,6 @@ _HALF_WIDTH = 0.25  # m of a robot
 _MIN_SHARE = 0.4  # of its width that must be in the picture for a band to be found
 _NEAREST = 0.4  # m from the lens to the middle; nearer robots fill the picture
 _BODY = 0.5  # m; laser points nearer to the lens than a body's middle by more may occlude it
-_FAR = 1e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,18 +134,16 @@ def _assign(sighted: Sequence[_Sighted], blobs: Sequence[Blob]) -> dict[int, flo
     """Return the confidence of the band assigned to each track that has one, by track index."""
     if not sighted or not blobs:
         return {}
-    cost = np.array([[_distance(each, blob) for blob in blobs] for each in sighted])
-    cost[cost > _GATE] = _FAR
-    rows, columns = linear_sum_assignment(cost)
-    return {
-        sighted[row].index: blobs[column].confidence
-        for row, column in zip(rows.tolist(), columns.tolist(), strict=True)
-        if cost[row, column] < _FAR
-    }
+    cost = [[_gate_distance(each, blob) for blob in blobs] for each in sighted]
+    return {sighted[row].index: blobs[column].confidence for row, column in cheapest_pairs(cost)}
 
 
-def _distance(each: _Sighted, blob: Blob) -> float:
-    """Return the squared Mahalanobis distance of a band from the expected one of a track."""
+def _gate_distance(each: _Sighted, blob: Blob) -> float:
+    """Return the squared Mahalanobis distance of a band from a track's expected one.
+
+    Infinite beyond the gate.
+    """
     bearing = (blob.bearing - each.band_bearing) / each.bearing_sigma
     off = blob.range + _SURFACE - each.distance
-    return bearing**2 + off**2 / (each.distance_sigma**2 + blob.range_sigma**2)
+    squared = bearing**2 + off**2 / (each.distance_sigma**2 + blob.range_sigma**2)
+    return squared if squared <= _GATE else math.inf

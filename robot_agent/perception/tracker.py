@@ -7,13 +7,13 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
 from drivers.camera_source import CameraSettings
 from maps.border import Border
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
 from robot_agent.messages.blob import Blob
+from robot_agent.perception.assignment import cheapest_pairs
 from robot_agent.perception.band_matching import BandMatcher
 from robot_agent.perception.pose_sigma import USUAL_POSE_SIGMA, PoseSigma
 from robot_agent.perception.scan_points import move_points
@@ -36,7 +36,6 @@ _TENTATIVE_MISSES = 2  # scans in a row that end an unconfirmed track
 _SEEN_LATELY = 0.35  # s before a picture within which a track's position holds for the picture
 _PICTURES_PAUSE = 1.0  # s without a clear picture, after which the laser alone classifies
 _ONE_BODY = 0.35  # m; two objects' centres are never nearer to each other
-_FAR = 1e6
 
 
 class TeammateTracker:
@@ -251,18 +250,14 @@ class TeammateTracker:
         taken: set[int] = set()
         matched: set[int] = set()
         if self._filters and detections:
-            cost = np.array(
-                [
-                    [each.gate_distance(detection, self._gate_distance) for detection in detections]
-                    for each in self._filters
-                ]
-            )
-            cost[np.isinf(cost)] = _FAR
-            for i, j in zip(*(each.tolist() for each in linear_sum_assignment(cost)), strict=True):
-                if cost[i, j] < _FAR:
-                    matched.add(i)
-                    taken.add(j)
-                    self._filters[i].hit(t, detections[j])
+            cost = [
+                [each.gate_distance(detection, self._gate_distance) for detection in detections]
+                for each in self._filters
+            ]
+            for i, j in cheapest_pairs(cost):
+                matched.add(i)
+                taken.add(j)
+                self._filters[i].hit(t, detections[j])
         for i, each in enumerate(self._filters):
             if i not in matched:
                 each.miss()

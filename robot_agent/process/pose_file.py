@@ -52,7 +52,7 @@ class PoseFile:
     def keep(self, payload: bytes) -> None:
         """Store the payload of a ``Remember`` effect atomically; ``{}`` deletes the file.
 
-        Sets ``failed`` on an OSError.
+        Sets ``failed`` on an OSError, and clears it once a pose is stored.
         """
         try:
             if payload == b"{}":
@@ -63,6 +63,7 @@ class PoseFile:
             new = self._path.with_name(self._path.name + ".new")
             new.write_bytes(msgspec.json.encode(_Content(self._robot, self._map, pose)))
             new.replace(self._path)
+            self.failed = ""
         except OSError as error:
             self._fail("pose not kept", error)
 

@@ -157,7 +157,7 @@ class Runtime:
                 self._camera.start()
             for link in self._links.values():
                 link.start()
-            self._notifier.ready()
+            self._notifier.running()
             try:
                 self._serve()
             except BaseException:
@@ -228,10 +228,10 @@ class Runtime:
             self._publish_process(now)
 
     def _publish_process(self, t: float) -> None:
-        """Publish and record the process report, and failures of recorder and telemetry."""
+        """Publish and record the process report, and failures of what runs beside the loop."""
         lost, trouble = 0, ""
         if self._recorder is not None:
-            lost, trouble = self._recorder.lost, self._recorder.failed
+            lost, trouble = self._recorder.lost, self._recorder.trouble
         report = encode(
             self._watch.report(lost, trouble, self._telemetry.dropped, self._telemetry.connected)
         )
@@ -239,8 +239,20 @@ class Runtime:
         if not trouble and lost:
             trouble = "the disk was full or too slow: parts of the recording are lost"
         self._publish_trouble("recorder", trouble, t)
+        self._publish_trouble("pose file", self._pose_trouble(), t)
+        journal = (
+            "takes no lines: they wait, and the oldest are lost" if self._journal.hangs else ""
+        )
+        self._publish_trouble("journal", journal, t)
         self._publish_trouble("telemetry", self._telemetry.failed, t)
         self._publish_trouble("clock", clock_trouble(time.time()), t)
+
+    def _pose_trouble(self) -> str:
+        if self._pose_file is None or self._pose_writer is None:
+            return ""
+        return (
+            "the disk hangs: no pose is kept" if self._pose_writer.hangs else self._pose_file.failed
+        )
 
     def _publish_trouble(self, part: str, trouble: str, t: float) -> None:
         """Publish, record and log a failure of a part outside the agent, once per text."""

@@ -9,6 +9,10 @@ import os
 import socket
 from collections.abc import Mapping
 
+START_S = 180.0
+"""s that a start may take before the manager ends it; a slow computer needs half a minute at boot
+for the imports, and a start after failed ones waits as long."""
+
 
 class ServiceNotifier:
     """Sends notifications to systemd; does nothing if the agent was not started as a service.
@@ -24,9 +28,20 @@ class ServiceNotifier:
         self.period = int(timeout_us) / 1e6 / 3.0 if timeout_us.isdecimal() else None
         self._sent_at = 0.0
 
-    def ready(self) -> None:
-        """Notify that the agent is running, with its devices present or not."""
-        self._send("READY=1\nSTATUS=patrolling agent started")
+    def starting(self, words: str = "starting") -> None:
+        """Notify that the service is up, so that nobody waits for it; the agent follows.
+
+        The watchdog has patience for START_S, until ``running``. words: status for people.
+        """
+        patience = f"\nWATCHDOG_USEC={START_S * 1e6:.0f}" if self.period is not None else ""
+        self._send(f"READY=1\nSTATUS={words}{patience}")
+
+    def running(self) -> None:
+        """Notify that the agent runs, with its devices present or not; ``alive`` must follow."""
+        patience = ""
+        if self.period is not None:
+            patience = f"\nWATCHDOG_USEC={self.period * 3e6:.0f}\nWATCHDOG=1"
+        self._send(f"STATUS=patrolling agent started{patience}")
 
     def alive(self, t: float) -> None:
         """Trigger the watchdog if due at t; call in every cycle of the control loop."""

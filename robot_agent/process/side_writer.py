@@ -6,9 +6,13 @@ robot and have the agent killed.
 
 from __future__ import annotations
 
+import math
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
+
+from robot_agent.recording.recorder import HANG_S
 
 CLOSE_S = 1.0
 """s to wait for the last payloads at the end."""
@@ -28,8 +32,14 @@ class SideWriter:
         self._capacity = capacity
         self._changed = threading.Condition()
         self._ending = False
+        self._writes_since = math.inf
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
+
+    @property
+    def hangs(self) -> bool:
+        """Whether the present write has taken HANG_S."""
+        return time.monotonic() - self._writes_since > HANG_S
 
     def put(self, payload: bytes) -> None:
         """Queue a payload; never waits."""
@@ -56,4 +66,6 @@ class SideWriter:
                 if not self._waiting:
                     return
                 payload = self._waiting.popleft()
+            self._writes_since = time.monotonic()
             self._write(payload)
+            self._writes_since = math.inf

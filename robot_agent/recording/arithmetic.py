@@ -59,15 +59,18 @@ def _loops() -> str:
 
 def _kernels() -> str:
     """Return the name of the kernels of the OpenBLAS that numpy has loaded, or "unknown"."""
-    for line in _LOADED.read_text().splitlines() if _LOADED.exists() else ():
-        path = line.split(maxsplit=5)[-1]
-        if "openblas" in path:
-            library = ctypes.CDLL(path)
-            for name in _KERNEL_NAMES:
-                if hasattr(library, name):
-                    get_name = getattr(library, name)
-                    get_name.restype = ctypes.c_char_p
-                    return str(get_name().decode())
+    if not _LOADED.exists():
+        return "unknown"
+    loaded = {line.split(maxsplit=5)[-1] for line in _LOADED.read_text().splitlines()}
+    libraries = [path for path in loaded if "openblas" in path]
+    # OpenCV's wheel brings another one, which has other names for its kernels.
+    for path in sorted(libraries, key=lambda path: ("numpy" not in path, path)):
+        library = ctypes.CDLL(path)
+        for name in _KERNEL_NAMES:
+            if hasattr(library, name):
+                get_name = getattr(library, name)
+                get_name.restype = ctypes.c_char_p
+                return str(get_name().decode())
     return "unknown"
 
 

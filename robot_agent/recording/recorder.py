@@ -32,6 +32,8 @@ RESUME_MB = 10.0
 """Room above the bounds from which a paused recording goes on: some minutes of it."""
 CLOSE_S = 5.0
 """s to wait for a hanging disk at the end."""
+HANG_S = 5.0
+"""A disk that has not taken a write for this long hangs, s; slow ones take one or two."""
 CAPACITY = 20_000
 """Records that may wait for the disk: about a minute of a robot's traffic."""
 
@@ -73,6 +75,7 @@ class Recorder:
         self._unmarked = 0  # dropped since the last gap mark
         self._last_t = 0.0
         self._ending = threading.Event()
+        self._alive_at = time.monotonic()
         # Of the recorder's thread:
         self._wait = retry_after
         self._unwritten = 0  # lost by errors of the disk
@@ -89,6 +92,13 @@ class Recorder:
     def lost(self) -> int:
         """Records that are in no file."""
         return self._dropped + self._unwritten
+
+    @property
+    def trouble(self) -> str:
+        """``failed``, or one line that the disk hangs: what it takes too late will be lost."""
+        if self.failed or time.monotonic() - self._alive_at < HANG_S:
+            return self.failed
+        return f"{self.files.path}: the disk hangs: what it does not take within a minute is lost"
 
     def record_event(self, event: Event) -> None:
         """Queue an event, before the agent handles it."""
@@ -187,6 +197,7 @@ class Recorder:
             raise
         self._gap = 0
         self._wait = self._retry_after
+        self._alive_at = time.monotonic()
         self.failed = ""
         return writer
 
@@ -195,6 +206,7 @@ class Recorder:
         assert self._room is not None
         self._fail(trouble)
         while not self._ending.wait(self._flush_period):
+            self._alive_at = time.monotonic()
             if not self._room.free_space(RESUME_MB):
                 self.failed = ""
                 return False
@@ -203,6 +215,7 @@ class Recorder:
     def _write_until(self, flush_at: float, writer: RecordingWriter) -> bool:
         """Empty the queue repeatedly until ``flush_at``; return whether the recording ends."""
         while True:
+            self._alive_at = time.monotonic()
             ending = self._ending.wait(self._period)
             self._drain(writer)
             if ending or time.monotonic() >= flush_at:

@@ -14,7 +14,7 @@ from robot_agent.config import AgentConfig, format_config
 from robot_agent.recording.arithmetic import arithmetic, processor
 
 SCHEMA_VERSION = 4
-DEPENDENCIES = ("numpy", "scipy", "opencv-python-headless", "filterpy")
+DEPENDENCIES = ("numpy", "opencv-python-headless", "filterpy")
 """Libraries whose arithmetic affects decisions.
 
 shapely and scikit-fuzzy only check loaded files (self-crossing borders, fuzzy sets): another

@@ -138,3 +138,35 @@ def test_name_of_no_model_is_refused_where_the_file_is_loaded(tmp_path: Path) ->
 
 def test_unknown_model_does_not_raise_in_parsing() -> None:
     assert parse_config(b'[base]\nmodel = "p9"\n', "x").base.model == "p9"
+
+
+@pytest.mark.parametrize(
+    ("section", "key"),
+    [
+        ("recorder", "folder"),
+        ("memory", "file"),
+        ("patrol", "rules_file"),
+        ("telemetry", "keys"),
+    ],
+)
+def test_path_is_relative_to_the_robots_file_and_not_to_the_working_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, section: str, key: str
+) -> None:
+    (tmp_path / "robots").mkdir()
+    robot = tmp_path / "robots" / "robot.toml"
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HOME", "/home/robot")
+    for written, expected in {
+        "own/place": str(tmp_path / "robots" / "own" / "place"),
+        "/srv/place": "/srv/place",
+        "~/place": "/home/robot/place",
+        "": "",
+    }.items():
+        robot.write_text(f'[{section}]\n{key} = "{written}"\n')
+        for path in (robot, Path("robots/robot.toml")):
+            assert getattr(getattr(load_config(path), section), key) == expected
+
+
+def test_map_folder_is_relative_to_the_robots_file(tmp_path: Path) -> None:
+    assert find_map("lab", tmp_path) == tmp_path / "lab"
+    assert find_map("../lab", tmp_path) == tmp_path / ".." / "lab"

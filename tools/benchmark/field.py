@@ -19,17 +19,18 @@ from tools.logs.recording import Recording, read_recording
 
 SLOW = 0.2
 """CPU quota that emulates a slow computer: share of one core of this machine."""
-START_LIMIT_S = 5.0
+START_LIMIT_S, SLOW_START_LIMIT_S = 3.0, 5.0
 END_LIMIT_S = 2.0
-MEMORY_LIMIT_MB = 150.0
+MEMORY_LIMIT_MB, CAMERA_MEMORY_LIMIT_MB = 110.0, 130.0
 
 
 def field(_folder_path: Path) -> Iterator[Figure]:
-    """Start the agent, let it patrol and end it by SIGTERM: with a whole core, then with ``SLOW``.
+    """Start the agent, let it patrol and end it by SIGTERM: with a core, a camera, then ``SLOW``.
 
     Where no CPU quota can be set the slow computer yields one figure: NaN, its limit missed.
     """
     yield from _run("", None)
+    yield _memory_with_camera()
     try:
         with closing(CpuLimit(SLOW)) as limit:
             yield from _run(f"{100 * SLOW:g} % of a core: ", limit)
@@ -56,7 +57,7 @@ def _run(where: str, limit: CpuLimit | None) -> Iterator[Figure]:
         whole = any(isinstance(item, Shutdown) for item in recording.items())
         off_border = max(stage.off_border, 0.0)
     settled = [report for t, report in reports if t > started + SETTLED_S]
-    limit_s = START_LIMIT_S if limit is None else None
+    limit_s = START_LIMIT_S if limit is None else SLOW_START_LIMIT_S
     yield Figure(f"{where}start to first decision", first, "s", limit_s)
     yield Figure(f"{where}SIGTERM to the process's end", ended - signalled, "s", END_LIMIT_S)
     yield Figure(f"{where}robot moved, then stood", float(moved and stands), "", 1.0, at_least=True)
@@ -71,6 +72,21 @@ def _run(where: str, limit: CpuLimit | None) -> Iterator[Figure]:
     latest = max(report.lateness_max for report in settled)
     yield Figure(f"{where}latest event", 1e3 * latest, "ms")
     yield Figure(f"{where}from border at the end", off_border, "m", 0.1)
+
+
+def _memory_with_camera() -> Figure:
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        stage = stack.enter_context(closing(AgentStage(folder, SEED)))
+        stage.mount_camera()
+        started = time.monotonic()
+        stage.start_agent()
+        while stage.step().t < started + SETTLED_S + MEASURED_S:
+            pass
+        stage.end_agent()
+        reports = _process_reports(read_recording(stage.recordings[0]))
+    memory = max(report.memory_mb for _, report in reports)
+    return Figure("with a camera: memory", memory, "MB", CAMERA_MEMORY_LIMIT_MB)
 
 
 def _first_decision(recording: Recording) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import resource
+import shutil
 import signal
 import subprocess
 import threading
@@ -24,10 +25,14 @@ from maps.map_folder import load_map_folder
 from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap, save_map
 from maps.pose import Pose
 from robot_agent.config import AgentConfig, MapSettings, RobotSettings, format_config
+from robot_agent.pose.pose_memory import MemorySettings
 from robot_agent.pose.start_pose import StartPose
 from tools.campaign.cpu_limit import CpuLimit
 from tools.campaign.flood import Flood
+from tools.campaign.journal_pipe import JournalPipe
+from tools.campaign.loop_disk import LoopDisk
 from tools.campaign.order_tap import OrderTap
+from tools.campaign.service_watch import ServiceWatch
 from tools.deploy.child_program import environment, program
 from tools.monitor.endpoint import free_endpoint
 from tools.monitor.operator import Operator
@@ -137,6 +142,13 @@ class AgentStage:
         self.base_cable = Cable(self.base_line, folder / "base")
         self.laser_cable = Cable(self.laser_line, folder / "laser")
         self._camera: CameraServer | None = None
+        self.service = ServiceWatch(folder)
+        self.disk: LoopDisk | None = None
+        """Where recordings go, if it is not ``folder``; made by ``mount_disk``."""
+        self.pose_file: Path | None = None
+        """The file of the pose memory of the agents to come, None for none."""
+        self.journal: JournalPipe | None = None
+        """Where the agents' standard error goes, if it is not to a file each."""
         self._real_time = RealTimeRig(self.rig, (self.base_cable, self.laser_cable))
 
     def close(self) -> None:
@@ -148,6 +160,16 @@ class AgentStage:
         self.laser_cable.pull()
         if self._camera is not None:
             self._camera.close()
+        if self.journal is not None:
+            self.journal.close()
+        self.service.close()
+        if self.disk is not None:
+            self.recordings = [Path(shutil.copy(each, self.folder)) for each in self.recordings]
+            self.disk.close()
+
+    def mount_disk(self) -> None:
+        """Record to a disk of its own from the next agent on; raises NotHereError."""
+        self.disk = LoopDisk(self.folder)
 
     def mount_camera(self) -> None:
         """Add a camera; the next agent started is configured for it."""
@@ -156,6 +178,7 @@ class AgentStage:
     def step(self) -> Moment:
         """Simulate one step in real time; return the state after it."""
         t = self._real_time.step()
+        self.service.step(t)
         if self._camera is not None:
             self._camera.pump(t)
         while self._scheduled and self._scheduled[0][0] <= t:
@@ -211,16 +234,17 @@ class AgentStage:
         number = len(self.recordings) + 1
         config = self.folder / f"robot{number}.toml"
         config.write_text(format_config(self._configure(elsewhere=elsewhere)))
-        self.recordings.append(self.folder / f"robot{number}.mcap")
+        recordings = self.folder if self.disk is None else self.disk.folder
+        self.recordings.append(recordings / f"robot{number}.mcap")
         with (self.folder / f"robot{number}.log").open("wb") as log:
             self._agent = subprocess.Popen(
                 [
                     *program(*self._program(), "agent", str(config)),
                     *("--record", str(self.recordings[-1])),
                 ],
-                env=environment(),
+                env={**environment(), **self.service.environment},
                 start_new_session=True,
-                stderr=log,
+                stderr=log if self.journal is None else self.journal.end,
             )
         if limit is not None:
             limit.hold(self._agent.pid)
@@ -295,5 +319,6 @@ class AgentStage:
             camera=msgspec.structs.replace(
                 defaults.camera, url="" if self._camera is None else self._camera.url
             ),
+            memory=MemorySettings(file="" if self.pose_file is None else str(self.pose_file)),
             telemetry=msgspec.structs.replace(defaults.telemetry, operator=self._endpoint),
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import resource
 import signal
 
@@ -14,6 +15,10 @@ from tools.campaign.fault import (
     do_nothing,
     sending,
 )
+from tools.campaign.journal_pipe import JournalPipe
+
+_HUNG_S = 9.0
+"""s that a disk or pipe hangs: longer than the agent takes for slow, and than its watchdog."""
 
 
 def _fill_disk(stage: AgentStage) -> None:
@@ -22,6 +27,51 @@ def _fill_disk(stage: AgentStage) -> None:
 
 def _free_disk(stage: AgentStage) -> None:
     stage.limit_agent(resource.RLIMIT_FSIZE, resource.RLIM_INFINITY)
+
+
+def _freeze_disk(stage: AgentStage) -> None:
+    assert stage.disk is not None
+    stage.disk.freeze()
+
+
+def _thaw_disk(stage: AgentStage) -> None:
+    assert stage.disk is not None
+    stage.disk.thaw()
+
+
+def _keep_pose(stage: AgentStage) -> None:
+    stage.pose_file = stage.folder / "pose.json"
+
+
+def _hang_pose_file(stage: AgentStage) -> None:
+    """Let the next pose wait for a reader that does not come."""
+    assert stage.pose_file is not None
+    new = stage.pose_file.with_name(stage.pose_file.name + ".new")
+    new.unlink(missing_ok=True)
+    os.mkfifo(new)
+
+
+def _free_pose_file(stage: AgentStage) -> None:
+    assert stage.pose_file is not None
+    new = stage.pose_file.with_name(stage.pose_file.name + ".new")
+    with new.open("rb") as reader:
+        reader.read()
+
+
+def _pipe_journal(stage: AgentStage) -> None:
+    stage.journal = JournalPipe(stage.folder / "journal.log")
+
+
+def _hang_journal(stage: AgentStage) -> None:
+    """Let the pipe take no line, then have the agent write one: that its clock is not set."""
+    assert stage.journal is not None
+    stage.journal.hang()
+    stage.signal_agent(signal.SIGUSR1)
+
+
+def _free_journal(stage: AgentStage) -> None:
+    assert stage.journal is not None
+    stage.journal.go_on()
 
 
 def _take_memory(stage: AgentStage) -> None:
@@ -98,6 +148,34 @@ COMPUTER_FAULTS: tuple[Fault, ...] = (
         _fill_disk,
         _free_disk,
         Expected.MAY_PATROL,
+    ),
+    Fault(
+        "disk-hangs",
+        "disk of the recording takes no write for 9 s",
+        _freeze_disk,
+        _thaw_disk,
+        Expected.PATROLS_ON,
+        prepare=lambda stage: stage.mount_disk(),
+        lasts=_HUNG_S,
+    ),
+    Fault(
+        "pose-file-hangs",
+        "file of the pose memory takes no write for 9 s",
+        _hang_pose_file,
+        _free_pose_file,
+        Expected.PATROLS_ON,
+        prepare=_keep_pose,
+        lasts=_HUNG_S,
+    ),
+    Fault(
+        "journal-hangs",
+        "journal takes no line for 9 s",
+        _hang_journal,
+        _free_journal,
+        Expected.PATROLS_ON,
+        prepare=_pipe_journal,
+        lasts=_HUNG_S,
+        sabotage="clock",
     ),
     Fault(
         "memory-gone",

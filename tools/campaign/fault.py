@@ -32,6 +32,8 @@ class Expected(StrEnum):
     """The base's controller or watchdog must stop the robot."""
     MAY_PATROL = "may patrol"
     """The robot may go on patrolling; a stop is no failure."""
+    PATROLS_ON = "patrols on"
+    """The robot must go on patrolling, its service's watchdog fed, and say what is wrong."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +43,7 @@ class Fault:
     lasts: duration, s. back_within: limit, s, from the fault's end until the device is back in
     service; None where the device itself determines it. order_within: limit, s, of the agent's
     order to stand, None for the usual one; recover_within: likewise, until the robot patrols again.
+    prepare: makes what the fault needs, before the agent starts.
     sabotage: fault of the agent process at SIGUSR1 (``sabotaged_agent``), empty for none.
     to_border: the robot counts as patrolling only when it is back on its border.
     """
@@ -50,6 +53,7 @@ class Fault:
     begin: Callable[[AgentStage], None]
     end: Callable[[AgentStage], None]
     expected: Expected
+    prepare: Callable[[AgentStage], None] = lambda _stage: None
     lasts: float = 4.0
     back_within: float | None = None
     order_within: float | None = None

@@ -16,6 +16,7 @@ from pathlib import Path
 
 from tools.campaign.agent_stage import AgentStage, Moment
 from tools.campaign.fault import Fault, FaultError
+from tools.campaign.loop_disk import NotHereError
 from tools.campaign.reaction import (
     AGENT_LIMIT_S,
     RECOVERY_LIMIT_S,
@@ -53,6 +54,11 @@ def run_fault(fault: Fault, folder: Path, watchdog: float = ADVISED_WATCHDOG_S) 
             stage.start_operator()
         if fault.with_camera:
             stage.mount_camera()
+        try:
+            fault.prepare(stage)
+        except NotHereError as error:
+            reaction.skipped = str(error)
+            return reaction
         stage.start_agent()
         _wait_for_patrol(stage)
         begun = time.monotonic()
@@ -66,6 +72,7 @@ def run_fault(fault: Fault, folder: Path, watchdog: float = ADVISED_WATCHDOG_S) 
             *(stage, max(WATCHED_S, reaction.recover_within)),
             until=lambda seen: patrols(seen) and not (fault.to_border and stage.off_border > 0.15),
         )
+        reaction.hunger = stage.service.longest_hunger(begun, after[-1].t)
         stage.sabotage = ""
         stage.end_agent()
     watched = [moment for moment in stage.trace if begun <= moment.t <= after[-1].t]
@@ -162,7 +169,9 @@ def row(reaction: Reaction) -> tuple[str, ...]:
         _seconds(reaction.recovered),
         str(reaction.contacts),
         f"{reaction.data_lost:.2f}",
-        "; ".join(reaction.complaints) or "ok",
+        "; ".join(reaction.complaints)
+        or (reaction.skipped and f"skipped: {reaction.skipped}")
+        or "ok",
     )
 
 

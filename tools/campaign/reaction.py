@@ -13,6 +13,7 @@ from robot_agent.messages.foxglove import Log
 from robot_agent.messages.streams import StatusPayload, decode
 from tools.campaign.agent_stage import Moment
 from tools.campaign.fault import Expected, Fault
+from tools.campaign.service_watch import WATCHDOG_S
 from tools.logs.recording import read_recording
 
 STEADY_S = 0.7
@@ -32,6 +33,7 @@ SAMPLING_S = 0.05
 """Tolerance for the emulator's steps and watchdog on a loaded machine, s."""
 
 _DEVICES = ("base", "laser", "camera")
+_BESIDE_THE_LOOP = ("recorder", "pose file", "journal")
 _HEALTHY = ("port open", "pictures come")
 STANDING_FIRST = ("", "STOP", "VEL 0", "RVEL 0", "CLOSE", "ENABLE 0")
 
@@ -66,6 +68,10 @@ class Reaction:
     first_order: str = ""
     """First motion order after the fault's end, of the new session if there is one."""
     contacts: int = 0
+    hunger: float = 0.0
+    """Longest time in which the service's watchdog was not fed, s."""
+    skipped: str = ""
+    """Why this machine cannot make the fault; empty if it can."""
     data_lost: float = 0.0
     """Time at the ends of the runs that is missing in their recordings, s."""
     complaints: list[str] = field(default_factory=list)
@@ -118,6 +124,9 @@ def _stays_standing(moments: Sequence[Moment]) -> bool:
 
 def measure_detection(reaction: Reaction, begun: float, until: float, recording: Path) -> None:
     """Set the detection: the first event or status about it, or an earlier standing order."""
+    if reaction.expected is Expected.PATROLS_ON:
+        reaction.detected, reaction.detected_by = _told_by_process(recording, begun, until)
+        return
     for t, item in _published(recording, begun):
         if t <= until and (alarm := _alarm(item)):
             reaction.detected, reaction.detected_by = t - begun, alarm
@@ -126,6 +135,18 @@ def measure_detection(reaction: Reaction, begun: float, until: float, recording:
         reaction.detected is None or reaction.ordered < reaction.detected
     ):
         reaction.detected, reaction.detected_by = reaction.ordered, reaction.ordered_by
+
+
+def _told_by_process(path: Path, begun: float, until: float) -> tuple[float | None, str]:
+    """Return when and as which part the process first told of a trouble beside its loop."""
+    recording = read_recording(path)
+    start = 1e-9 * recording.header.start_monotonic_ns
+    for _, t, payload in recording.messages(("process_log",)):
+        log = decode("event", payload)
+        assert isinstance(log, Log)
+        if begun <= start + t <= until and log.name in _BESIDE_THE_LOOP:
+            return start + t - begun, f"event: {log.name}"
+    return None, ""
 
 
 def first_scan(ended: float, recording: Path) -> float | None:
@@ -183,11 +204,15 @@ def _alarm(item: Publish) -> str:
 
 def complaints(reaction: Reaction) -> list[str]:
     """Return the limits that the reaction misses."""
-    found = []
+    found: list[str] = []
+    if reaction.skipped:
+        return found
     if reaction.contacts:
         found.append(f"{reaction.contacts} contacts")
     if reaction.recovered is None or reaction.recovered > reaction.recover_within:
         found.append(f"not patrolling within {reaction.recover_within:g} s")
+    if reaction.expected is Expected.PATROLS_ON:
+        return found + _patrol_complaints(reaction)
     if reaction.expected is Expected.MAY_PATROL:
         return found
     by_agent = reaction.expected is Expected.AGENT_STOPS
@@ -201,6 +226,17 @@ def complaints(reaction: Reaction) -> list[str]:
         found.append(f"not back within {reaction.back_within:g} s")
     if reaction.first_order not in STANDING_FIRST:
         found.append(f"first order after it was {reaction.first_order}")
+    return found
+
+
+def _patrol_complaints(reaction: Reaction) -> list[str]:
+    found = []
+    if reaction.ordered is not None:
+        found.append("ordered to stand")
+    if reaction.detected is None:
+        found.append("nothing was said")
+    if reaction.hunger > WATCHDOG_S:
+        found.append(f"watchdog not fed for {reaction.hunger:.1f} s")
     return found
 
 

@@ -1,31 +1,19 @@
-"""``patrol agent ROBOT.toml``: the onboard process."""
+"""``patrol agent ROBOT.toml``: the onboard process.
+
+The service is ready at once: what takes long, the imports, comes after.
+"""
 
 from __future__ import annotations
 
 import argparse
-import ctypes
-import os
+import gc
 import sys
-from contextlib import ExitStack
+import time
 from pathlib import Path
 from typing import NoReturn
 
-import cv2
-import msgspec
-
-from maps.map_folder import MapFolder
-from robot_agent.agent import Agent
-from robot_agent.config import AgentConfig, ConfigError, format_config, load_config
-from robot_agent.process.journal import Journal
-from robot_agent.process.pose_file import PoseFile
-from robot_agent.process.runtime import Clock, DeviceFilterError, Runtime, end_on_signals
-from robot_agent.process.settings_list import format_settings, list_settings
-from robot_agent.process.telemetry import Telemetry
-from robot_agent.recording.recorder import Recorder
-from robot_agent.recording.recording_retention import RecordingRetention
-from robot_agent.recording.run_files import NumberedRuns, OneFile, RunFiles, refuse_existing
-from robot_agent.recording.run_header import header_of_run
-from tools.preflight.doctor import NeverDrivesError, load_patrol_map
+from robot_agent.process.service_notifier import ServiceNotifier
+from robot_agent.process.start_backoff import StartBackoff
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -48,6 +36,8 @@ class _ListSettings(argparse.Action):
     """Print the settings and exit, as ``--help`` does: no configuration file is needed."""
 
     def __call__(self, parser: argparse.ArgumentParser, *_: object) -> NoReturn:
+        from robot_agent.process.settings_list import format_settings, list_settings
+
         print(format_settings(list_settings()))
         parser.exit()
 
@@ -58,86 +48,30 @@ def run(options: argparse.Namespace) -> int:
     A configuration that can never patrol ends it with a status of its own, with which the service
     is not started again.
     """
-    try:
-        return _run(options)
-    except ConfigError as error:
-        print(f"patrol agent: {error}", file=sys.stderr)
-        return os.EX_CONFIG
-    except DeviceFilterError as error:
-        print(f"patrol agent: {error}", file=sys.stderr)
-        return 1
-
-
-def _run(options: argparse.Namespace) -> int:
-    config = load_config(options.config)
     if options.print_config:
-        print(format_config(config), end="")
+        from robot_agent.config import format_config, load_config
+
+        print(format_config(load_config(options.config)), end="")
         return 0
-    try:
-        folder = load_patrol_map(config, options.config.parent)
-    except NeverDrivesError as error:
-        raise ConfigError(f"{options.config}: can never patrol: {error}") from error
-    cv2.setNumThreads(1)
-    pose_file = make_pose_file(config, folder)
-    if pose_file is not None:
-        config = msgspec.structs.replace(config, remembered=pose_file.load())
-        if pose_file.failed:
-            print(f"patrol agent: {pose_file.failed}", file=sys.stderr)
-    clock = Clock()
-    with ExitStack() as stack:
-        recorder = make_recorder(options.record, config, folder, clock)
-        if recorder is not None:
-            stack.callback(recorder.close)
-        telemetry = Telemetry(config.telemetry, robot=config.robot.name, team=config.robot.team)
-        stack.callback(telemetry.close)
-        agent = Agent(config, folder, clock.start_wall_ns)
-        trim_memory()
-        runtime = Runtime(agent, clock, recorder, telemetry, Journal(sys.stderr), pose_file)
-        end_on_signals(runtime)
-        print(f"patrol agent: {config.robot.name} started", file=sys.stderr, flush=True)
-        runtime.run()
-    if recorder is not None and (recorder.failed or recorder.lost):
-        trouble = recorder.failed or f"{recorder.lost} records lost, the disk was full or too slow"
-        print(f"patrol agent: {trouble}", file=sys.stderr)
-    if pose_file is not None and pose_file.failed:
-        print(f"patrol agent: {pose_file.failed}", file=sys.stderr)
-    print(f"patrol agent: {config.robot.name} ended", file=sys.stderr)
-    return 0
+    backoff = StartBackoff()
+    wait_for_start(backoff)
+    gc.disable()  # a start only adds objects: looking for others costs a tenth of its time
+    from tools.deploy.onboard_process import run_robot
+
+    status = run_robot(options.config, options.record)
+    if status == 0:
+        backoff.ended_well()
+    return status
 
 
-def make_pose_file(config: AgentConfig, folder: MapFolder) -> PoseFile | None:
-    """Return the file that keeps the robot's pose over restarts, or None if none is configured."""
-    if not config.memory.file:
-        return None
-    return PoseFile(Path(config.memory.file).expanduser(), config.robot.name, folder)
-
-
-def trim_memory() -> None:
-    """Return freed heap memory to the operating system; does nothing where glibc is missing."""
-    trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
-    if trim is not None:
-        trim(0)
-
-
-def make_recorder(
-    wanted: Path | None, config: AgentConfig, folder: MapFolder, clock: Clock
-) -> Recorder | None:
-    """Create and start the flight recorder.
-
-    wanted: file of ``--record``; None: a new file in the configured folder. Returns None if neither
-    is given. Raises RecordingExistsError if the wanted file exists.
-    """
-    if wanted is None and not config.recorder.folder:
-        return None
-    header = header_of_run(
-        config,
-        folder,
-        source="live",
-        start_wall_ns=clock.start_wall_ns,
-        start_monotonic_ns=clock.start_monotonic_ns,
-    )
-    files: RunFiles = NumberedRuns(Path(config.recorder.folder).expanduser(), config.robot.name)
-    if wanted is not None:
-        refuse_existing(wanted)
-        files = OneFile(wanted)
-    return Recorder(files, header, room=RecordingRetention(files, config.recorder))
+def wait_for_start(backoff: StartBackoff) -> None:
+    """Tell the service manager that the service is up; make the pause after failed starts."""
+    pause = backoff.begin(time.monotonic())
+    notifier = ServiceNotifier()
+    if not pause:
+        notifier.starting()
+        return
+    words = f"failed {backoff.failed} times within a minute of its start, waits {pause:g} s"
+    notifier.starting(words)
+    print(f"patrol agent: {words}", file=sys.stderr, flush=True)
+    time.sleep(pause)

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from robot_agent.config import load_config
+from tools.deploy.service_sandbox import run_in_sandbox
 from tools.number_range import positive
 from tools.preflight.doctor import TRIAL_LIMIT_S, examine, is_fit
 from tools.preflight.finding import Finding, Verdict
@@ -29,6 +30,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "Nothing moves, but for --watchdog-test. Ends with status 0 when the robot may patrol,\n"
         "1 when something failed; warnings do not count. In a unit:\n"
         "ExecStartPre=patrol doctor /etc/patrol/robot1.toml"
+        "\n\nWhat the service itself may open and read: "
+        "sudo patrol doctor --as-service /etc/patrol/robot1.toml"
     )
     parser.add_argument("config", type=Path, metavar="ROBOT.toml", help="the robot's configuration")
     parser.add_argument("--json", action="store_true", help="print JSON instead of a table")
@@ -43,10 +46,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--limit", type=positive, default=TRIAL_LIMIT_S, metavar="S", help="wait for silent devices"
     )
+    parser.add_argument(
+        "--as-service",
+        action="store_true",
+        help="in the sandbox of the service, as its user; with sudo, where systemd runs",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
     """Check one robot and print the findings; return 0 if it may patrol, else 1."""
+    if options.as_service:
+        return run_in_sandbox(words_of(options))
     if options.watchdog_test:
         if not (options.wheels_off_ground or wheels_are_off_ground()):
             print("patrol doctor: nothing was moved", file=sys.stderr)
@@ -70,6 +80,17 @@ def run(options: argparse.Namespace) -> int:
     elif not (sys.stdout.isatty() and print_table(findings)):
         print("\n".join(plain_lines(findings)))
     return 0 if is_fit(findings) else 1
+
+
+def words_of(options: argparse.Namespace) -> list[str]:
+    """Return the command line of these options without ``--as-service``."""
+    flags = {
+        "--json": options.json,
+        "--watchdog-test": options.watchdog_test,
+        "--wheels-off-ground": options.wheels_off_ground,
+    }
+    given = [flag for flag, is_given in flags.items() if is_given]
+    return ["doctor", str(options.config.absolute()), *given, "--limit", f"{options.limit:g}"]
 
 
 def wheels_are_off_ground() -> bool:

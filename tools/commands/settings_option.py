@@ -5,7 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from robot_agent.config import AgentConfig, parse_config
+import tomli_w
+
+from maps.toml_text import read_toml
+from robot_agent.config import AgentConfig, parse_config, place_paths
 from tools.logs.recorded_config import changed_config
 
 
@@ -35,7 +38,7 @@ def chosen_config(options: argparse.Namespace) -> AgentConfig:
 
 
 def robots_file(options: argparse.Namespace) -> bytes:
-    """Return the content of ``--config``, checked; empty without the option.
+    """Return ``--config``, checked, its paths absolute, as TOML; empty without the option.
 
     Raises ConfigError, and OSError for a file that cannot be read.
     """
@@ -43,4 +46,6 @@ def robots_file(options: argparse.Namespace) -> bytes:
         return b""
     content: bytes = options.config.read_bytes()
     parse_config(content, str(options.config))
-    return content
+    table = read_toml(content)
+    place_paths(table, options.config.parent)
+    return tomli_w.dumps(table).encode()

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from maps.map_folder import MAP_FILE
-from robot_agent.config import AgentConfig, load_config
+from robot_agent.config import AgentConfig, load_config, parse_config
 from tools.deploy.service_paths import examine_paths
 from tools.preflight.doctor import NeverDrivesError, load_patrol_map
 from tools.preflight.finding import Finding, Verdict, failed, ok, warning
@@ -117,13 +117,15 @@ def _write(done: Deployment, path: Path, content: str | bytes) -> None:
 
 
 def _drivable(path: Path) -> AgentConfig:
-    """Return a configuration; raises DeploymentError if it could never patrol."""
-    config = load_config(path)
+    """Return a configuration, its paths as they are written: they will be relative to CONFIGS.
+
+    Raises DeploymentError if it could never patrol.
+    """
     try:
-        load_patrol_map(config, path.parent)
+        load_patrol_map(load_config(path), path.parent)
     except NeverDrivesError as error:
         raise DeploymentError(f"{path}: can never patrol: {error}") from error
-    return config
+    return parse_config(path.read_bytes(), str(path))
 
 
 def _program(program: Path) -> Finding:

@@ -21,7 +21,10 @@ _PRIVATE = (Path("/tmp"), Path("/var/tmp"))  # noqa: S108 - named because it mus
 
 
 def examine_paths(config: AgentConfig, user: str) -> list[Finding]:
-    """Check every path of a configuration outside /etc/patrol as the service's user meets it."""
+    """Check every path of a configuration outside /etc/patrol as the service's user meets it.
+
+    The paths are as they are written. Map, rules and model may be relative: they are copied.
+    """
     findings = [
         *(_examine_read(key, path, user) for key, path in _paths_read(config)),
         *(_examine_write(key, path) for key, path in _paths_written(config)),
@@ -36,7 +39,7 @@ def _paths_read(config: AgentConfig) -> Iterator[tuple[str, str]]:
         ("patrol.rules_file", config.patrol.rules_file),
         ("telemetry.keys", config.telemetry.keys),
     ):
-        if path.startswith(("/", "~")):
+        if path.startswith(("/", "~")) or (path and key == "telemetry.keys"):
             yield key, path
 
 
@@ -52,6 +55,9 @@ def _paths_written(config: AgentConfig) -> Iterator[tuple[str, str]]:
 def _examine_read(key: str, path: str, user: str) -> Finding | None:
     if path.startswith("~"):
         return failed(key, f"{path}: ~ is another home for {user}", "write the whole path")
+    if not path.startswith("/"):
+        remedy = f"copy them to a folder that {user} alone may read, and write its whole path"
+        return failed(key, f"{path}: keys are not copied with the robot's file", remedy)
     real = Path(path).resolve()
     if any(real.is_relative_to(private) for private in _PRIVATE):
         return failed(key, f"{path}: the service has a /tmp of its own", f"move it below {STATE}")

@@ -201,7 +201,7 @@ def examine_recorder(folder: str, min_free: int = MIN_DISK_BYTES) -> Finding:
     """Check that recordings can be written to a folder and have ``min_free`` bytes of space."""
     if not folder:
         return skipped("disk", "recorder.folder is not set: nothing is recorded")
-    path = Path(folder).expanduser()
+    path = Path(folder)
     try:
         place = _nearest_existing(path)
         with tempfile.TemporaryFile(dir=place):

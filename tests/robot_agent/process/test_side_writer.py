@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import os
 import threading
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
+import pytest
 
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
@@ -14,6 +17,7 @@ from robot_agent.messages.foxglove import Log, timestamp_at
 from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.streams import encode
 from robot_agent.pose.pose_memory import RememberedPose
+from robot_agent.process import side_writer
 from robot_agent.process.journal import Journal
 from robot_agent.process.pose_file import PoseFile
 from robot_agent.process.side_writer import SideWriter
@@ -44,6 +48,35 @@ def test_a_pose_file_on_a_disk_that_hangs_holds_nobody_up(tmp_path: Path) -> Non
         writer.put(msgspec.json.encode(pose))
     assert writer.lost >= 18
     assert not writer.close(0.05)
+
+
+def test_a_write_that_takes_too_long_hangs_until_it_is_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(side_writer, "HANG_S", 0.05)
+    os.mkfifo(tmp_path / "file")
+    written = threading.Event()
+
+    def write(payload: bytes) -> None:
+        (tmp_path / "file").write_bytes(payload)
+        written.set()
+
+    writer = SideWriter("test", write, 1)
+    assert not writer.hangs
+    writer.put(b"pose")
+    assert until(lambda: writer.hangs)
+    assert (tmp_path / "file").read_bytes() == b"pose"
+    assert written.wait(5.0)
+    assert until(lambda: not writer.hangs)
+    assert writer.close()
+
+
+def until(true: Callable[[], bool]) -> bool:
+    """Wait for a condition for 5 s at most; return whether it came."""
+    give_up = time.monotonic() + 5.0
+    while not true() and time.monotonic() < give_up:
+        time.sleep(0.005)
+    return true()
 
 
 def test_a_stalled_journal_loses_its_oldest_lines_and_holds_nobody_up() -> None:

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
+import time
 from pathlib import Path
 
 import msgspec
+import pytest
 
 from robot_agent.config import AgentConfig, RecorderSettings, format_config
+from robot_agent.messages.events import Tick
+from robot_agent.recording import recorder as recorder_module
+from robot_agent.recording.recorder import Recorder
+from robot_agent.recording.run_files import OneFile
+from robot_agent.recording.run_header import RunHeader
 from tools.deploy.child_program import environment, program
 
 
@@ -22,6 +30,23 @@ def test_folder_that_cannot_be_made_is_reported_and_the_agent_continues(tmp_path
 def test_full_disk_is_reported_and_the_agent_continues(tmp_path: Path) -> None:
     told = words_of_an_agent(tmp_path, RecorderSettings(), "--record", "/dev/full")
     assert any("error: recorder: /dev/full: recording stopped: No space" in line for line in told)
+
+
+def test_disk_that_hangs_is_told_while_records_wait(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recorder_module, "HANG_S", 0.05)
+    pipe = tmp_path / "run.mcap"
+    os.mkfifo(pipe)  # opening it waits for a reader that does not come
+    header = RunHeader("r1", "lab", 1, "1", 0)
+    recorder = Recorder(OneFile(pipe), header, close_wait=0.05)
+    give_up = time.monotonic() + 5.0
+    while not recorder.trouble and time.monotonic() < give_up:
+        recorder.record_event(Tick(1.0))
+        time.sleep(0.005)
+    assert recorder.trouble.startswith(f"{pipe}: the disk hangs")
+    assert recorder.lost == 0
+    recorder.close()
 
 
 def words_of_an_agent(folder: Path, recorder: RecorderSettings, *options: str) -> list[str]:

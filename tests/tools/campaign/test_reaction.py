@@ -147,3 +147,29 @@ def test_table_has_a_row_for_each_reaction() -> None:
     lines: Sequence[str] = markdown([poor, new_reaction(FAULTS[0])]).splitlines()
     assert len({line.count("|") for line in lines[:4]}) == 1
     assert lines[3].split(" | ")[1] == "-"
+
+
+def hung_disk(**changes: object) -> Reaction:
+    """Return a reaction of a robot that patrols on and tells what hangs, with changes."""
+    well = {"expected": Expected.PATROLS_ON, "ordered": None, "detected": 5.4, "hunger": 1.2}
+    return reaction(**{**well, **changes})
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({}, []),
+        ({"ordered": 0.2}, ["ordered to stand"]),
+        ({"detected": None}, ["nothing was said"]),
+        ({"hunger": 3.5}, ["watchdog not fed for 3.5 s"]),
+        ({"detected": None, "recovered": None, "skipped": "mount: it needs root"}, []),
+    ],
+)
+def test_robot_patrols_on_while_a_disk_hangs(
+    changes: dict[str, object], expected: list[str]
+) -> None:
+    assert complaints(hung_disk(**changes)) == expected
+
+
+def test_fault_that_cannot_be_made_here_says_why() -> None:
+    assert row(hung_disk(skipped="mount: it needs root"))[-1] == "skipped: mount: it needs root"

@@ -17,6 +17,12 @@ def chosen(*words: str) -> AgentConfig:
     return chosen_config(parser.parse_args(words))
 
 
+def test_paths_of_the_configuration_are_relative_to_its_file(tmp_path: Path) -> None:
+    robot = tmp_path / "robot.toml"
+    robot.write_text('[patrol]\nrules_file = "own.toml"\n')
+    assert chosen("--config", str(robot)).patrol.rules_file == str(tmp_path / "own.toml")
+
+
 def test_without_the_option_the_configuration_is_the_default() -> None:
     assert chosen() == AgentConfig()
 

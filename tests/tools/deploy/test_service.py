@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from robot_agent.config import ConfigError, load_config, parse_config
+from robot_agent.patrol.rules import RULES_FILE
 from tools.cli import main
 from tools.deploy.service import (
     CAMERA_DRIVERS,
@@ -137,12 +138,26 @@ def test_a_map_beside_the_configuration_is_copied_with_it(tmp_path: Path, config
     assert load_patrol_map(load_config(installed / "robot1.toml"), installed).border is not None
 
 
+def test_rules_beside_the_configuration_are_copied_and_found_from_any_folder(
+    tmp_path: Path, config: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "own.toml").write_bytes(RULES_FILE.read_bytes())
+    config.write_text("[patrol]\nrules_file = 'own.toml'\n")
+    deploy(tmp_path / "root", [config], "patrol", this_program())
+    installed = tmp_path / "root" / "etc" / "patrol"
+    monkeypatch.chdir("/")
+    rules = load_config(installed / "robot1.toml").patrol.rules_file
+    assert rules == str(installed / "own.toml")
+    assert Path(rules).is_file()
+
+
 @pytest.mark.parametrize(
     ("written", "subject", "says"),
     [
         ("[recorder]\nfolder = '/srv/runs'", "recorder.folder", "may write below /var/lib/patrol"),
         ("[memory]\nfile = 'pose.json'", "memory.file", "may write below /var/lib/patrol"),
         ("[telemetry]\nkeys = '/tmp/keys'", "telemetry.keys", "a /tmp of its own"),
+        ("[telemetry]\nkeys = 'keys'", "telemetry.keys", "not copied"),
         ("[recorder]\nfolder = '/var/lib/patrol/runs'", "paths", "can read and write"),
     ],
 )
