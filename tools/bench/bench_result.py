@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any, Protocol
 
 from maps.map_folder import MapFolder
+from robot_agent.config import AgentConfig
 from tools.bench.bench_fault import BenchFault, fault_figures
 from tools.bench.stand_log import StandLog
 from tools.metrics.metrics import RobotRun, bench_figures
@@ -18,6 +19,7 @@ class BenchedFleet(Protocol):
     """A fleet after its run."""
 
     folder: MapFolder
+    config: AgentConfig
     seed: int
     faults: tuple[BenchFault, ...]
     world: World
@@ -46,12 +48,13 @@ def bench_result(
     fleet: BenchedFleet, runs: Sequence[RobotRun], duration: float, wall: float
 ) -> dict[str, Any]:
     """Return the figures of a run of ``duration`` s that took ``wall`` s of real time."""
-    assert fleet.folder.border is not None
+    border, speed = fleet.folder.border, fleet.config.patrol.patrol_speed
+    assert border is not None
     return {
         "robots": len(runs),
         "seed": fleet.seed,
         "duration_s": duration,
         "wall_s": wall,
         "faults": fault_figures(fleet.faults),
-        **bench_figures(fleet.folder.border, runs, fleet.world.contacts, fleet.wrecks()),
+        **bench_figures(border, runs, fleet.world.contacts, speed, fleet.wrecks()),
     }

@@ -83,6 +83,7 @@ class Fleet:
         """
         rng = np.random.default_rng(seed)
         self.folder = folder
+        self.config = config or AgentConfig()
         self.truth = truth or load_truth("plain")
         self.seed = seed
         self.t = 0.0
@@ -96,7 +97,7 @@ class Fleet:
         check_robots(self.faults, [rig.name for rig in rigs])
         self.robots: list[FleetRobot] = []
         for number, rig in enumerate(rigs):
-            settings = _configure(config or AgentConfig(), folder, rig, seed * 1000 + number)
+            settings = _configure(self.config, folder, rig, seed * 1000 + number)
             own = [fault for fault in self.faults if fault.robot == rig.name]
             injector = FaultInjector(own, rig, folder, settings.robot.seed) if own else None
             devices = injector or rig

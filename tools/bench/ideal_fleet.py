@@ -53,7 +53,7 @@ class IdealFleet:
         Raises BenchFaultError for a fault of an unknown robot, or of devices.
         """
         assert folder.border is not None, "robots patrol a border"
-        config = config or AgentConfig()
+        self.config = config = config or AgentConfig()
         rng = np.random.default_rng(seed)
         self.folder, self.seed, self.t = folder, seed, 0.0
         self.world = World(folder.map, rng, load_truth("ideal").noise)

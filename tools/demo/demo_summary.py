@@ -77,7 +77,7 @@ def print_summary(border: Border, runs: Sequence[RobotRun], contacts: int) -> No
     console = Console(highlight=False)
     console.print(_robot_table(border, runs))
     console.print(_action_table(runs))
-    console.print(_meeting_table(runs))
+    console.print(_meeting_table(border, runs))
     console.print(f"contacts: {contacts}")
 
 
@@ -85,7 +85,7 @@ def _robot_table(border: Border, runs: Sequence[RobotRun]) -> Table:
     table = Table(title="distance from border while patrolling (true positions)")
     for column in ("robot", "reached border (s)", "median (m)", "p95 (m)", "max (m)", "meetings"):
         table.add_column(column, justify="left" if column == "robot" else "right")
-    met = meetings(runs)
+    met = meetings(border, runs)
     for run in runs:
         distance = distance_from_border(border, run)
         reached = reach_time(run, distance)
@@ -111,11 +111,11 @@ def _action_table(runs: Sequence[RobotRun]) -> Table:
     return table
 
 
-def _meeting_table(runs: Sequence[RobotRun]) -> Table:
+def _meeting_table(border: Border, runs: Sequence[RobotRun]) -> Table:
     table = Table(title="meetings")
     for column in ("at (s)", "robots", "actions", "closest (m)", "ended"):
         table.add_column(column)
-    for meeting in meetings(runs):
+    for meeting in meetings(border, runs):
         table.add_row(
             f"{meeting.t:.1f}",
             " and ".join(meeting.robots),

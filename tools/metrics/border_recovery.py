@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from maps.border import Border
 from robot_agent.patrol.closing_in import CLOSEST
-from robot_agent.patrol.settings import PatrolSettings
-from tools.metrics.idleness import BESIDE_WRECK, BORDER_STEP, VISIT_RADIUS, BorderVisits
+from tools.metrics.border_visits import BESIDE_WRECK, BORDER_STEP, VISIT_RADIUS, BorderVisits
 from tools.metrics.wreck import Wreck
 
 _TO_SHIFT = CLOSEST - 2.0 * VISIT_RADIUS
@@ -27,14 +26,15 @@ def recovery_figures(
     places: Sequence[NDArray[np.float64]],
     visits: BorderVisits | None,
     wrecks: Sequence[Wreck],
+    speed: float,
 ) -> dict[str, Any]:
     """Return the wrecks with the stretch beside each, and the time until the rest was driven again.
 
     places: positions (n, 2), m, of each remaining robot, at the times of visits. driven_again_s:
     from the last wreck until every point on a stretch with robots was visited, None if one was not;
-    laps: the same in laps round (or along) the border at patrol speed; abandoned_m: length between
-    wrecks without a robot; crowded_m: undriven length of stretches that have no room for their
-    robots to drive all of it.
+    laps: the same in laps round (or along) the border at the patrol's speed, m/s; abandoned_m:
+    length between wrecks without a robot; crowded_m: undriven length of stretches that have no
+    room for their robots to drive all of it.
     """
     if not wrecks:
         return {"wrecks": []}
@@ -55,7 +55,7 @@ def recovery_figures(
     seen = np.asarray(after.any(axis=0))
     first = visits.t[start:][after.argmax(axis=0)] - visits.t[start]
     again = float(first[left_for].max()) if left_for.any() and seen[left_for].all() else None
-    lap = border.length / PatrolSettings().patrol_speed
+    lap = border.length / speed
     return {
         **figures,
         "after_wrecks": {

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from maps.border import Border
 from robot_agent.patrol.actions import PATROLLING, Action
 from tools.metrics.border_recovery import recovery_figures
-from tools.metrics.idleness import border_visits, idleness_figures
-from tools.metrics.intruder_exposure import intruder_figures
-from tools.metrics.settled import settled_figures
+from tools.metrics.border_visits import border_visits
+from tools.metrics.detection_bounds import bound_figures
+from tools.metrics.settled import settled_figures, visit_figures
 from tools.metrics.wreck import Wreck
 
 ARRIVED_M = 0.10
@@ -51,6 +51,8 @@ class Meeting:
     closest_m: float
     parted: bool
     """Whether they separated before the run ended."""
+    crossed: bool
+    """Whether they have changed places along the border."""
 
     @property
     def outcome(self) -> str:
@@ -59,9 +61,10 @@ class Meeting:
             return "still together"
         if Action.AVOID_TEAMMATE in self.actions:
             return "avoided"
-        if set(self.actions) == {Action.PATROL_CLOCKWISE, Action.PATROL_COUNTER_CLOCKWISE}:
-            return "turned back"
-        return "passed by"
+        if self.crossed:
+            return "passed by"
+        turned = {Action.PATROL_CLOCKWISE, Action.PATROL_COUNTER_CLOCKWISE}
+        return "turned back" if turned.issuperset(self.actions) else "one turned back"
 
 
 def distance_from_border(border: Border, run: RobotRun) -> NDArray[np.float64]:
@@ -148,13 +151,13 @@ def interferences(runs: Sequence[RobotRun]) -> int:
     return count
 
 
-def meetings(runs: Sequence[RobotRun]) -> list[Meeting]:
+def meetings(border: Border, runs: Sequence[RobotRun]) -> list[Meeting]:
     """Return all meetings of a run, in order of time."""
-    found = [meeting for a, b in combinations(runs, 2) for meeting in _meetings_of(a, b)]
+    found = [meeting for a, b in combinations(runs, 2) for meeting in _meetings_of(border, a, b)]
     return sorted(found, key=lambda meeting: meeting.t)
 
 
-def _meetings_of(a: RobotRun, b: RobotRun) -> list[Meeting]:
+def _meetings_of(border: Border, a: RobotRun, b: RobotRun) -> list[Meeting]:
     distance = np.hypot(*(a.position - b.position).T)
     near = np.concatenate(([False], distance < MEETING_M, [False]))
     starts = np.flatnonzero(near[1:] & ~near[:-1])
@@ -171,9 +174,17 @@ def _meetings_of(a: RobotRun, b: RobotRun) -> list[Meeting]:
                 actions=actions,
                 closest_m=float(distance[start:end].min()),
                 parted=bool(end < distance.size),
+                crossed=_ahead(border, a, b, start) * _ahead(border, a, b, end - 1) < 0.0,
             )
         )
     return found
+
+
+def _ahead(border: Border, a: RobotRun, b: RobotRun, index: int) -> float:
+    """Return how far b is ahead of a along the border, m, negative if behind."""
+    first, second = border.project_many(np.array([a.position[index], b.position[index]]))[0]
+    ahead = float(second - first)
+    return ahead - border.length * round(ahead / border.length) if border.closed else ahead
 
 
 def _reaction(run: RobotRun, start: int, end: int) -> str:
@@ -190,37 +201,35 @@ def _patrol_figures(
     runs: Sequence[RobotRun],
     distances: Sequence[NDArray[np.float64]],
     wrecks: Sequence[Wreck],
+    speed: float,
 ) -> dict[str, Any]:
-    """Return idleness and related figures from the time on when the last robot has arrived."""
+    """Return idleness and related figures from the time on when the last robot has arrived.
+
+    speed: of the patrol, m/s.
+    """
     arrivals = [arrival_index(distance) for distance in distances]
     reached = [index for index in arrivals if index is not None]
     if not reached:
-        return {
-            **idleness_figures(None),
-            **intruder_figures(None),
-            **recovery_figures(border, [], None, wrecks),
-        }
+        return {**visit_figures(None), **recovery_figures(border, [], None, wrecks, speed)}
     start = max(reached)
     positions = [run.position[start:] for run in runs]
     visits = border_visits(border, positions, runs[0].t[start:], [wreck[:2] for wreck in wrecks])
     stopped = {wreck.robot for wreck in wrecks}
     left = [place for run, place in zip(runs, positions, strict=True) if run.name not in stopped]
-    return {
-        **idleness_figures(visits),
-        **intruder_figures(visits),
-        **recovery_figures(border, left, visits, wrecks),
-    }
+    return {**visit_figures(visits), **recovery_figures(border, left, visits, wrecks, speed)}
 
 
 def bench_figures(
     border: Border,
     runs: Sequence[RobotRun],
     contacts: int,
+    speed: float,
     wrecks: Sequence[Wreck] = (),
 ) -> dict[str, Any]:
     """Return the figures of a run that need only true positions and actions.
 
-    wrecks: robots stopped permanently; the border beside them is left out of the idleness.
+    speed: of the patrol, m/s. wrecks: robots stopped permanently; the border beside them is left
+    out of the idleness.
     """
     distances = [distance_from_border(border, run) for run in runs]
     each = list(zip(runs, distances, strict=True))
@@ -237,10 +246,11 @@ def bench_figures(
                 "closest_m": meeting.closest_m,
                 "outcome": meeting.outcome,
             }
-            for meeting in meetings(runs)
+            for meeting in meetings(border, runs)
         ],
         "interferences": interferences(runs),
-        **_patrol_figures(border, runs, distances, wrecks),
+        **_patrol_figures(border, runs, distances, wrecks, speed),
+        **bound_figures(border, len(runs), speed),
         "settled": settled_figures(
             border, [run.position for run in runs], runs[0].t, [wreck[:2] for wreck in wrecks]
         ),

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from maps.border import Border
-from tools.metrics.idleness import BORDER_STEP, VISIT_RADIUS
+from tools.metrics.border_visits import BORDER_STEP, VISIT_RADIUS
 
 _FAR = 1e6  # m; beyond any map, and its square is finite
 

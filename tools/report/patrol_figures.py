@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from maps.occupancy_map import FREE, OCCUPIED
+from tools.metrics.idleness import longest_of, mean_of
 from tools.metrics.metrics import Meeting, RobotRun, action_share
 from tools.report import style
 from tools.report.team import Team
@@ -284,8 +285,9 @@ def idleness(team: Team) -> Figure | None:
     visits = team.visits
     if visits is None or team.folder.border is None:
         return None
-    worst = np.array([gaps.max(initial=0.0) for gaps in visits.gaps])
-    mean = np.array([gaps.mean() if gaps.size else 0.0 for gaps in visits.gaps])
+    passing = visits.passing
+    worst = np.array([longest_of(place, passing) for place in visits.places])
+    mean = np.array([mean_of(place, passing) for place in visits.places])
     s = np.linspace(0.0, team.folder.border.length, worst.size)
     figure = style.new_figure(2.3)
     axes = figure.subplots()

@@ -12,7 +12,7 @@ import numpy as np
 
 from maps.map_folder import MapFolder, map_folder_from_files
 from tools.logs.recorded_config import parse_old_config
-from tools.metrics.idleness import BorderVisits, border_visits
+from tools.metrics.border_visits import BorderVisits, border_visits
 from tools.metrics.metrics import Meeting, RobotRun, arrival_index, meetings
 from tools.report.alignment import ClockNote
 from tools.report.incidents import Incident, absences, incidents
@@ -67,7 +67,8 @@ class Team:
     @cached_property
     def meetings(self) -> list[Meeting]:
         """All meetings of two robots of the team."""
-        return meetings(self.sampled)
+        border = self.folder.border
+        return [] if border is None else meetings(border, self.sampled)
 
     @cached_property
     def incidents(self) -> list[Incident]:

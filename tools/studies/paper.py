@@ -62,7 +62,9 @@ class PaperRun:
     @property
     def meetings(self) -> list[Meeting]:
         """All meetings that ended within the run."""
-        return [meeting for meeting in meetings(self.runs) if meeting.parted]
+        border = self.folder.border
+        assert border is not None, "the experiment runs on a border"
+        return [meeting for meeting in meetings(border, self.runs) if meeting.parted]
 
 
 @dataclass(frozen=True)

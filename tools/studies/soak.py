@@ -30,7 +30,8 @@ from robot_agent.recording.run_files import NumberedRuns
 from robot_agent.recording.run_header import RunHeader, header_of_run
 from tools.bench.bench_fault import BenchFault, FaultKind
 from tools.bench.fleet import Fleet, FleetRobot
-from tools.metrics.idleness import border_visits, idleness_figures
+from tools.metrics.border_visits import border_visits
+from tools.metrics.idleness import idleness_figures
 from tools.simulation.truth.truth import Truth
 from tools.simulation.world import Contact
 

@@ -25,10 +25,16 @@ def _after_wrecks(figures: dict[str, Any], name: str) -> float | None:
     return value
 
 
-def _intruder(figures: dict[str, Any], dwell: float) -> float | None:
-    """Return the probability of seeing an intruder that dwells so long, s, at the worst place."""
+def _intruder(figures: dict[str, Any], kind: str, dwell: str) -> float | None:
+    """Return the probability of seeing an intruder of a kind that dwells so long, s."""
     seen = figures.get("intruder_seen")
-    return None if seen is None else seen["weakest_place"][seen["dwell_s"].index(dwell)]
+    value: float | None = None if seen is None else seen[kind][dwell]
+    return value
+
+
+def _bits(figures: dict[str, Any], kind: str) -> float | None:
+    value: float | None = figures["unpredictability"][kind]
+    return value
 
 
 Extract = Callable[[dict[str, Any]], float | None]
@@ -36,10 +42,12 @@ Extract = Callable[[dict[str, Any]], float | None]
 COLUMNS: dict[str, Extract] = {
     "idleness_average_s": lambda figures: figures["idleness_s"]["average"],
     "idleness_worst_s": lambda figures: figures["idleness_s"]["worst"],
-    "return_entropy_bit": lambda figures: figures["return_entropy_bit"],
+    "per_place_bit": lambda figures: _bits(figures, "per_place_bit"),
+    "conditional_bit": lambda figures: _bits(figures, "conditional_bit"),
     "settled_idleness_average_s": lambda figures: figures["settled"]["idleness_s"]["average"],
     "settled_idleness_worst_s": lambda figures: figures["settled"]["idleness_s"]["worst"],
-    "settled_return_entropy_bit": lambda figures: figures["settled"]["return_entropy_bit"],
+    "settled_per_place_bit": lambda figures: _bits(figures["settled"], "per_place_bit"),
+    "settled_conditional_bit": lambda figures: _bits(figures["settled"], "conditional_bit"),
     "interferences": lambda figures: figures["interferences"],
     "meetings": lambda figures: len(figures["meetings"]),
     "border_distance_p99_m": lambda figures: figures["border_distance_m"]["p99"],
@@ -52,7 +60,9 @@ COLUMNS: dict[str, Extract] = {
     "undriven_m": lambda figures: _after_wrecks(figures, "undriven_m"),
     "abandoned_m": lambda figures: _after_wrecks(figures, "abandoned_m"),
     "crowded_m": lambda figures: _after_wrecks(figures, "crowded_m"),
-    "intruder_seen_60s": lambda figures: _intruder(figures, 60.0),
+    "random_intruder_60s": lambda figures: _intruder(figures, "random", "60"),
+    "watcher_60s": lambda figures: _intruder(figures, "watcher", "60"),
+    "settled_watcher_60s": lambda figures: _intruder(figures["settled"], "watcher", "60"),
 }
 
 

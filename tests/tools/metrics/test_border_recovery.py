@@ -7,10 +7,11 @@ from numpy.typing import NDArray
 from maps.border import Border
 from maps.border_primitives import Segment
 from tools.metrics.border_recovery import recovery_figures
-from tools.metrics.idleness import BorderVisits, border_visits
+from tools.metrics.border_visits import BorderVisits, border_visits
 from tools.metrics.wreck import Wreck
 
 T = np.arange(0.0, 200.0, 0.1)
+SPEED = 0.7  # m/s
 
 
 @pytest.fixture(scope="module")
@@ -34,11 +35,11 @@ def test_time_until_the_rest_is_driven_again_is_measured(border: Border) -> None
     left = along(17.5 * np.abs(((T - 50.0) / 50.0) % 2.0 - 1.0))
     right = along(26.0 + 4.0 * np.sin(T / 5.0))
     figures = recovery_figures(
-        border, [left, right], visits_of(border, [left, right], [wreck]), [wreck]
+        border, [left, right], visits_of(border, [left, right], [wreck]), [wreck], SPEED
     )
     after = figures["after_wrecks"]
     assert after["driven_again_s"] == pytest.approx(50.0, abs=2.0)
-    assert after["laps"] == pytest.approx(after["driven_again_s"] / (30.0 / 0.35))
+    assert after["laps"] == pytest.approx(after["driven_again_s"] / (30.0 / SPEED))
     assert (after["undriven_m"], after["abandoned_m"]) == (0.0, 0.0)
     (told,) = figures["wrecks"]
     assert told["stretch_m"] == pytest.approx([18.0, 22.0])
@@ -47,7 +48,7 @@ def test_time_until_the_rest_is_driven_again_is_measured(border: Border) -> None
 def test_stretch_between_wrecks_without_robots_is_abandoned(border: Border) -> None:
     wrecks = [Wreck(8.0, 0.0, "robot2", 50.0), Wreck(20.0, 0.0, "robot3", 60.0)]
     left = along(3.0 + 3.0 * np.sin(T / 5.0))
-    after = recovery_figures(border, [left], visits_of(border, [left], wrecks), wrecks)[
+    after = recovery_figures(border, [left], visits_of(border, [left], wrecks), wrecks, SPEED)[
         "after_wrecks"
     ]
     assert after["since_s"] == pytest.approx(60.0)
@@ -58,9 +59,9 @@ def test_stretch_between_wrecks_without_robots_is_abandoned(border: Border) -> N
 def test_undriven_stretch_gives_no_recovery_time(border: Border) -> None:
     wreck = Wreck(20.0, 0.0, "robot2", 50.0)
     standing = along(np.full_like(T, 10.0))
-    after = recovery_figures(border, [standing], visits_of(border, [standing], [wreck]), [wreck])[
-        "after_wrecks"
-    ]
+    after = recovery_figures(
+        border, [standing], visits_of(border, [standing], [wreck]), [wreck], SPEED
+    )["after_wrecks"]
     assert after["driven_again_s"] is None
     assert after["undriven_m"] == pytest.approx(17.5, abs=0.6)
 
@@ -72,11 +73,11 @@ def test_undriven_length_without_room_is_crowded(
     """All robots stand between an end and a wreck at 16 m, evenly spaced."""
     wreck = Wreck(16.0, 0.0, "robot20", 50.0)
     places = [along(np.full_like(T, 1.0 + 13.0 * k / (robots - 1))) for k in range(robots)]
-    figures = recovery_figures(border, places, visits_of(border, places, [wreck]), [wreck])
+    figures = recovery_figures(border, places, visits_of(border, places, [wreck]), [wreck], SPEED)
     after = figures["after_wrecks"]
     assert after["undriven_m"] > 3.0
     assert after["crowded_m"] == (after["undriven_m"] if crowded else 0.0)
 
 
 def test_no_wreck_gives_no_figures(border: Border) -> None:
-    assert recovery_figures(border, [], None, []) == {"wrecks": []}
+    assert recovery_figures(border, [], None, [], SPEED) == {"wrecks": []}

@@ -93,21 +93,38 @@ def test_approach_and_retreat_is_a_meeting_turned_back(border: Border) -> None:
     b = run_along(
         border, 17.6 - approach, name="robot2", action=Action.PATROL_CLOCKWISE, direction=1
     )
-    (meeting,) = meetings([a, b])
+    (meeting,) = meetings(border, [a, b])
     assert meeting.outcome == "turned back"
     assert meeting.closest_m == pytest.approx(closest_approach([a, b]))
     assert meeting.closest_m == pytest.approx(1.6, abs=0.1)
 
 
+def test_one_that_follows_and_turns_has_not_passed(border: Border) -> None:
+    ahead = np.arange(0.0, 6.0, 0.035)
+    behind = np.concatenate([np.arange(0.0, 3.0, 0.07), np.arange(3.0, 0.0, -0.035)])[: len(ahead)]
+    a = run_along(border, 13.0 + ahead[: len(behind)])
+    b = run_along(border, 10.0 + behind, name="robot2", action=Action.PATROL_CLOCKWISE)
+    (meeting,) = meetings(border, [a, b])
+    assert meeting.outcome == "one turned back"
+
+
+def test_robots_that_change_places_pass_each_other(border: Border) -> None:
+    s = np.arange(0.0, 8.0, 0.035)
+    a = run_along(border, s, action=Action.PATROL_CLOCKWISE)
+    b = run_along(border, 8.0 - s, name="robot2")
+    (meeting,) = meetings(border, [a, b])
+    assert meeting.outcome == "passed by"
+
+
 def test_meeting_at_the_end_of_the_run_has_not_parted(border: Border) -> None:
     a = run_along(border, np.full(5, 10.0), action=Action.AVOID_TEAMMATE)
     b = run_along(border, np.full(5, 12.0), name="robot2")
-    (meeting,) = meetings([a, b])
+    (meeting,) = meetings(border, [a, b])
     assert meeting.outcome == "still together"
 
 
 def test_figures_have_the_keys_scripts_rely_on(border: Border) -> None:
-    figures = bench_figures(border, [run_along(border, np.full(20, 3.0))], contacts=0)
+    figures = bench_figures(border, [run_along(border, np.full(20, 3.0))], contacts=0, speed=0.35)
     assert set(figures) >= {
         "contacts",
         "closest_m",
@@ -115,6 +132,9 @@ def test_figures_have_the_keys_scripts_rely_on(border: Border) -> None:
         "reach_s",
         "meetings",
         "idleness_s",
+        "unpredictability",
+        "intruder_seen",
+        "intruder_bound",
         "action_share",
         "longest_avoid_s",
     }

@@ -134,10 +134,10 @@ def test_table_has_a_row_of_summaries_per_case() -> None:
         case = Case((("patrol.reversal_probability", probability),))
         figures = {
             "idleness_s": {"average": worst, "worst": worst},
-            "return_entropy_bit": None,
+            "unpredictability": {"per_place_bit": None, "conditional_bit": None},
             "settled": {
                 "idleness_s": {"average": worst, "worst": worst},
-                "return_entropy_bit": None,
+                "unpredictability": {"per_place_bit": None, "conditional_bit": None},
             },
             "interferences": 0,
             "meetings": [],
