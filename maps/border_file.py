@@ -34,6 +34,7 @@ from maps.rounded_polygon import round_polygon
 from maps.toml_text import TomlError, leaves, read_toml
 
 _MEETING = 1e-3  # m within which two ends are the same point
+_OF_AN_END = 1.0  # m; the ends of an open border have no corner
 
 _Radius = Annotated[float, msgspec.Meta(gt=0.0)]  # m
 _Vertex = Annotated[list[float], msgspec.Meta(min_length=2, max_length=3)]  # x, y[, radius] in m
@@ -99,6 +100,9 @@ def _border_of(entries: BorderEntries) -> Border:
 
 def _radius(entries: BorderEntries, number: int, vertex: list[float]) -> float:
     radius = vertex[2] if len(vertex) == 3 else entries.corner_radius
+    assert entries.vertices is not None
+    if radius is None and not entries.closed and number in (1, len(entries.vertices)):
+        return _OF_AN_END
     if radius is None:
         raise BorderError(f"vertex {number} has no radius, give it one or set 'corner_radius'")
     if radius <= 0.0:

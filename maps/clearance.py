@@ -38,16 +38,34 @@ class BorderPlace:
         return f"x {self.x:.2f}, y {self.y:.2f} (s = {self.abscissa:.2f} m)"
 
 
+@dataclass(frozen=True, slots=True)
+class NarrowStretch:
+    """A stretch of a border with too little clearance: from and to abscissae, m, and its worst.
+
+    least: m, at ``narrowest``.
+    """
+
+    start: float
+    end: float
+    least: float
+    narrowest: BorderPlace
+
+    def __str__(self) -> str:
+        where = f"s = {self.start:.2f} to {self.end:.2f} m"
+        return f"{where}: {self.least:.2f} m at x {self.narrowest.x:.2f}, y {self.narrowest.y:.2f}"
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Clearance:
     """The clearance along a border.
 
-    abscissae (n,), distances (n,): m, at steps of 0.01 m; from the border to the nearest occupied
-    cell's edge, 0 inside one, width plus height of the map if it has no wall. narrowest: where the
-    distance is smallest. first_outside, first_unknown, first_occupied: where the border first
-    leaves the map, enters unknown cells, enters a wall; None if it does not.
+    points (n, 2), abscissae (n,), distances (n,): m, at steps of 0.01 m; distance from the border
+    to the nearest occupied cell's edge, 0 inside one, width plus height of the map if it has no
+    wall. narrowest: where the distance is smallest. first_outside, first_unknown, first_occupied:
+    where the border first leaves the map, enters unknown cells, enters a wall; None if it does not.
     """
 
+    points: NDArray[np.float64]
     abscissae: NDArray[np.float64]
     distances: NDArray[np.float64]
     narrowest: BorderPlace
@@ -59,6 +77,27 @@ class Clearance:
     def minimum(self) -> float:
         """Smallest distance to a wall, m."""
         return float(self.distances.min())
+
+    def narrow_stretches(self, needed: float) -> list[NarrowStretch]:
+        """Return the stretches with less than a clearance, m, in order of abscissa."""
+        narrow = np.concatenate(([False], self.distances < needed, [False]))
+        begins = np.flatnonzero(narrow[1:] & ~narrow[:-1])
+        ends = np.flatnonzero(narrow[:-1] & ~narrow[1:])
+        return [
+            self._stretch(begin, end)
+            for begin, end in zip(begins.tolist(), ends.tolist(), strict=True)
+        ]
+
+    def _stretch(self, begin: int, end: int) -> NarrowStretch:
+        worst = begin + int(np.argmin(self.distances[begin:end]))
+        x, y = self.points[worst].tolist()
+        s = self.abscissae
+        return NarrowStretch(
+            start=float(s[begin]),
+            end=float(s[end - 1]),
+            least=float(self.distances[worst]),
+            narrowest=BorderPlace(x, y, float(s[worst])),
+        )
 
 
 def border_clearance(occupancy: OccupancyMap, border: Border) -> Clearance:
@@ -86,6 +125,7 @@ def border_clearance(occupancy: OccupancyMap, border: Border) -> Clearance:
         return place(np.argmax(where)) if where.any() else None
 
     return Clearance(
+        points=points,
         abscissae=abscissae,
         distances=distances,
         narrowest=place(np.argmin(distances)),

@@ -38,6 +38,8 @@ FIXED_KEYS: dict[str, Any] = _FORMER_KEYS["fixed"]
 """Keys of earlier configuration files that are constants now, with the value."""
 
 
+SHIPPED_MAPS = Path(__file__).resolve().parent.parent / "maps"
+"""Folder of the maps that come with the product."""
 _PATHS = (
     *(("recorder", "folder"), ("memory", "file"), ("patrol", "rules_file"), ("telemetry", "keys")),
 )
@@ -279,7 +281,7 @@ def find_map(folder: str, relative_to: Path) -> Path:
     home.
     """
     beside = relative_to / Path(folder).expanduser()
-    shipped = Path(__file__).resolve().parent.parent / "maps" / folder
+    shipped = SHIPPED_MAPS / folder
     is_name = Path(folder).name == folder
     if is_name and shipped.is_dir() and not (beside / MAP_FILE).is_file():
         return shipped

@@ -41,6 +41,14 @@ def not_negative(text: str) -> float:
     return number
 
 
+def share(text: str) -> float:
+    """Parse a share between 0 and 1, both left out."""
+    number = positive(text)
+    if number >= 1.0:
+        raise argparse.ArgumentTypeError(f"{text:.40} is not below 1")
+    return number
+
+
 def real(text: str) -> float:
     """Parse a finite number."""
     try:

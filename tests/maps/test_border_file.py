@@ -117,3 +117,10 @@ def test_invalid_file_gives_one_line_with_file_and_place(text: str, words: list[
 def test_binary_file_is_a_border_error() -> None:
     with pytest.raises(BorderError, match=r"border\.toml"):
         read_border(b"\xff\xfe\x00", "border.toml")
+
+
+def test_a_straight_open_border_needs_no_radius() -> None:
+    border = read_border(b"closed = false\nvertices = [[0.0, 0.0], [5.0, 0.0]]\n", "b.toml")
+    assert border.length == pytest.approx(5.0)
+    with pytest.raises(BorderError, match="vertex 2 has no radius"):
+        read_border(b"closed = false\nvertices = [[0.0, 0.0], [5.0, 0.0], [5.0, 5.0]]\n", "b.toml")

@@ -75,3 +75,17 @@ def test_map_without_walls_has_clearance_everywhere() -> None:
 def test_needed_clearance_follows_the_reach_of_the_corners() -> None:
     assert needed_clearance(0.3685) == NEEDED_CLEARANCE
     assert needed_clearance(0.4022) == 0.49
+
+
+def test_each_stretch_that_is_too_near_is_listed_with_its_worst_place() -> None:
+    cells = np.full((60, 200), FREE, dtype=np.uint8)
+    cells[32:34, 50:60] = OCCUPIED  # 0.35 m beside the line, at x 2.5 to 3.0 m
+    cells[28:30, 150:160] = OCCUPIED
+    occupancy = OccupancyMap(cells, 0.05, Pose(0.0, -1.25, 0.0))
+    line = Border([Segment((0.5, 0.0), (9.5, 0.0))], closed=False)
+    first, second = border_clearance(occupancy, line).narrow_stretches(0.45)
+    assert 1.5 < first.start < 2.0 < 2.5 < first.end < 3.0
+    assert first.least == pytest.approx(0.35, abs=0.03)
+    assert 7.0 < second.narrowest.x < 8.0
+    assert str(second).startswith("s = ")
+    assert border_clearance(occupancy, line).narrow_stretches(0.01) == []

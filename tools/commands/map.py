@@ -4,25 +4,31 @@ from __future__ import annotations
 
 import argparse
 import sys
+import time
+from contextlib import closing
 from pathlib import Path
 
 import cv2
 
-from maps.map_folder import DEFAULT_BORDER
-from maps.occupancy_map import save_map
-from robot_agent.config import find_map
+from maps.border import BorderError
+from maps.map_folder import DEFAULT_BORDER, MAP_FILE
+from maps.occupancy_map import MapError, load_map, save_map
+from robot_agent.config import SHIPPED_MAPS, find_map
+from tools.border_editor.editor_server import EditorServer
 from tools.logs.carmen import LogError
 from tools.logs.scan_log import ScanLog, read_scan_log
 from tools.mapping.floor_plan import draw_floor_plan
 from tools.mapping.map_build import build_map
 from tools.mapping.map_check import check_map
-from tools.mapping.map_picture import draw_map
+from tools.mapping.map_picture import draw_map, draw_map_alone
+from tools.mapping.picture_import import import_picture
 from tools.mapping.slam.mapper import map_from_odometry
 from tools.mapping.slam.relations import read_relations, relation_error, synchronize
 from tools.mapping.slam.trajectory import Trajectory
-from tools.number_range import positive, real, whole
+from tools.number_range import positive, real, share, whole
 from tools.progress import progress_line
 
+_POLL_S = 0.2
 PICTURE = "map.png"
 """The picture that ``map build`` puts beside the map."""
 
@@ -65,11 +71,35 @@ def configure(parser: argparse.ArgumentParser) -> None:
     draw.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
     draw.set_defaults(act=_draw)
 
+    imported = actions.add_parser("import", help="make a map of a plan's picture")
+    imported.epilog = "example: patrol map import plan.png --resolution 0.05 -o my_map"
+    imported.add_argument("picture", type=Path, metavar="PICTURE", help="PNG, BMP or PGM")
+    imported.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    imported.add_argument(
+        "--resolution", type=positive, required=True, metavar="M", help="metres of a pixel's side"
+    )
+    imported.add_argument(
+        "--dark",
+        type=share,
+        default=0.5,
+        metavar="SHARE",
+        help="pixels darker than this share of black are walls",
+    )
+    imported.set_defaults(act=_import)
+
     show = actions.add_parser("show", help="write a picture of a map and its border")
     show.epilog = "example: patrol map show paper_lab -o paper_lab.png"
     _add_folder(show)
     show.add_argument("-o", "--output", type=Path, required=True, metavar="PNG")
     show.set_defaults(act=_show)
+
+    border = actions.add_parser("border", help="draw a border on a map, in a browser")
+    border.epilog = "example: patrol map border my_map"
+    _add_folder(border)
+    border.add_argument(
+        "--http", default="127.0.0.1:8090", metavar="HOST:PORT", help="where the page is served"
+    )
+    border.set_defaults(act=_border)
 
     check = actions.add_parser("check", help="check that a border can be patrolled")
     check.epilog = "example: patrol map check paper_lab --border open"
@@ -105,6 +135,7 @@ def _build(options: argparse.Namespace) -> int:
     save_map(built.map, options.output)
     draw_map(options.output, options.output / PICTURE)
     print(f"{options.output}: {built.summary()}")
+    print(f"next: draw its border with `patrol map border {options.output}`")
     return 0
 
 
@@ -125,13 +156,41 @@ def _posed(log: ScanLog, source: str) -> tuple[ScanLog, Trajectory]:
 def _draw(options: argparse.Namespace) -> int:
     width, height = draw_floor_plan(options.plan, options.output).size
     print(f"{options.output}: {width:.1f} x {height:.1f} m")
+    print(f"next: draw its border with `patrol map border {options.output}`")
+    return 0
+
+
+def _import(options: argparse.Namespace) -> int:
+    imported = import_picture(options.picture, options.resolution, dark=options.dark)
+    save_map(imported.map, options.output)
+    width, height = imported.map.size
+    print(f"{options.output}: {width:.1f} x {height:.1f} m, {imported.summary}")
+    print(f"next: draw its border with `patrol map border {options.output}`")
     return 0
 
 
 def _show(options: argparse.Namespace) -> int:
-    draw_map(find_map(options.folder, Path.cwd()), options.output, options.border)
+    folder = find_map(options.folder, Path.cwd())
+    try:
+        draw_map(folder, options.output, options.border)
+    except BorderError as error:
+        draw_map_alone(folder, options.output, str(error))
+        print(f"{options.output}: without the border: {error}", file=sys.stderr)
+        return 1
     print(options.output)
     return 0
+
+
+def _border(options: argparse.Namespace) -> int:
+    path = find_map(options.folder, Path.cwd())
+    if path == SHIPPED_MAPS / options.folder:
+        raise MapError(f"{path}: is a shipped map: copy the folder, and draw on the copy")
+    file = path / f"{options.border}.toml"
+    with closing(EditorServer(file, load_map(path / MAP_FILE), options.http)) as server:
+        print(f"patrol map: draw at {server.link}, saved to {server.file}", file=sys.stderr)
+        while True:
+            server.check()
+            time.sleep(_POLL_S)
 
 
 def _check(options: argparse.Namespace) -> int:

@@ -60,7 +60,7 @@ def check_map(
         return MapReport((Finding(subject, ok=False, text=str(error)),))
     findings = _map_findings(content.map)
     if content.border is None:
-        missing = f"{folder / border}.toml is missing, draw one (see maps/border_file.py)"
+        missing = f"{folder / border}.toml is missing, draw one: patrol map border {folder}"
         return MapReport((*findings, Finding("border", ok=False, text=missing)), content)
     findings += _border_findings(content.map, content.border, needed)
     return MapReport(tuple(findings), content)
@@ -93,6 +93,10 @@ def _border_findings(occupancy: OccupancyMap, border: Border, needed: float) -> 
             "clearance",
             room.minimum >= needed,
             f"{room.minimum:.2f} m at {room.narrowest}, at least {needed:g} m needed",
+        ),
+        *(
+            Finding("too narrow", ok=False, text=str(stretch))
+            for stretch in room.narrow_stretches(needed)
         ),
     ]
     for where, what in (

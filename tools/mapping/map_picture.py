@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from maps.border import Border
 from maps.clearance import NEEDED_CLEARANCE, border_clearance
-from maps.map_folder import DEFAULT_BORDER, MapFolder, load_map_folder
-from maps.occupancy_map import OccupancyMap
+from maps.map_folder import DEFAULT_BORDER, MAP_FILE, MapFolder, load_map_folder
+from maps.occupancy_map import OccupancyMap, load_map
 
 Color = tuple[int, int, int]
 
@@ -38,10 +38,20 @@ def draw_map(folder: Path, png: Path, border: str = DEFAULT_BORDER) -> None:
 
     Raises MapError or BorderError as ``load_map_folder`` does; OSError if it cannot be written.
     """
-    picture = render_map(load_map_folder(folder, border))
-    encoded = cv2.imencode(".png", picture)[1]
+    _write(render_map(load_map_folder(folder, border)), png)
+
+
+def draw_map_alone(folder: Path, png: Path, caption: str) -> None:
+    """Write a PNG of a map whose border cannot be read; caption: why. Raises as ``draw_map``."""
+    canvas = _Canvas(load_map(folder / MAP_FILE))
+    canvas.draw_grid()
+    canvas.write(caption, (10, canvas.pixels.shape[0] - 14), _TOO_NARROW, 0.6)
+    _write(canvas.pixels, png)
+
+
+def _write(picture: NDArray[np.uint8], png: Path) -> None:
     png.parent.mkdir(parents=True, exist_ok=True)
-    png.write_bytes(encoded.tobytes())
+    png.write_bytes(cv2.imencode(".png", picture)[1].tobytes())
 
 
 def render_map(folder: MapFolder) -> NDArray[np.uint8]:

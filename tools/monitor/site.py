@@ -9,6 +9,7 @@ import numpy as np
 
 from drivers.p2os.model import DEFAULT_MODEL, load_model
 from maps.map_folder import MapFolder
+from maps.occupancy_map import OccupancyMap
 from robot_agent.messages.streams import ACTIONS
 from robot_agent.perception.visibility import VISIBILITY
 
@@ -23,10 +24,7 @@ class Site:
 
     def picture(self) -> bytes | None:
         """Return the map as a PNG, top row first: 0 free, 128 unknown, 255 wall; None: no map."""
-        if self.folder is None:
-            return None
-        grey = np.array([0, 255, 128], dtype=np.uint8)[self.folder.map.cells[::-1]]
-        return cv2.imencode(".png", grey)[1].tobytes()
+        return None if self.folder is None else page_picture(self.folder.map)
 
     def description(self) -> dict[str, object]:
         """Return map, border, footprint and laser mount for the page, m, map frame."""
@@ -42,16 +40,9 @@ class Site:
         }
         if self.folder is None:
             return result
-        grid, border = self.folder.map, self.folder.border
-        rows, cols = grid.cells.shape
+        border = self.folder.border
         result["name"] = self.folder.name
-        result["map"] = {
-            "resolution": grid.resolution,
-            "x": grid.origin.x,
-            "y": grid.origin.y,
-            "columns": cols,
-            "rows": rows,
-        }
+        result["map"] = page_extent(self.folder.map)
         if border is not None:
             result["border"] = {
                 "points": np.round(border.polyline(_BORDER_STEP), 3).tolist(),
@@ -59,3 +50,21 @@ class Site:
                 "closed": border.closed,
             }
         return result
+
+
+def page_picture(occupancy: OccupancyMap) -> bytes:
+    """Return a map as a PNG, top row first: 0 free, 128 unknown, 255 wall."""
+    grey = np.array([0, 255, 128], dtype=np.uint8)[occupancy.cells[::-1]]
+    return cv2.imencode(".png", grey)[1].tobytes()
+
+
+def page_extent(occupancy: OccupancyMap) -> dict[str, float]:
+    """Return where a map's picture lies: cells, and the lower-left corner, m in the map frame."""
+    rows, cols = occupancy.cells.shape
+    return {
+        "resolution": occupancy.resolution,
+        "x": occupancy.origin.x,
+        "y": occupancy.origin.y,
+        "columns": cols,
+        "rows": rows,
+    }

@@ -17,6 +17,7 @@ from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
 
 from tools.monitor.lasting_thread import LastingThread
 from tools.monitor.page_access import PageAccess
+from tools.monitor.page_files import HEADERS, add_page
 from tools.monitor.page_message import PageFeed
 from tools.monitor.source import Source
 from tools.monitor.watch import Watch
@@ -25,22 +26,6 @@ PAGE_FOLDER = Path(__file__).parent / "page"
 TICK_S = 0.04
 """Period of updates: adds less than half a period of the 10 Hz telemetry to the latency."""
 _REQUEST_LIMIT = 4096
-_TYPES = {
-    ".html": "text/html",
-    ".js": "text/javascript",
-    ".css": "text/css",
-    ".svg": "image/svg+xml",
-}
-_HEADERS = {
-    "Content-Security-Policy": (
-        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
-        "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
-    ),
-    "X-Content-Type-Options": "nosniff",
-    "Referrer-Policy": "no-referrer",
-    "Cross-Origin-Resource-Policy": "same-origin",
-    "Cache-Control": "no-store",
-}
 
 
 class WebError(ValueError):
@@ -153,10 +138,7 @@ class WebServer:
 
     def _application(self) -> web.Application:
         application = web.Application(middlewares=[self._guard], client_max_size=_REQUEST_LIMIT)
-        application.router.add_get("/", _file_handler(PAGE_FOLDER / "index.html"))
-        for path in sorted(PAGE_FOLDER.iterdir()):
-            if path.suffix in _TYPES:
-                application.router.add_get(f"/{path.name}", _file_handler(path))
+        add_page(application, PAGE_FOLDER)
         application.router.add_get("/site.json", self._send_site)
         application.router.add_get("/map.png", self._send_picture)
         application.router.add_get("/live", self._feed_page)
@@ -172,7 +154,7 @@ class WebServer:
             raise web.HTTPForbidden(text=refusal)
         response = await handler(request)
         if not response.prepared:
-            response.headers.update(_HEADERS)
+            response.headers.update(HEADERS)
         return response
 
     async def _send_site(self, _request: web.Request) -> web.Response:
@@ -244,15 +226,6 @@ def _decoded(message: WSMessage) -> Request | None:
         return _decode_request(message.data)
     except msgspec.DecodeError:
         return None
-
-
-def _file_handler(path: Path) -> Callable[[web.Request], Awaitable[web.Response]]:
-    content, kind = path.read_bytes(), _TYPES[path.suffix]
-
-    async def send(_request: web.Request) -> web.Response:
-        return web.Response(body=content, content_type=kind, charset="utf-8")
-
-    return send
 
 
 def parsed_address(address: str, option: str) -> tuple[str, int]:

@@ -1,0 +1,1 @@
+"""Drawing of a border on its map, in a browser."""

@@ -1,0 +1,185 @@
+"""Serves the page on which a border is drawn, judges each draft and saves it.
+
+The page draws and asks; all geometry is computed here, by the code that robots and ``patrol map
+check`` use. A border file that is there when one is saved is kept beside it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from concurrent.futures import Future
+from pathlib import Path
+from typing import Any, TypeVar
+
+import msgspec
+from aiohttp import web
+
+from maps.border import BorderError
+from maps.clearance import NEEDED_CLEARANCE
+from maps.occupancy_map import OccupancyMap
+from tools.border_editor.border_draft import BorderDraft, read_draft, save_draft
+from tools.border_editor.draft_judgement import judge
+from tools.border_editor.roomy_places import RoomyPlaces
+from tools.border_editor.suggested_loop import suggest_loop
+from tools.monitor.lasting_thread import LastingThread
+from tools.monitor.page_access import PageAccess
+from tools.monitor.page_files import HEADERS, add_file, add_page
+from tools.monitor.site import page_extent, page_picture
+from tools.monitor.web_server import PAGE_FOLDER as MONITOR_PAGE
+from tools.monitor.web_server import WebError, parsed_address
+
+PAGE_FOLDER = Path(__file__).parent / "page"
+_REQUEST_LIMIT = 400_000  # bytes; the longest border
+
+_T = TypeVar("_T")
+
+
+class Place(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """A place on the map, m in the map frame."""
+
+    x: float
+    y: float
+
+
+class EditorServer:
+    """Serves one border of one map folder at one address until closed."""
+
+    def __init__(self, file: Path, occupancy: OccupancyMap, address: str) -> None:
+        """Listen on an address such as ``127.0.0.1:8090`` (port 0: any free one).
+
+        file: the border's, in the map's folder; it may be missing or broken.
+        Raises WebError: the address is invalid or taken.
+        """
+        self.file = file
+        self._map = occupancy
+        self._roomy = RoomyPlaces(occupancy, NEEDED_CLEARANCE)
+        self._picture = page_picture(occupancy)
+        self._host, self._port = parsed_address(address, "--http")
+        self._access = PageAccess(self._host)
+        self._ending = asyncio.Event()
+        self._loop = asyncio.new_event_loop()
+        ready: Future[int] = Future()
+        self._thread = LastingThread(lambda: self._run(ready), "border editor's server")
+        try:
+            self._port = ready.result()
+        except OSError as error:
+            self._thread.join()
+            raise WebError(
+                f"cannot serve the page on {address}: {error.strerror}; "
+                "give a free address, e.g. --http 127.0.0.1:8091"
+            ) from error
+
+    @property
+    def link(self) -> str:
+        """URL of the page, with the token that saving needs where others can reach it."""
+        host = f"[{self._host}]" if ":" in self._host else self._host
+        url = f"http://{host}:{self._port}/"
+        return f"{url}?token={self._access.token}" if self._access.token else url
+
+    def check(self) -> None:
+        """Raise RuntimeError if the server has ended by itself."""
+        self._thread.check()
+
+    def close(self) -> None:
+        """Stop serving; idempotent."""
+        if self._thread.is_alive():
+            self._loop.call_soon_threadsafe(self._ending.set)
+            self._thread.join()
+
+    # --- the loop's thread -----------------------------------------------------------------------
+
+    def _run(self, ready: Future[int]) -> None:
+        with asyncio.Runner(loop_factory=lambda: self._loop) as runner:
+            runner.run(self._serve(ready))
+
+    async def _serve(self, ready: Future[int]) -> None:
+        runner = web.AppRunner(self._application(), access_log=None, shutdown_timeout=1.0)
+        await runner.setup()
+        try:
+            await web.TCPSite(runner, self._host, self._port).start()
+            ready.set_result(runner.addresses[0][1])
+            await self._ending.wait()
+        except OSError as error:
+            ready.set_exception(error)
+        finally:
+            await runner.cleanup()
+
+    def _application(self) -> web.Application:
+        application = web.Application(middlewares=[self._guard], client_max_size=_REQUEST_LIMIT)
+        add_page(application, PAGE_FOLDER)
+        add_file(application, MONITOR_PAGE / "viewport.js")
+        add_file(application, MONITOR_PAGE / "icon.svg")
+        application.router.add_get("/site.json", self._send_site)
+        application.router.add_get("/map.png", self._send_picture)
+        application.router.add_post("/judge", self._judge)
+        application.router.add_post("/snap", self._snap)
+        application.router.add_post("/suggest", self._suggest)
+        application.router.add_post("/save", self._save)
+        return application
+
+    @web.middleware
+    async def _guard(
+        self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
+    ) -> web.StreamResponse:
+        """Add security headers; refuse foreign names, other sites' pages and strangers' drafts."""
+        refusal = self._access.refusal(request.host, request.headers.get("Origin"))
+        if refusal:
+            raise web.HTTPForbidden(text=refusal)
+        if request.method == "POST" and not self._access.may_act(request.query.get("token", "")):
+            raise web.HTTPForbidden(text="open the page by the URL that patrol map border printed")
+        response = await handler(request)
+        response.headers.update(HEADERS)
+        return response
+
+    async def _send_site(self, _request: web.Request) -> web.Response:
+        draft, trouble = read_draft(self.file)
+        return _answer(
+            {
+                "name": self.file.parent.resolve().name,
+                "file": str(self.file),
+                "map": page_extent(self._map),
+                "needed": NEEDED_CLEARANCE,
+                "draft": draft,
+                "trouble": trouble,
+            }
+        )
+
+    async def _send_picture(self, _request: web.Request) -> web.Response:
+        return web.Response(body=self._picture, content_type="image/png")
+
+    async def _judge(self, request: web.Request) -> web.Response:
+        draft = await _content(request, BorderDraft)
+        judgement = judge(self._map, draft, NEEDED_CLEARANCE)
+        return _answer({**msgspec.to_builtins(judgement), "ok": judgement.ok})
+
+    async def _snap(self, request: web.Request) -> web.Response:
+        """Answer with the nearest place that has room; with the place itself if none has."""
+        place = await _content(request, Place)
+        x, y = self._roomy.nearest(place.x, place.y) or (place.x, place.y)
+        return _answer({"x": x, "y": y})
+
+    async def _suggest(self, _request: web.Request) -> web.Response:
+        """Answer with the draft of a loop, null if there is none."""
+        return _answer(await asyncio.to_thread(suggest_loop, self._map, NEEDED_CLEARANCE))
+
+    async def _save(self, request: web.Request) -> web.Response:
+        draft = await _content(request, BorderDraft)
+        try:
+            save_draft(draft, self.file)
+        except BorderError as error:
+            return _answer({"saved": False, "why": str(error).removeprefix("this border: ")})
+        except OSError as error:
+            return _answer({"saved": False, "why": f"{self.file}: {error.strerror}"})
+        return _answer({"saved": True, "why": ""})
+
+
+async def _content(request: web.Request, kind: type[_T]) -> _T:
+    try:
+        return msgspec.json.decode(await request.read(), type=kind)
+    except msgspec.DecodeError as error:
+        raise web.HTTPBadRequest(text=str(error)) from error
+
+
+def _answer(content: Any) -> web.Response:
+    return web.Response(body=msgspec.json.encode(content), content_type="application/json")
