@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 
 import cv2
@@ -11,6 +10,7 @@ import cv2
 from maps.map_folder import DEFAULT_BORDER
 from maps.occupancy_map import save_map
 from robot_agent.config import find_map
+from tools.commands.log_option import add_no_return, print_notes
 from tools.logs.carmen import LogError
 from tools.logs.scan_log import ScanLog, read_scan_log
 from tools.mapping.floor_plan import draw_floor_plan
@@ -57,6 +57,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="the relations' time at the log's time zero",
     )
+    add_no_return(build)
     build.set_defaults(act=_build)
 
     draw = actions.add_parser("draw", help="draw a map from a floor plan file")
@@ -93,9 +94,8 @@ def _build(options: argparse.Namespace) -> int:
     relations = (
         read_relations(options.relations, options.relations_epoch) if options.relations else []
     )
-    log = read_scan_log(options.log)
-    if log.truncated:
-        print(f"patrol map: {log.truncated}", file=sys.stderr)
+    log = read_scan_log(options.log, options.no_return)
+    print_notes("map", log.notes)
     log, trajectory = _posed(log.from_scan(options.first_scan), options.source)
     if relations:
         lined_up = synchronize(relations, trajectory.times)
