@@ -23,9 +23,8 @@ from localization.global_search import (
     GlobalSearch,
 )
 from localization.kld import SampleLimits
-from localization.likelihood_field import LikelihoodField
+from localization.matching import Matching
 from localization.motion_model import step_covariance
-from localization.refinement import Refinement
 from localization.settings import MotionNoise
 from maps.pose import Pose
 
@@ -68,15 +67,14 @@ class AlternativeSearch:
         self,
         motion: MotionNoise,
         limits: SampleLimits,
-        field: LikelihoodField,
-        refinement: Refinement,
+        matching: Matching,
         search: GlobalSearch,
         rng: np.random.Generator,
     ) -> None:
         self.motion = motion
         self._limits = limits
-        self._field = field
-        self._refinement = refinement
+        self._field = matching.field
+        self._refinement = matching.refinement
         self._search = search
         self._rng = rng
         self._way: deque[Stop] = deque(maxlen=STOPS)
@@ -117,6 +115,12 @@ class AlternativeSearch:
         odds = self._log_likelihood(found) - best
         alternatives.predict(self._since)
         return AlternativeHypothesis(alternatives.belief, odds)
+
+    def odds(self, pose: Pose, other: Pose) -> float:
+        """Return the log-likelihood ratio of the scans kept, ``pose`` over ``other``, both now."""
+        back = self._since.inverse()
+        one, two = (self._trace(each.compose(back)) for each in (pose, other))
+        return self._log_likelihood(one) - self._log_likelihood(two)
 
     def _replay(self, avoided: list[Pose]) -> ParticleFilter | None:
         """Process the scans again without particles near the poses avoided, one per scan.

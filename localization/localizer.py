@@ -1,20 +1,25 @@
-"""The localizer: pose estimate with covariance and health from odometry and scans."""
+"""The localizer: pose estimate with covariance and health from odometry and scans.
+
+Three beliefs at most live side by side. The tracked one gives the estimate. A rival is a pose at
+which one scan fits better; the following scans decide between the two. A search of the whole map
+runs beside them while the tracked pose is in doubt. Neither replaces the tracked pose unless it
+explains the scans clearly better.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from localization.alternative_hypothesis import AlternativeSearch
-from localization.cluster import Cluster, best_cluster
+from localization.cluster import best_cluster
 from localization.estimate import Estimate
-from localization.filter import ParticleFilter
+from localization.filter import Belief, ParticleFilter
 from localization.global_search import GlobalSearch
 from localization.health import (
-    LOCALIZED_ABOVE,
     LOCALIZED_SHARE,
     LOCALIZED_WALL_CROSSING,
     Evidence,
@@ -22,9 +27,12 @@ from localization.health import (
     HealthMonitor,
 )
 from localization.kld import SampleLimits
-from localization.likelihood_field import LikelihoodField
-from localization.refinement import Refined, Refinement
-from localization.scan_check import Fit, ScanCheck
+from localization.map_search import MapSearch
+from localization.matching import Hypothesis, Matching
+from localization.resampling import effective_sample_size
+from localization.rival import Rival, is_same
+from localization.scan_check import Fit
+from localization.scan_information import ScanInformation
 from localization.settings import LocalizationSettings, MotionNoise
 from localization.slip_search import SlipSearch
 from maps.occupancy_map import OccupancyMap
@@ -34,12 +42,6 @@ MIN_SIGMA_XY = 0.0144  # m; lower bound of an estimate's: quantization by a cell
 MIN_SIGMA_THETA = 0.005  # rad; likewise: error of the laser's mount
 INDEPENDENT_BEAMS = 12.0  # that the beams of one scan count as together
 
-# The information weight of a scan.
-FULL_STEP_XY = 0.2  # m of travel after which a scan counts in full
-FULL_STEP_THETA = 0.2  # rad of turning likewise
-STILL_INFORMATION = 0.3  # of a scan at the pose of the last one, whose errors it repeats
-_STILL_DECAY = 0.8  # factor on that in a search, from one scan to the next at one place
-
 # The search in a window round the estimate, when a scan does not fit at the predicted pose.
 WINDOW_BELOW = 0.8  # fit of a scan, without dynamic beams, that starts it
 WINDOW_ABOVE = 0.75  # fit of a pose that is preferred
@@ -47,26 +49,15 @@ WINDOW_GAIN = 0.1  # by which it must fit better
 WINDOW_SAMPLES = 3000
 WINDOW_XY = 1.0  # m either way
 WINDOW_THETA = 0.6  # rad either way
+REFUTED_BELOW = 0.6  # fit of what people cannot explain, below which one scan refutes a pose
 
 # The search over the whole map.
 MAX_SEARCH_PARTICLES = 20_000  # during a search, after the first scan
-KEPT_PARTICLES = 1000  # of the old belief, when a search starts
-REPEAT_LOST = 15.0  # lost scans until the search starts again
-REPEAT_UNSURE = 4.0  # unsure scans with a bad fit until then
+DOUBTED = 4.0  # scans with an unsure pose until a search starts
+REPEAT = 15.0  # scans until it starts again
+FOUND_ODDS = 4.6  # log of 100 to 1, for a place found, against a tracked pose that is not lost
+FOUND_STOPS = 3  # scans, a step apart each, that it takes
 _WINDOW_STEP = 0.2  # of a window's reach: spacing of samples, for the refinement's prior
-_SLIPPED = 0.8  # share of the belief moved to a pose found back along the last step
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Hypothesis:
-    """The pose hypothesis after one scan, with its evidence."""
-
-    cluster: Cluster
-    refined: Refined | None
-    pose: Pose
-    fit: Fit | None
-    relocated: bool = False
-    """Whether the scan fits only away from where the odometry puts the pose."""
 
 
 class Localizer:
@@ -82,71 +73,80 @@ class Localizer:
         rng: np.random.Generator,
     ) -> None:
         self._rng = rng
-        field = LikelihoodField(occupancy, settings.beams)
         self._settings = settings
-        motion = settings.motion.over(MotionNoise())
-        self._filter = ParticleFilter(motion, field, rng)
-        self._refinement = Refinement(occupancy)
-        self._slips = SlipSearch(field, self._refinement)
-        self._check = ScanCheck(occupancy, self._refinement.surface)
-        self._search = GlobalSearch(occupancy)
+        self._motion = settings.motion.over(MotionNoise())
+        self._matching = Matching(occupancy, settings.beams)
+        self._filter = ParticleFilter(self._motion, self._matching.field, rng)
+        self._slips = SlipSearch(self._matching)
+        self._floor = GlobalSearch(occupancy)
         self._limits = SampleLimits(
             settings.min_particles, settings.max_particles, settings.particles
         )
         # A number fixed for tracking would be too small for a search.
         self._search_limits = SampleLimits(settings.min_particles, MAX_SEARCH_PARTICLES)
-        self._alternatives = AlternativeSearch(
-            motion, self._search_limits, field, self._refinement, self._search, rng
-        )
+        self._alternatives = self._new_alternatives()
         self._min_covariance = np.diag(np.square((MIN_SIGMA_XY, MIN_SIGMA_XY, MIN_SIGMA_THETA)))
+        self._forget()
+        self._tracking = False
+
+    def _new_alternatives(self) -> AlternativeSearch:
+        return AlternativeSearch(
+            self._motion, self._search_limits, self._matching, self._floor, self._rng
+        )
+
+    def _forget(self) -> None:
+        """Return to the state before the first scan."""
         self._monitor = HealthMonitor()
-        self._started = False
-        self._searching = False
+        self._rival: Rival | None = None
+        self._search: MapSearch | None = None
         # Whether the pose is checked against alternative hypotheses before it becomes localized.
         self._contestable = False
+        self._information = ScanInformation()
         self._last_odometry: Pose | None = None
-        self._still_scans = 0
         self._search_due = 0.0  # 0 to 1; at 1 a search of the whole map starts
         self.estimate: Estimate | None = None
 
     def use_noise(self, noise: MotionNoise) -> None:
         """Take the noise of the robot's odometry, where the settings leave it open."""
-        self._filter.motion = self._alternatives.motion = self._settings.motion.over(noise)
+        self._motion = self._settings.motion.over(noise)
+        self._filter.motion = self._alternatives.motion = self._motion
 
     @property
     def particles(self) -> NDArray[np.float64]:
         """Present particles (n, 3), map_from_base."""
-        return self._filter.particles
+        return self._belief.particles
 
     @property
     def weights(self) -> NDArray[np.float64]:
         """Present weights (n,), summing to 1."""
-        return self._filter.weights
+        return self._belief.weights
+
+    @property
+    def _belief(self) -> Belief:
+        if self._tracking or self._search is None:
+            return self._filter.belief
+        return self._search.belief
 
     def start_at(self, pose: Pose, sigma_xy: float, sigma_theta: float) -> None:
         """Start at a pose (map_from_base), with standard deviations in m and rad."""
         limits = self._limits
         count = limits.fixed if limits.fixed is not None else limits.maximum
         scatter = self._rng.standard_normal((count, 3)) * (sigma_xy, sigma_xy, sigma_theta)
-        self._start_with(np.array(pose) + scatter, Health.UNSURE)
-        self._searching = self._contestable = False
+        self._forget()
+        self._filter.restart(np.array(pose) + scatter)
+        self._tracking = True
 
     def start_anywhere(self) -> None:
         """Start a global search, with particles all over the map's free floor.
 
         Raises MapError on a map without free floor.
         """
-        self._start_with(self._search.sample(self._rng), Health.LOST)
-        self._searching = self._contestable = True
+        self._forget()
+        self._search = self._new_search()
+        self._tracking = False
 
-    def _start_with(self, particles: NDArray[np.float64], health: Health) -> None:
-        self._filter.restart(particles)
-        self._alternatives.forget()
-        self._monitor = HealthMonitor(health)
-        self._started = True
-        self._last_odometry = None
-        self._search_due = 0.0
-        self.estimate = None
+    def _new_search(self) -> MapSearch:
+        return MapSearch(self._floor, self._search_limits, self._matching, self._motion, self._rng)
 
     def update(
         self,
@@ -162,36 +162,22 @@ class Localizer:
         ignore: (n,) the beams known to end on people or teammates. Raises RuntimeError before a
         start.
         """
-        if not self._started:
+        if not self._tracking and self._search is None:
             raise RuntimeError("the localizer was told no start: call start_at or start_anywhere")
         if ignore is not None:
             points = points[~ignore]
-        # 1. Predict by the odometry since the last scan.
         increment = None if self._last_odometry is None else self._last_odometry.between(odometry)
-        if increment is not None:
-            self._filter.predict(increment)
         self._last_odometry = odometry
-        points = self._without_occluder(odometry, points)
-        if self._contestable:
-            self._alternatives.remember(increment, points)
-        # 2. Weight the particles by the scan.
-        information = self._information(increment)
-        if self._search_due >= 1.0 and self._search.possible:
-            self._search_again(points)
-        elif self._searching and increment is None:
-            self._search.weigh_first(self._filter, points, self._search_limits)
-        else:
-            self._weigh(points, information)
-        # 3. Take the best cluster, refined by the scan.
-        hypothesis = self._best_hypothesis(points)
-        # 4. Against slip: try poses back along the step, and, if the fit is bad, a window.
-        if not self._searching:
-            hypothesis = self._search_slip(hypothesis, increment, points)
-            hypothesis = self._search_window(hypothesis, points, information)
-        # 5. Determine health and covariance.
-        self.estimate = self._make_estimate(t, odometry, points, hypothesis, information)
-        # 6. Resample for the next scan.
-        self._filter.resample(self._search_limits if self._searching else self._limits)
+        self._information.update(increment)
+        # 1. Follow the tracked pose, and say how healthy it is.
+        if self._tracking:
+            self.estimate = self._track(t, odometry, increment, points)
+        # 2. While it is in doubt, search the whole map beside it.
+        if self._search is not None:
+            self._search.update(increment, points, self._information.searching)
+            if not self._tracking or self._is_beaten(self._search):
+                self.estimate = self._found(t, odometry, self._search)
+        assert self.estimate is not None
         return self.estimate
 
     def disown(self, estimate: Estimate) -> Estimate:
@@ -199,104 +185,128 @@ class Localizer:
         self.estimate = replace(estimate, health=Health.LOST)
         return self.estimate
 
+    # --- the tracked pose ------------------------------------------------------------------------
+
+    def _track(
+        self, t: float, odometry: Pose, increment: Pose | None, points: NDArray[np.float64]
+    ) -> Estimate:
+        """Return the estimate by the tracked belief after one scan."""
+        # 1. Predict by the odometry since the last scan.
+        if increment is not None:
+            self._filter.predict(increment)
+            if self._rival is not None:
+                self._rival.follow(increment)
+        points = self._without_occluder(odometry, points)
+        if self._contestable:
+            self._alternatives.remember(increment, points)
+        # 2. Weight the particles by the scan, and take the best cluster, refined by it.
+        information = self._information.tracking
+        self._filter.weigh(points, information * INDEPENDENT_BEAMS)
+        hypothesis = self._matching.best_hypothesis(self._filter.belief, points)
+        # 3. Compare it with its rival; look for one back along the step, and in a window.
+        hypothesis = self._against_rival(hypothesis, points, information)
+        hypothesis = self._search_slip(hypothesis, increment, points)
+        hypothesis = self._search_window(hypothesis, points, information)
+        # 4. Determine health and covariance.
+        estimate = self._make_estimate(t, odometry, points, hypothesis, information)
+        # 5. Resample for the next scan.
+        self._filter.resample(self._limits)
+        return estimate
+
     def _without_occluder(self, odometry: Pose, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return points (n, 2) without those on a large unmapped object close to the robot.
 
-        All points while lost or searching: the pose is not good enough to detect one.
+        All points while lost: the pose is not good enough to detect one.
         """
-        if self.estimate is None or self.estimate.health is Health.LOST or self._searching:
+        if self.estimate is None or self.estimate.health is Health.LOST:
             return points
-        hiding = self._check.hiding(self.estimate.pose_at(odometry), points)
+        hiding = self._matching.check.hiding(self.estimate.pose_at(odometry), points)
         return points if hiding is None else points[~hiding]
 
-    def _search_again(self, points: NDArray[np.float64]) -> None:
-        """Start a search: mix particles all over the map with the old ones.
+    def _against_rival(
+        self, hypothesis: Hypothesis, points: NDArray[np.float64], information: float
+    ) -> Hypothesis:
+        """Return the better of tracked pose and rival, once one of them is clearly beaten."""
+        rival = self._rival
+        if rival is None:
+            return hypothesis
+        rival.weigh(points, information)
+        rival.compare(hypothesis.pose, points, information)
+        if rival.loses or is_same(rival.pose, hypothesis.pose):
+            self._rival = None
+        elif rival.wins:
+            self._rival = None
+            self._filter.belief = rival.belief
+            return self._matching.best_hypothesis(rival.belief, points)
+        return hypothesis
 
-        The old ones may be right if people occlude the map.
+    def _propose(
+        self, hypothesis: Hypothesis, other: Hypothesis, belief: Belief, *, at_once: bool
+    ) -> Hypothesis:
+        """Return the hypothesis to go on with, and keep the other one of the two as its rival.
+
+        other: at which the scan fits better, with its belief. at_once: whether this scan refutes
+        the first.
         """
-        kept = self._filter.drawn(KEPT_PARTICLES)
-        self._filter.restart(self._search.sample(self._rng))
-        self._search.weigh_first(self._filter, points, self._search_limits)
-        self._filter.belief = kept.mixed_with(self._filter.belief)
-        self._alternatives.forget()
-        self._alternatives.remember(None, points)
-        self._searching = self._contestable = True
-        self._search_due = 0.0
+        if not at_once:
+            if self._rival is None:
+                self._rival = self._new_rival(belief, other.pose)
+            return hypothesis
+        self._rival = self._new_rival(self._filter.belief, hypothesis.pose)
+        self._filter.belief = belief
+        return other
 
-    def _information(self, increment: Pose | None) -> float:
-        """Return this scan's information weight, 0 to 1, after a step (None: the first scan).
-
-        Errors of scans from the same place are correlated; at full weight the covariance would
-        become too small. During a search, which must not decide between two places by such errors,
-        their weight decays from scan to scan.
-        """
-        if increment is None:
-            return 1.0
-        travel = math.hypot(increment.x, increment.y) / FULL_STEP_XY
-        step = max(travel, abs(increment.theta) / FULL_STEP_THETA)
-        still = STILL_INFORMATION
-        self._still_scans = 0 if step > still else self._still_scans + 1
-        if self._searching:
-            still *= _STILL_DECAY**self._still_scans
-        return min(1.0, max(still, step))
-
-    def _weigh(self, points: NDArray[np.float64], information: float) -> None:
-        if self._searching:
-            self._search.weigh(self._filter, points, information)
-        else:
-            self._filter.weigh(points, information * INDEPENDENT_BEAMS)
-
-    def _best_hypothesis(self, points: NDArray[np.float64]) -> _Hypothesis:
-        """Return the best cluster with its pose refined by the scan."""
-        cluster = best_cluster(self.particles, self.weights)
-        refined = self._refinement.refine(cluster.mean, cluster.covariance, points)
-        pose = cluster.mean if refined is None else refined.pose
-        return _Hypothesis(cluster, refined, pose, self._check.fit(pose, points))
+    def _new_rival(self, belief: Belief, pose: Pose) -> Rival:
+        return Rival(belief, pose, self._motion, self._matching, self._rng)
 
     def _search_slip(
-        self, hypothesis: _Hypothesis, increment: Pose | None, points: NDArray[np.float64]
-    ) -> _Hypothesis:
+        self, hypothesis: Hypothesis, increment: Pose | None, points: NDArray[np.float64]
+    ) -> Hypothesis:
         """Return the hypothesis moved back along the last step if the scan fits better there."""
         if increment is None:
             return hypothesis
         slipped = self._slips.find(hypothesis.pose, increment, points)
         if slipped is None:
             return hypothesis
-        pose, belief = slipped.pose, self._filter.belief
+        pose, belief = slipped.refined.pose, self._filter.belief
         back = (pose.x - hypothesis.pose.x, pose.y - hypothesis.pose.y, 0.0)
         moved = replace(belief, particles=belief.particles + back)
-        self._filter.belief = moved.mixed_with(belief, _SLIPPED)
         cluster = replace(hypothesis.cluster, mean=pose)
-        return _Hypothesis(cluster, slipped, pose, self._check.fit(pose, points))
+        fit = self._matching.check.fit(pose, points)
+        other = Hypothesis(cluster, slipped.refined, pose, fit)
+        return self._propose(hypothesis, other, moved, at_once=slipped.certain)
 
     def _search_window(
-        self, hypothesis: _Hypothesis, points: NDArray[np.float64], information: float
-    ) -> _Hypothesis:
+        self, hypothesis: Hypothesis, points: NDArray[np.float64], information: float
+    ) -> Hypothesis:
         """Return the best hypothesis in a window round a pose that the scan does not fit.
 
         Returns the given one if the scan fits it, or fits nowhere else clearly better.
         """
-        before = self._filter.belief
         if hypothesis.fit is None or hypothesis.fit.fit_without_dynamic >= WINDOW_BELOW:
             return hypothesis
         reach = np.array((WINDOW_XY, WINDOW_XY, WINDOW_THETA))
         offsets = self._rng.uniform(-1.0, 1.0, (WINDOW_SAMPLES, 3)) * reach
-        self._filter.restart(np.array(hypothesis.cluster.mean) + offsets)
-        self._weigh(points, information)
-        best = Pose(*self.particles[self.weights.argmax()].tolist())
-        refined = self._refinement.refine(best, np.diag(np.square(_WINDOW_STEP * reach)), points)
-        if refined is not None:
-            fit = self._check.fit(refined.pose, points)
-            needed = max(WINDOW_ABOVE, hypothesis.fit.whole + WINDOW_GAIN)
-            # At a wrong pose beams cross mapped walls.
-            wall_crossing = self._check.wall_crossing(refined.pose, points)
-            possible = wall_crossing <= LOCALIZED_WALL_CROSSING
-            if fit is not None and fit.whole >= needed and possible:
-                self._restart_alternatives(points)
-                cluster = best_cluster(self.particles, self.weights)
-                return _Hypothesis(cluster, refined, refined.pose, fit, relocated=True)
-        self._filter.belief = before
-        return hypothesis
+        window = ParticleFilter(self._motion, self._matching.field, self._rng)
+        window.restart(np.array(hypothesis.cluster.mean) + offsets)
+        window.weigh(points, information * INDEPENDENT_BEAMS)
+        best = Pose(*window.particles[window.weights.argmax()].tolist())
+        refined = self._matching.refinement.refine(
+            best, np.diag(np.square(_WINDOW_STEP * reach)), points
+        )
+        fit = None if refined is None else self._matching.check.fit(refined.pose, points)
+        needed = max(WINDOW_ABOVE, hypothesis.fit.whole + WINDOW_GAIN)
+        if refined is None or fit is None or fit.whole < needed:
+            return hypothesis
+        # At a wrong pose beams cross mapped walls.
+        if self._matching.check.wall_crossing(refined.pose, points) > LOCALIZED_WALL_CROSSING:
+            return hypothesis
+        cluster = best_cluster(window.particles, window.weights)
+        other = Hypothesis(cluster, refined, refined.pose, fit, relocated=True)
+        refuted = hypothesis.fit.beside < REFUTED_BELOW
+        if refuted:
+            self._restart_alternatives(points)
+        return self._propose(hypothesis, other, window.belief, at_once=refuted)
 
     def _restart_alternatives(self, points: NDArray[np.float64]) -> None:
         """Search alternatives from this scan on, as odometry does not lead to the pose."""
@@ -309,7 +319,7 @@ class Localizer:
         t: float,
         odometry: Pose,
         points: NDArray[np.float64],
-        hypothesis: _Hypothesis,
+        hypothesis: Hypothesis,
         information: float,
     ) -> Estimate:
         """Return the estimate of a hypothesis, and update health and search state by it."""
@@ -323,9 +333,9 @@ class Localizer:
         evidence = Evidence(
             fit=hypothesis.fit,
             spread=cluster.spread,
-            share=cluster.share,
+            share=cluster.share * (1.0 if self._rival is None else self._rival.share),
             relocated=hypothesis.relocated,
-            wall_crossing=0.0 if good else self._check.wall_crossing(pose, points),
+            wall_crossing=0.0 if good else self._matching.check.wall_crossing(pose, points),
             jump_xy=math.hypot(jump.x, jump.y),
             jump_theta=abs(jump.theta),
             information=information,
@@ -334,42 +344,77 @@ class Localizer:
             evidence = self._contested(evidence, pose)
         health = self._monitor.update(evidence)
         self._update_search_due(before, health, hypothesis.fit, information)
-        refined = hypothesis.refined
-        covariance = cluster.covariance if refined is None else refined.covariance
+        return self._estimate_of(t, odometry, hypothesis, health)
+
+    def _estimate_of(
+        self, t: float, odometry: Pose, hypothesis: Hypothesis, health: Health
+    ) -> Estimate:
         return Estimate(
             t=t,
-            pose=pose,
+            pose=hypothesis.pose,
             odometry=odometry,
-            covariance=covariance + self._min_covariance,
+            covariance=hypothesis.covariance + self._min_covariance,
             health=health,
             particle_count=len(self.weights),
-            effective_sample_size=self._filter.effective_sample_size,
-            likelihood=fit,
-            refined=refined is not None,
+            effective_sample_size=effective_sample_size(self.weights),
+            likelihood=0.0 if hypothesis.fit is None else hypothesis.fit.whole,
+            refined=hypothesis.refined is not None,
         )
 
-    def _contested(self, evidence: Evidence, pose: Pose) -> Evidence:
-        """Return the evidence, with its share lowered if an alternative hypothesis is as likely.
+    # --- the search of the whole map -------------------------------------------------------------
 
-        The particles are then a mixture of both. A pose found by a search must be clearly more
-        likely than the alternative; one found near the predicted pose must only not be clearly
-        less likely.
+    def _contested(self, evidence: Evidence, pose: Pose) -> Evidence:
+        """Return the evidence, with its share lowered if an alternative is clearly more likely.
+
+        The whole map is then searched beside the pose, beginning with the alternative.
         """
-        alternative, clear = self._alternatives.find(pose), LOCALIZED_SHARE
-        if alternative is None or alternative.share >= (clear if self._searching else 1.0 - clear):
+        alternative = self._alternatives.find(pose)
+        if alternative is None or alternative.share >= 1.0 - LOCALIZED_SHARE:
             return evidence
-        self._filter.belief = self._filter.belief.mixed_with(alternative.belief, alternative.share)
-        self._searching = True
+        if self._search is None:
+            self._search = self._new_search()
+            self._search.include(alternative.belief)
         return replace(evidence, share=evidence.share * alternative.share)
 
     def _update_search_due(
         self, before: Health, health: Health, fit: Fit | None, information: float
     ) -> None:
-        """Count up to the next search of the whole map: at once when lost, then repeatedly."""
+        """Start a search of the whole map when lost, and again after more scans in doubt."""
         if health is Health.LOCALIZED:
-            self._search_due, self._searching, self._contestable = 0.0, False, False
-        elif health is Health.LOST and before is not Health.LOST and not self._searching:
+            self._search_due, self._search, self._contestable = 0.0, None, False
+            return
+        if health is Health.LOST and before is not Health.LOST and self._search is None:
             self._search_due = 1.0
-        elif fit is not None and fit.whole < LOCALIZED_ABOVE:
-            scans = REPEAT_LOST if health is Health.LOST else REPEAT_UNSURE
+        elif fit is not None:
+            scans = REPEAT if self._search is not None else DOUBTED
             self._search_due += information / scans
+        if self._search_due < 1.0 or not self._floor.possible:
+            return
+        self._search_due = 0.0
+        if self._search is None:
+            self._search = self._new_search()
+        else:
+            self._search.start_again()
+
+    def _is_beaten(self, search: MapSearch) -> bool:
+        """Whether the search has found a place that explains the scans clearly better."""
+        if search.health is not Health.LOCALIZED or self.estimate is None:
+            return False
+        assert search.hypothesis is not None
+        if is_same(search.hypothesis.pose, self.estimate.pose):
+            return True
+        odds = search.odds_against(self.estimate.pose)
+        if self.estimate.health is Health.LOST:
+            return odds > 0.0
+        return odds > FOUND_ODDS and search.stops >= FOUND_STOPS
+
+    def _found(self, t: float, odometry: Pose, search: MapSearch) -> Estimate:
+        """Return the estimate by a search; where it has found the robot, it is tracked from now."""
+        assert search.hypothesis is not None
+        if search.health is Health.LOCALIZED:
+            self._filter.belief = search.belief
+            self._filter.resample(self._limits)
+            self._monitor = HealthMonitor(Health.LOCALIZED)
+            self._tracking, self._search, self._rival = True, None, None
+            self._search_due, self._contestable = 0.0, False
+        return self._estimate_of(t, odometry, search.hypothesis, search.health)

@@ -22,10 +22,16 @@ MAX_POINTS = 180  # of a scan, spread evenly over it
 SIGMA = 0.1  # m; an end point at this distance from the map has a fit of 61 %
 DYNAMIC_DISTANCE = 0.3  # m; an end point on free floor, farther than this from the map, is dynamic
 MAX_DYNAMIC = 0.3  # maximum share of the beams assumed to end on people
+MAX_UNMAPPED = (
+    0.5  # maximum share of the beams that say nothing as they end where nothing is mapped
+)
 HIDING_REACH = 1.5  # m; an object that occludes more than MAX_DYNAMIC is nearer
+CROWD_REACH = 3.0  # m; likewise for a crowd, and for the fit alone
+MIN_BESIDE = 0.25  # minimum share of the beams that must be seen beside a crowd
 MIN_FIT_BESIDE = 0.85  # fit of the remaining beams required to trust the pose
-RAYS = 45  # beams traced through the map, at most
+RAYS = 45  # beams traced through the map for the health, at most
 REACH = 10.0  # m; distance over which they are traced
+FAR_REACH = 20.0  # m; likewise, for beams that end on free floor
 MARGIN = 0.3  # m before the end of a beam within which it may cross a wall
 
 
@@ -34,9 +40,12 @@ class Fit:
     """Fit of end points to the map: mean of exp(-d^2 / 2 sigma^2), 1 if all are on surfaces."""
 
     whole: float
-    """Of all end points."""
+    """Of all end points but those where nothing is mapped, up to MAX_UNMAPPED of all."""
     fit_without_dynamic: float
-    """Without dynamic end points: those on free floor, up to MAX_DYNAMIC of all."""
+    """Also without dynamic end points: those on free floor, up to MAX_DYNAMIC of all; of a crowd,
+    nearer than CROWD_REACH, any number if those beside it fit."""
+    beside: float
+    """Without any end point on free floor: what people cannot explain. 1 if none are left."""
 
 
 class ScanCheck:
@@ -48,7 +57,8 @@ class ScanCheck:
         self._scale = 1.0 / occupancy.resolution
         self._origin = complex(occupancy.origin.x, occupancy.origin.y)
         # Half a cell apart, so that no wall of one cell is stepped over.
-        self._steps = np.arange(0.5, 2.0 * REACH * self._scale) * 0.5
+        self._steps = np.arange(0.25, FAR_REACH * self._scale, 0.5, dtype=np.float32)
+        self._steps *= np.float32(occupancy.resolution)
         self._half = np.float32(-0.5 / SIGMA**2)
 
     def fit(self, pose: Pose, points: NDArray[np.float64]) -> Fit | None:
@@ -58,11 +68,35 @@ class ScanCheck:
             return None
         arms = turned(ends, pose)
         distance = self._surface.sample(pose, arms)[2]
-        total = float(np.exp(distance * distance * self._half).sum())
-        short = distance > DYNAMIC_DISTANCE
-        on_floor = int(np.count_nonzero(self._states(pose, arms[short]) == FREE))
-        dynamic = min(on_floor, int(MAX_DYNAMIC * len(ends)))
-        return Fit(total / len(ends), total / (len(ends) - dynamic))
+        fits = np.exp(distance * distance * self._half)
+        off = np.flatnonzero(np.abs(distance) > DYNAMIC_DISTANCE)
+        states = self._states(pose, arms[off])
+        off, states = off[states != OCCUPIED], states[states != OCCUPIED]
+        # What ends behind a mapped wall is wrong, whatever lies there.
+        open_way = ~self._crossing(pose, arms[off])
+        on_floor, unmapped = off[open_way & (states == FREE)], off[open_way & (states == UNKNOWN)]
+        count, total = len(ends), float(fits.sum())
+        left = count - min(len(unmapped), int(MAX_UNMAPPED * count))
+        elsewhere = np.ones(count, dtype=np.bool_)
+        elsewhere[on_floor] = elsewhere[unmapped] = False
+        seen = int(np.count_nonzero(elsewhere))
+        beside = float(fits[elsewhere].mean()) if seen >= TOO_FEW_POINTS else 1.0
+        dynamic = min(len(on_floor), int(MAX_DYNAMIC * count))
+        if seen >= max(TOO_FEW_POINTS, MIN_BESIDE * count) and beside >= MIN_FIT_BESIDE:
+            near = int(np.count_nonzero(np.abs(ends[on_floor]) < CROWD_REACH))
+            dynamic = min(len(on_floor), max(dynamic, near))
+        return Fit(total / left, total / max(left - dynamic, seen, 1), beside)
+
+    def short(self, pose: Pose, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return (m,) which end points (m, 2), m, base_link, lie on free floor, as on people.
+
+        Those behind a mapped wall do not.
+        """
+        arms = turned(as_complex(points), pose)
+        short = self._surface.sample(pose, arms)[2] > DYNAMIC_DISTANCE
+        short[short] = self._states(pose, arms[short]) == FREE
+        short[short] = ~self._crossing(pose, arms[short])
+        return short
 
     def hiding(self, pose: Pose, points: NDArray[np.float64]) -> NDArray[np.bool_] | None:
         """Return (m,) which end points lie on an unmapped object that occludes much of the map.
@@ -92,13 +126,23 @@ class ScanCheck:
         ends = as_complex(spread_evenly(points, RAYS))
         if len(ends) < TOO_FEW_POINTS:
             return 0.0
-        arms = turned(ends, pose) * np.float32(self._scale)
+        return float(self._crossing(pose, turned(ends, pose), REACH).mean())
+
+    def _crossing(
+        self, pose: Pose, arms: NDArray[np.complex64], reach: float = FAR_REACH
+    ) -> NDArray[np.bool_]:
+        """Return (m,) which beams, as of ``turned``, cross a mapped wall well before they end.
+
+        reach: m, over which they are traced.
+        """
         length = np.abs(arms)
+        traced = min(reach, float(length.max(initial=0.0)))
+        steps = self._steps[: int(np.searchsorted(self._steps, traced))]
         directions = arms / np.maximum(length, 1e-6)
-        places = directions[:, np.newaxis] * self._steps.astype(np.float32)
-        before_end = self._steps < (length - MARGIN * self._scale)[:, np.newaxis]
-        walls = self._states(pose, places * np.float32(1.0 / self._scale)) == OCCUPIED
-        return float((walls & before_end).any(axis=1).mean())
+        places = directions[:, np.newaxis] * steps
+        before_end = steps < (length - MARGIN)[:, np.newaxis]
+        walls = self._states(pose, places) == OCCUPIED
+        return np.asarray((walls & before_end).any(axis=1))
 
     def _states(self, pose: Pose, arms: NDArray[np.complex64]) -> NDArray[np.uint8]:
         """Return the cells' states at positions given as in ``DistanceSurface.sample``."""

@@ -8,12 +8,13 @@ one line a scan can be given a much larger information weight.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from localization.likelihood_field import LikelihoodField
-from localization.refinement import Refined, Refinement
+from localization.matching import Matching
+from localization.refinement import Refined
 from maps.pose import Pose
 
 MAX_SLIP = 0.5  # maximum share of a counted translation that is lost
@@ -24,19 +25,27 @@ MIN_GAIN = 2.0  # of log-likelihood, for a pose to be preferred
 MIN_SHIFT = 0.1  # m; a smaller shift is left to the filter
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Slipped:
+    """A pose back along the last step at which the scan fits better."""
+
+    refined: Refined
+    certain: bool
+    """Whether it does by the beams alone that people cannot explain."""
+
+
 class SlipSearch:
     """Compares a pose with those that result from slip by some share of the last step."""
 
-    def __init__(
-        self, field: LikelihoodField, refinement: Refinement, *, min_gain: float = MIN_GAIN
-    ) -> None:
+    def __init__(self, matching: Matching, *, min_gain: float = MIN_GAIN) -> None:
         """Prepare for one map. min_gain: of log-likelihood, for a pose to be preferred."""
         self._min_gain = min_gain
-        self._field = field
-        self._refinement = refinement
+        self._field = matching.field
+        self._refinement = matching.refinement
+        self._check = matching.check
         self._lost = np.arange(1, CANDIDATES + 1) / CANDIDATES * MAX_SLIP
 
-    def find(self, pose: Pose, increment: Pose, points: NDArray[np.float64]) -> Refined | None:
+    def find(self, pose: Pose, increment: Pose, points: NDArray[np.float64]) -> Slipped | None:
         """Return the pose behind ``pose`` (map_from_base) at which the scan fits clearly better.
 
         increment: the odometry's last step (base_then_from_base_now). points (m, 2): base_link, m.
@@ -59,7 +68,11 @@ class SlipSearch:
         gain = float(self._fits(np.array([refined.pose]), points)[0] - fits[0])
         if shift < MIN_SHIFT or gain < self._min_gain:
             return None
-        return refined
+        # A person explains a reading that is too short, and not one that is too long.
+        others = points[~self._check.short(pose, points)]
+        places = np.array((pose, refined.pose))
+        before, after = self._fits(places, others).tolist()
+        return Slipped(refined, certain=after - before >= self._min_gain)
 
     def _behind(self, pose: Pose, increment: Pose, travel: float) -> NDArray[np.float64]:
         """Return (n, 3) poses back along a step of travel, m, by each share lost; same heading."""

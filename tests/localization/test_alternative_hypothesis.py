@@ -12,9 +12,8 @@ from localization.alternative_hypothesis import STOP_XY, AlternativeSearch
 from localization.global_search import GlobalSearch
 from localization.health import Health
 from localization.kld import SampleLimits
-from localization.likelihood_field import LikelihoodField
 from localization.localizer import Localizer
-from localization.refinement import Refinement
+from localization.matching import Matching
 from localization.settings import LocalizationSettings, MotionNoise
 from maps.pose import Pose
 
@@ -26,8 +25,7 @@ def alternative_search(room, seed: int = 3) -> AlternativeSearch:
     return AlternativeSearch(
         settings.motion.over(MotionNoise()),
         SampleLimits(settings.min_particles, settings.max_particles),
-        LikelihoodField(room.map, settings.beams),
-        Refinement(room.map),
+        Matching(room.map, settings.beams),
         GlobalSearch(room.map),
         rng,
     )

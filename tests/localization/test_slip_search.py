@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from localization.likelihood_field import LikelihoodField
-from localization.refinement import Refinement
+from localization.matching import Matching
 from localization.settings import LocalizationSettings
 from localization.slip_search import MIN_GAIN, SlipSearch
 from maps.pose import Pose
@@ -18,8 +17,7 @@ STEP = Pose(1.4, 0.0, 0.0)
 
 
 def search(room, min_gain: float = MIN_GAIN) -> SlipSearch:
-    field = LikelihoodField(room.map, LocalizationSettings().beams)
-    return SlipSearch(field, Refinement(room.map), min_gain=min_gain)
+    return SlipSearch(Matching(room.map, LocalizationSettings().beams), min_gain=min_gain)
 
 
 @pytest.mark.parametrize("lost", [0.15, 0.3, 0.45])
@@ -27,8 +25,10 @@ def search(room, min_gain: float = MIN_GAIN) -> SlipSearch:
 def test_pose_after_slip_is_found(corridor, lost: float, seed: int) -> None:
     points = corridor.scan(TRUTH, np.random.default_rng(seed))
     counted = TRUTH.compose(Pose(lost * STEP.x, 0.01, 0.0))
-    refined = search(corridor).find(counted, STEP, points)
-    assert refined is not None
+    slipped = search(corridor).find(counted, STEP, points)
+    assert slipped is not None
+    assert slipped.certain
+    refined = slipped.refined
     assert math.hypot(refined.pose.x - TRUTH.x, refined.pose.y - TRUTH.y) < 0.06
     assert abs(refined.pose.theta - TRUTH.theta) < math.radians(1.0)
 
@@ -43,9 +43,9 @@ def test_backward_step_is_searched_ahead(corridor) -> None:
     points = corridor.scan(TRUTH, np.random.default_rng(1))
     counted = TRUTH.compose(Pose(-0.4, 0.0, 0.0))
     assert search(corridor).find(counted, STEP, points) is None
-    refined = search(corridor).find(counted, Pose(-1.4, 0.0, 0.0), points)
-    assert refined is not None
-    assert refined.pose.x == pytest.approx(TRUTH.x, abs=0.06)
+    slipped = search(corridor).find(counted, Pose(-1.4, 0.0, 0.0), points)
+    assert slipped is not None
+    assert slipped.refined.pose.x == pytest.approx(TRUTH.x, abs=0.06)
 
 
 def test_too_short_step_gives_none(corridor) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 from maps.map_folder import MapFolder, load_map_folder
 from maps.occupancy_map import save_map
 from robot_agent.config import find_map
+from tools.commands.log_option import add_no_return, print_notes
 from tools.logs.capture import capture_to_recording, recording_to_capture
 from tools.logs.carmen import CarmenLog, read_carmen
 from tools.logs.carmen_writer import recording_to_carmen
@@ -42,6 +43,7 @@ examples:
         help="of a CARMEN log: map folder or shipped map of its place; built from it when absent",
     )
     parser.add_argument("--stream", metavar="NAME", help="of a .csv: e.g. decision, base/rx")
+    add_no_return(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -64,7 +66,7 @@ def run(options: argparse.Namespace) -> int:
                 file=sys.stderr,
             )
     else:
-        _from_carmen(source, output, options.map)
+        _from_carmen(source, output, options.map, options.no_return)
     return 0
 
 
@@ -86,11 +88,10 @@ def _from_recording(source: Path, output: Path, stream: str | None) -> str:
     return words
 
 
-def _from_carmen(source: Path, output: Path, place: str | None) -> None:
+def _from_carmen(source: Path, output: Path, place: str | None, max_range: float | None) -> None:
     """Convert a CARMEN log to a recording."""
-    log = read_carmen(source)
-    if log.truncated:
-        print(f"patrol convert: {log.truncated}", file=sys.stderr)
+    log = read_carmen(source, max_range)
+    print_notes("convert", log.notes)
     if place:
         folder = load_map_folder(find_map(place, Path.cwd()))
     else:

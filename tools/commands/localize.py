@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from pathlib import Path
 from typing import cast
 
@@ -13,6 +12,7 @@ import numpy as np
 
 from maps.map_folder import MapFolder, load_map_folder
 from robot_agent.config import find_map
+from tools.commands.log_option import add_no_return, print_notes
 from tools.localize.localize import LocalizeOptions, localize_steps, log_steps, map_of_log
 from tools.localize.localize_report import STUDIES, format_table, run_count, run_study
 from tools.localize.localize_study import RESOLUTION, read_study_log
@@ -74,6 +74,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=whole(), default=0, metavar="N")
     parser.add_argument("--seeds", type=_positive, default=20, metavar="N", help="of a study")
     parser.add_argument("--trials", type=_positive, default=100, metavar="N", help="of a study")
+    add_no_return(parser)
     parser.add_argument("--csv", type=Path, metavar="OUT", help="write one line per scan")
     parser.add_argument("--json", type=Path, metavar="OUT", help="write the summary")
 
@@ -133,10 +134,10 @@ def _read(path: Path, options: argparse.Namespace) -> tuple[list[LogStep], MapFo
         recording = read_recording(path)
         config, _ = recorded_config(recording)
         steps = list(recorded_scans(recording, config))
-        _warn(recording.truncated)
+        print_notes("localize", [recording.truncated] if recording.truncated else [])
         return steps, _folder(options)
-    log = read_carmen(path)
-    _warn(log.truncated)
+    log = read_carmen(path, options.no_return)
+    print_notes("localize", log.notes)
     if not options.map_from:
         return log_steps(log), _folder(options)
     with progress_line("map", len(log.scans), "scans") as progress:
@@ -160,7 +161,7 @@ def _study(paths: list[tuple[Path, int]], options: argparse.Namespace) -> int:
     logs = []
     with progress_line("maps", len(paths), "logs") as progress:
         for done, (path, first_scan) in enumerate(paths, start=1):
-            logs.append(read_study_log(path, first_scan))
+            logs.append(read_study_log(path, first_scan, options.no_return))
             progress(done)
     tables = {}
     for name in dict.fromkeys(options.study):
@@ -189,11 +190,6 @@ def _print_summary(summary: dict[str, object], path: Path | None) -> None:
     if path is not None:
         path.write_text(text + "\n", encoding="utf-8")
     print(text)
-
-
-def _warn(truncated: str | None) -> None:
-    if truncated:
-        print(f"patrol localize: {truncated}", file=sys.stderr)
 
 
 def _positive(text: str) -> int:

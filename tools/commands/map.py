@@ -15,6 +15,7 @@ from maps.map_folder import DEFAULT_BORDER, MAP_FILE
 from maps.occupancy_map import MapError, load_map, save_map
 from robot_agent.config import SHIPPED_MAPS, find_map
 from tools.border_editor.editor_server import EditorServer
+from tools.commands.log_option import add_no_return, print_notes
 from tools.logs.carmen import LogError
 from tools.logs.scan_log import ScanLog, read_scan_log
 from tools.mapping.floor_plan import draw_floor_plan
@@ -63,6 +64,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="the relations' time at the log's time zero",
     )
+    add_no_return(build)
     build.set_defaults(act=_build)
 
     draw = actions.add_parser("draw", help="draw a map from a floor plan file")
@@ -123,9 +125,8 @@ def _build(options: argparse.Namespace) -> int:
     relations = (
         read_relations(options.relations, options.relations_epoch) if options.relations else []
     )
-    log = read_scan_log(options.log)
-    if log.truncated:
-        print(f"patrol map: {log.truncated}", file=sys.stderr)
+    log = read_scan_log(options.log, options.no_return)
+    print_notes("map", log.notes)
     log, trajectory = _posed(log.from_scan(options.first_scan), options.source)
     if relations:
         lined_up = synchronize(relations, trajectory.times)

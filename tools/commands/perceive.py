@@ -12,6 +12,7 @@ from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.calibration.perceive import perceive
 from tools.calibration.perception_pictures import draw_picture, draw_scan, moment_of
+from tools.commands.log_option import add_no_return, print_notes
 from tools.localize.localize import log_steps, map_of_log
 from tools.logs.carmen import LogError, read_carmen
 from tools.logs.recording import read_recording
@@ -40,6 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--first-scan", type=whole(), default=0, metavar="N", help="leave out the scans before"
     )
     parser.add_argument("--seed", type=whole(), default=0, metavar="N")
+    add_no_return(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -50,7 +52,8 @@ def run(options: argparse.Namespace) -> int:
     cv2.setNumThreads(1)
     if options.log.suffix == ".mcap":
         return _draw(options)
-    log = read_carmen(options.log)
+    log = read_carmen(options.log, options.no_return)
+    print_notes("perceive", log.notes)
     steps = log_steps(log)[options.first_scan :]
     if not steps:
         raise LogError(f"{options.log}: no scan from scan {options.first_scan} on")

@@ -43,12 +43,13 @@ class StudyLog:
     """The scans that ``even_map`` is not built from."""
 
 
-def read_study_log(path: Path, first_scan: int = 0) -> StudyLog:
+def read_study_log(path: Path, first_scan: int = 0, max_range: float | None = None) -> StudyLog:
     """Read a log, leave out the scans before ``first_scan``, and build its maps.
 
-    Raises LogError if no scan is left, MapError if no map can be built.
+    max_range: as of ``read_carmen``. Raises LogError if no scan is left, MapError if no map can be
+    built.
     """
-    log = read_carmen(path)
+    log = read_carmen(path, max_range)
     steps = log_steps(log)
     if not steps[first_scan:]:
         raise LogError(f"{path}: no scan from scan {first_scan} on: start with an earlier one")

@@ -19,11 +19,10 @@ from numpy.typing import NDArray
 from maps.input_limits import MAX_BEAMS, MAX_DURATION_S, MAX_PAUSE_S
 from maps.pose import Pose
 from tools.logs.log_bytes import LogBytesError, read_log_bytes
+from tools.logs.no_return import no_return
 
 # Beams of a SICK LMS over its half turn, first beam at the right (-90 degrees).
 _INCREMENT_DEGREES = {180: 1.0, 181: 1.0, 360: 0.5, 361: 0.5}
-_LASER_REACH = 80.0  # m; an LMS measures no farther, larger readings are error codes
-_CLIPPED_REACH = 50.0  # m; written for "no return" by some loggers
 _LARGEST = 1e10  # m, rad, s; a wall clock's seconds are below
 _LEAST_BEAMS = 2
 _WHOLE_TURN = math.tau + 1e-3  # rad
@@ -72,12 +71,12 @@ class CarmenLog:
     scans: list[CarmenScan]
     odometry: list[tuple[float, Pose]]
     """Raw odometry at strictly increasing times; the knot at a scan's time is the scan's own."""
-    truncated: str | None
-    """Notice of what is missing when the file ends early; None for a complete file."""
     lines: list[tuple[float, Pose]] = field(default_factory=list)
     """All raw odometry in file order, which is the order of motion, with the logged stamps."""
     scan_lines: list[int] = field(default_factory=list)
     """Index of each scan in ``lines``."""
+    notes: list[str] = field(default_factory=list)
+    """What was assumed or left out in reading the log, a line each, for people."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,10 +104,11 @@ class _ScanLine:
     robot: Pose
 
 
-def read_carmen(path: Path) -> CarmenLog:
+def read_carmen(path: Path, max_range: float | None = None) -> CarmenLog:
     """Read a CARMEN log, plain or gzip; of a truncated file the complete lines are used.
 
-    Raises LogError naming file, line and remedy.
+    max_range: readings from which on mean no return, m; None: by the log. Raises LogError naming
+    file, line and remedy.
     """
     text, truncated = _read_text(path)
     lines, cut_line = _parse(path, text, may_be_cut=truncated is not None)
@@ -122,11 +122,11 @@ def read_carmen(path: Path) -> CarmenLog:
     scan_lines = [line for line in lines if isinstance(line, _ScanLine)]
     times = _scan_times(scan_lines)
     raw = _raw_odometry(scan_lines, times, intervals)
-    limit = _no_return_limit(scan_lines)
+    far = no_return([line.readings for line in scan_lines], max_range)
     scans = [
         CarmenScan(
             t=t,
-            ranges=_usable(line.readings, min(limit, line.reach)),
+            ranges=_usable(line.readings, min(far.limit, line.reach)),
             angle_min=line.angle_min,
             angle_increment=line.angle_increment,
             reference=line.laser,
@@ -138,9 +138,12 @@ def read_carmen(path: Path) -> CarmenLog:
         path=path,
         scans=scans,
         odometry=raw.knots,
-        truncated=truncated,
         lines=raw.lines,
         scan_lines=raw.scan_lines,
+        notes=[
+            *([truncated] if truncated else []),
+            f"{path}: readings from {far.limit:.2f} m on mean no return: {far.reason}",
+        ],
     )
 
 
@@ -357,13 +360,6 @@ def _is_rebased(scans: Sequence[_ScanLine], intervals: Sequence[Sequence[_Odomet
     ]
     repeats = sum(math.dist(scan, odometry) < _SAME_POSE for scan, odometry in followed)
     return repeats > len(followed) / 2
-
-
-def _no_return_limit(scans: Sequence[_ScanLine]) -> float:
-    """Return the reading, m, from which on readings mean "no return", by the log's largest one."""
-    largest = max(float(np.nanmax(scan.readings, initial=0.0)) for scan in scans)
-    clipped = abs(largest - _CLIPPED_REACH) < 0.01 * _CLIPPED_REACH
-    return 0.99 * _CLIPPED_REACH if clipped else _LASER_REACH
 
 
 def _usable(readings: NDArray[np.float64], limit: float) -> NDArray[np.float64]:

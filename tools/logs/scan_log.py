@@ -53,8 +53,8 @@ class ScanLog:
     """Index of each scan in the odometry."""
     referenced: bool
     """Whether every scan has a reference pose other than its odometry."""
-    truncated: str | None
-    """Notice of what is missing when the file ends early; None for a complete file."""
+    notes: list[str]
+    """What was assumed or left out in reading the log, a line each, for people."""
 
     def from_scan(self, first: int) -> ScanLog:
         """Return the log from scan index ``first`` on; raises LogError if no scan is left."""
@@ -73,17 +73,17 @@ class ScanLog:
         return replace(self, scans=placed, referenced=True)
 
 
-def read_scan_log(path: Path) -> ScanLog:
+def read_scan_log(path: Path, max_range: float | None = None) -> ScanLog:
     """Read a CARMEN log, plain or gzip, or a recording (.mcap).
 
-    Raises LogError, or RecordingError, naming file and remedy.
+    max_range: as of ``read_carmen``. Raises LogError, or RecordingError, naming file and remedy.
     """
     if path.suffix == ".mcap":
         return _read_recorded(path)
-    log = read_carmen(path)
+    log = read_carmen(path, max_range)
     # In an uncorrected log the pose of a scan is its odometry.
     referenced = any(scan.reference != scan.odometry for scan in log.scans)
-    return ScanLog(path, log.scans, log.lines, log.scan_lines, referenced, log.truncated)
+    return ScanLog(path, log.scans, log.lines, log.scan_lines, referenced, log.notes)
 
 
 def _read_recorded(path: Path) -> ScanLog:
@@ -100,7 +100,7 @@ def _read_recorded(path: Path) -> ScanLog:
         odometry=[(scan.t, scan.odometry) for scan in scans],
         scan_lines=list(range(len(scans))),
         referenced=all(step.reference is not None for step in steps),
-        truncated=recording.truncated,
+        notes=[recording.truncated] if recording.truncated else [],
     )
 
 

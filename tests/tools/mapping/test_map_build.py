@@ -44,7 +44,7 @@ def log_of_room(scans: list[CarmenScan] | None = None) -> CarmenLog:
     if scans is None:
         poses = [(0.0, 0.0, 0.3), (1.0, 0.5, -2.0), (-1.0, -0.5, 2.5), (2.0, 0.0, 0.0)]
         scans = [scan_of_room(float(t), Pose(*pose)) for t, pose in enumerate(poses)]
-    return CarmenLog(path=Path("room.log"), scans=scans, odometry=[], truncated=None)
+    return CarmenLog(path=Path("room.log"), scans=scans, odometry=[])
 
 
 def test_a_room_is_free_inside_with_walls_where_they_are() -> None:
