@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import time
 from collections.abc import Callable
@@ -11,7 +12,7 @@ from urllib.parse import urlsplit
 
 from robot_agent.config import TelemetrySettings
 from robot_agent.process.certificate_dates import CertificateError, first_trouble, read_dates
-from robot_agent.process.key_rights import rights_trouble
+from robot_agent.process.key_rights import KEY, rights_trouble
 from tools.preflight.finding import Finding, ok, skipped, warning
 
 OPERATOR_LIMIT_S = 1.0
@@ -32,6 +33,11 @@ def examine_keys(keys: str, wall: Callable[[], float] = time.time) -> Finding:
         certificates = read_dates(Path(keys))
     except CertificateError as error:
         return warning("keys", str(error), "copy this robot's folder of `patrol keys` there")
+    if not os.access(Path(keys) / KEY, os.R_OK):
+        text = f"{keys}/{KEY}: this user cannot read the private key"
+        return warning(
+            "keys", text, f"copy it there, owned by the service's user: `chown patrol {keys}/*`"
+        )
     text, _, remedy = first_trouble(certificates, wall()).partition(": ")
     if text:
         return warning("keys", text, remedy)

@@ -120,6 +120,14 @@ def test_private_key_that_others_may_read_is_told_in_one_line_with_the_remedy(
     assert rights_trouble(keys / "nobody") == ""
 
 
+def test_key_that_the_user_cannot_read_is_told_by_the_doctor(keys: Path) -> None:
+    (keys / "bob" / KEY).unlink()
+    finding = examine_keys(str(keys / "bob"))
+    assert finding.verdict is Verdict.WARNING
+    assert "cannot read the private key" in finding.text
+    assert "chown patrol" in finding.remedy
+
+
 def test_agent_tells_that_others_may_read_its_key(keys: Path, tmp_path: Path) -> None:
     (keys / "bob" / KEY).chmod(0o644)
     robot = tmp_path / "robot.toml"
