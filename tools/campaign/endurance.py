@@ -154,13 +154,15 @@ def _come_and_go(cycles: int) -> Iterator[Footprint]:
         for cycle in range(cycles):
             name = f"robot{cycle}"
             with closing(Telemetry(settings, robot=name, team="lab")) as robot:
-                _wait(partial(_is_online, monitor, f"lab/{name}"), f"{name} was not shown")
-                robot.publish("pose", _POSE)
+                _wait(partial(_is_shown, monitor, robot, f"lab/{name}"), f"{name} was not shown")
             yield footprint_of(os.getpid())
 
 
-def _is_online(monitor: Monitor, name: str) -> bool:
-    return any(each.id == name and each.online for each in monitor.operator.team.snapshot())
+def _is_shown(monitor: Monitor, robot: Telemetry, name: str) -> bool:
+    """Let a robot report; return whether it is shown as online with its pose."""
+    robot.publish("pose", _POSE)
+    shown = {each.id: each for each in monitor.operator.team.snapshot()}
+    return name in shown and shown[name].online and bool(shown[name].poses)
 
 
 def _fill_disk(cycles: int) -> Iterator[Footprint]:
