@@ -282,6 +282,12 @@ class AgentStage:
         while worker.is_alive():
             self.step()
 
+    @property
+    def agent_pid(self) -> int:
+        """Process of the present agent."""
+        assert self._agent is not None
+        return self._agent.pid
+
     def agent_log(self) -> str:
         """Return the standard error of all agents so far."""
         return " | ".join(path.read_text().strip() for path in sorted(self.folder.glob("*.log")))

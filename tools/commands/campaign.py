@@ -1,7 +1,42 @@
-"""``patrol campaign``: an alias of ``patrol faults``, kept for its former name."""
+"""``patrol campaign``: every fault once, or with ``--endurance`` a few of them again and again."""
 
 from __future__ import annotations
 
-from tools.commands.faults import configure, run
+import argparse
+import sys
 
-__all__ = ["configure", "run"]
+from tools.commands import faults
+from tools.number_range import whole
+from tools.progress import progress_line
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the options: those of ``patrol faults``, and the endurance."""
+    faults.configure(parser)
+    parser.add_argument(
+        "--endurance",
+        nargs="*",
+        metavar="TRIAL",
+        help="instead: handles, threads and memory over many cycles: replug, come-and-go, "
+        "disk-full, kill-starts; default: all, a quarter of an hour",
+    )
+    parser.add_argument(
+        "--cycles", type=whole(2), metavar="N", help="of each trial; default: its own number"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run faults or endurance and print the table; return 1 when a limit is missed, else 0."""
+    if options.endurance is None:
+        return faults.run(options)
+    from tools.campaign.endurance import chosen_trials, endure, markdown
+
+    outcomes = []
+    for trial in chosen_trials(options.endurance):
+        cycles = options.cycles or trial.cycles
+        with progress_line(trial.name, cycles) as progress:
+            outcomes.append(endure(trial, cycles, progress))
+        verdict = "; ".join(outcomes[-1].complaints) or "ok"
+        print(f"patrol campaign: {trial.name}: {verdict}", file=sys.stderr, flush=True)
+    print(markdown(outcomes), end="")
+    return 1 if any(outcome.complaints for outcome in outcomes) else 0

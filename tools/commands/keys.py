@@ -11,8 +11,16 @@ from tools.number_range import whole
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.epilog = "example: patrol keys robot1 robot2 --team lab --host 192.168.1.10 -o keys"
-    parser.add_argument("robots", nargs="+", metavar="ROBOT", help="robots that need a certificate")
+    parser.epilog = (
+        "examples: patrol keys robot1 robot2 --team lab --host 192.168.1.10 -o keys\n"
+        "          patrol keys --site --team lab --host office.example -o office-keys"
+    )
+    parser.add_argument("robots", nargs="*", metavar="ROBOT", help="robots that need a certificate")
+    parser.add_argument(
+        "--site",
+        action="store_true",
+        help="one for the monitor of the team's site, which forwards it to a head office",
+    )
     parser.add_argument("--team", required=True, help="their team, as in their configuration")
     parser.add_argument(
         "--host",
@@ -27,6 +35,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Make the missing certificates and print the files made."""
-    for name in make_keys(options.output, options.team, options.robots, options.host, options.days):
+    made = make_keys(
+        *(options.output, options.team, options.robots, options.host, options.days),
+        site=options.site,
+    )
+    for name in made:
         print(options.output / name)
     return 0

@@ -50,6 +50,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--forward", metavar="ENDPOINT", help="head office's monitor that gets every payload too"
     )
     parser.add_argument(
+        "--forward-keys",
+        type=Path,
+        metavar="DIR",
+        help="this site's keys from the office, for a tls/ endpoint of --forward",
+    )
+    parser.add_argument(
         "--foxglove", metavar="HOST:PORT", help="serve Foxglove viewers (needs foxglove-sdk)"
     )
     parser.add_argument(
@@ -79,6 +85,7 @@ def run(options: argparse.Namespace) -> int:
         border=options.border,
         keys=options.keys,
         forward=options.forward,
+        forward_keys=options.forward_keys,
         foxglove=options.foxglove,
     )
     with closing(Monitor(chosen)) as monitor:

@@ -1,8 +1,9 @@
 """A small certificate authority: one certificate for the operator, one for each robot.
 
-The folder holds ``authority/`` (keep it off the network), ``operator/`` (for the laptop) and one
-folder per robot. Each of these has ``ca.pem``, ``certificate.pem`` and ``key.pem``; the
-operator's also has ``robots.json``, the names its access control admits.
+The folder holds ``authority/`` (keep it off the network), ``operator/`` (for the laptop), one
+folder per robot, and ``TEAM.site/`` for the monitor of a site that forwards a whole team to a head
+office. Each of these has ``ca.pem``, ``certificate.pem`` and ``key.pem``; the operator's also has
+``robots.json`` and ``sites.json``, the names its access control admits.
 """
 
 from __future__ import annotations
@@ -22,7 +23,10 @@ from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from robot_agent.config import KeyPart
 
-CA, CERTIFICATE, KEY, ROBOTS = "ca.pem", "certificate.pem", "key.pem", "robots.json"
+CA, CERTIFICATE, KEY = "ca.pem", "certificate.pem", "key.pem"
+ROBOTS, SITES = "robots.json", "sites.json"
+SITE_SUFFIX = ".site"
+"""Of a site's folder: no robot can have a name with a dot."""
 AUTHORITY, OPERATOR = "authority", "operator"
 _BEGIN = datetime.datetime(1970, 1, 1, tzinfo=datetime.UTC)
 """Certificates are valid from here on: a computer without a clock battery starts with it."""
@@ -45,19 +49,27 @@ class RobotName(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def make_keys(
-    folder: Path, team: str, robots: Sequence[str], hosts: Sequence[str], days: int = 3650
+    folder: Path,
+    team: str,
+    robots: Sequence[str],
+    hosts: Sequence[str],
+    days: int = 3650,
+    *,
+    site: bool = False,
 ) -> list[str]:
     """Make the missing certificates in a folder; return the names of those made.
 
     hosts: names and addresses at which robots reach the operator. days: validity from
-    now on; they are valid before, for robots whose clocks are not set. Existing keys are
-    kept, so that robots can be added later.
+    now on; they are valid before, for robots whose clocks are not set. site: also for the monitor
+    of a site that forwards the team. Existing keys are kept, so that robots can be added later.
 
     Raises:
         KeysError: a name is invalid, ``hosts`` is empty without an operator's certificate, or
             existing files cannot be read.
     """
     names = [_checked(team, robot) for robot in robots]
+    if site:
+        _checked(team, "any")
     made = []
     authority = folder / AUTHORITY
     if not (authority / KEY).exists():
@@ -77,6 +89,14 @@ def make_keys(
             issuer.issue(folder / name.robot, name.common_name, ())
             made.append(name.robot)
     _add_robots(folder / OPERATOR / ROBOTS, names)
+    if site:
+        own = team + SITE_SUFFIX
+        if not (folder / own / KEY).exists():
+            # A robot's common name has a slash, a site's has none.
+            issuer.issue(folder / own, team, ())
+            made.append(own)
+        sites = sorted({*known_sites(folder / OPERATOR), team})
+        (folder / OPERATOR / SITES).write_bytes(msgspec.json.encode(sites) + b"\n")
     return made
 
 
@@ -95,6 +115,21 @@ def known_robots(folder: Path) -> list[RobotName]:
             "give the operator's folder of `patrol keys`"
         ) from error
     except msgspec.DecodeError as error:
+        raise KeysError(f"{path}: {error}; run `patrol keys` again") from error
+
+
+def known_sites(folder: Path) -> list[str]:
+    """Return the teams whose sites an operator's folder of keys admits.
+
+    Raises:
+        KeysError: the list is damaged.
+    """
+    path = folder / SITES
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=list[KeyPart])
+    except FileNotFoundError:
+        return []
+    except (OSError, msgspec.DecodeError) as error:
         raise KeysError(f"{path}: {error}; run `patrol keys` again") from error
 
 

@@ -16,6 +16,7 @@ from maps.map_folder import MapFolder
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, ConfigError, load_config
 from robot_agent.process.journal import Journal
+from robot_agent.process.key_rights import rights_trouble
 from robot_agent.process.pose_file import PoseFile
 from robot_agent.process.runtime import Clock, DeviceFilterError, Runtime, end_on_signals
 from robot_agent.process.telemetry import Telemetry
@@ -54,6 +55,8 @@ def _run(path: Path, record: Path | None) -> int:
         config = msgspec.structs.replace(config, remembered=pose_file.load())
         if pose_file.failed:
             print(f"patrol agent: {pose_file.failed}", file=sys.stderr)
+    if config.telemetry.keys and (told := rights_trouble(Path(config.telemetry.keys))):
+        print(f"patrol agent: {told}", file=sys.stderr)
     clock = Clock()
     with ExitStack() as stack:
         recorder = make_recorder(record, config, folder, clock)

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from robot_agent.config import AgentConfig
+from robot_agent.process.key_rights import KEY
 from tools.preflight.finding import Finding, failed, ok
 
 STATE = Path("/var/lib/patrol")
@@ -37,7 +38,7 @@ def _paths_read(config: AgentConfig) -> Iterator[tuple[str, str]]:
     for key, path in (
         ("map.folder", config.map.folder),
         ("patrol.rules_file", config.patrol.rules_file),
-        ("telemetry.keys", config.telemetry.keys),
+        ("telemetry.keys", config.telemetry.keys and f"{config.telemetry.keys}/{KEY}"),
     ):
         if path.startswith(("/", "~")) or (path and key == "telemetry.keys"):
             yield key, path

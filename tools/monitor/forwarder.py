@@ -7,21 +7,45 @@ of the site a publish-only session connects to the office and publishes that rob
 from __future__ import annotations
 
 import threading
+from pathlib import Path
+
+import msgspec
 
 from robot_agent.config import TelemetrySettings
 from robot_agent.process.telemetry import Telemetry
 from tools.monitor.team_state import GIVE_WAY_S, MAX_ROBOTS, robot_name
 
 
+class ForwardError(ValueError):
+    """The office cannot be reached so; the message says why, with the remedy."""
+
+
 class Forwarder:
     """One publish-only session per robot; never blocks or fails because of the office."""
 
-    def __init__(self, office: str) -> None:
-        """office: Zenoh endpoint of the office, e.g. ``tcp/office.example:7447``."""
-        self._settings = TelemetrySettings(operator=office)
+    def __init__(self, office: str, keys: Path | None = None) -> None:
+        """office: Zenoh endpoint of the office, e.g. ``tls/office.example:7447``.
+
+        keys: the site's folder of the office's ``patrol keys``, for a tls endpoint. Raises
+        ForwardError for one without keys, or that is none.
+        """
+        written = {"operator": office, "keys": "" if keys is None else str(keys.resolve())}
+        try:
+            self._settings = msgspec.convert(written, TelemetrySettings)
+        except msgspec.ValidationError as error:
+            raise ForwardError(
+                f"--forward {office}: give tcp/HOST:PORT, or tls/HOST:PORT with --forward-keys, "
+                "this site's folder of the office's `patrol keys --site`"
+            ) from error
         self._robots: dict[tuple[str, str], Telemetry] = {}  # the longest silent first
         self._heard: dict[tuple[str, str], float] = {}
         self._lock = threading.Lock()
+
+    @property
+    def trouble(self) -> str:
+        """Why the office hears nothing of a robot, in one line; empty if nothing is known."""
+        with self._lock:
+            return next((robot.failed for robot in self._robots.values() if robot.failed), "")
 
     @property
     def dropped(self) -> int:

@@ -41,6 +41,8 @@ class MonitorOptions:
     """The operator's folder of ``patrol keys``, for a tls endpoint; None: no TLS."""
     forward: str | None = None
     """Zenoh endpoint of a head office that every payload is forwarded to; None: none."""
+    forward_keys: Path | None = None
+    """This site's folder of the office's ``patrol keys``, for a tls office; None: no TLS."""
     foxglove: str | None = None
     """Address for Foxglove viewers, host:port; None: none."""
 
@@ -54,6 +56,7 @@ class Monitor:
         Raises:
             OperatorError: the robots' endpoint is invalid or taken.
             WebError: an address of page or viewers is invalid or taken.
+            ForwardError: the office's endpoint is invalid.
             KeysError, CertificateError: the keys cannot be read.
         """
         self.options = options
@@ -62,12 +65,16 @@ class Monitor:
         self.check: Callable[[], None]
         """Raises RuntimeError if page or table are kept up to date no more."""
         self._recorder: TeamRecorder | None = None
+        self._forwarder: Forwarder | None = None
         with ExitStack() as stack:
             taps = list(self._open_taps(stack))
             self.operator = Operator(self.options.listen, taps, self.options.keys)
             stack.callback(self.operator.close)
-            self._certificates = CertificateWatch(options.keys)
-            self.watch = Watch(self.operator.team, self.options.site, self._own_conditions)
+            self._certificates = (
+                CertificateWatch(options.keys),
+                CertificateWatch(options.forward_keys, consequence="the office hears nothing"),
+            )
+            self.watch = Watch(self.operator.team, self.options.site, self.conditions)
             source = LiveSource()
             if self.options.http is None:
                 caller = PeriodicCall(lambda: source.advance(self.watch))
@@ -92,17 +99,20 @@ class Monitor:
             stack.callback(self._recorder.close)
             yield self._recorder.on_payload
         if options.forward is not None:
-            forwarder = Forwarder(options.forward)
-            stack.callback(forwarder.close)
-            yield forwarder.on_payload
+            self._forwarder = Forwarder(options.forward, options.forward_keys)
+            stack.callback(self._forwarder.close)
+            yield self._forwarder.on_payload
         if options.foxglove is not None:
             viewers = FoxgloveServer(options.foxglove)
             stack.callback(viewers.close)
             yield viewers.on_payload
 
-    def _own_conditions(self) -> Iterator[Condition]:
+    def conditions(self) -> Iterator[Condition]:
         """Yield the conditions of the monitor itself."""
-        yield from self._certificates.conditions()
+        for certificates in self._certificates:
+            yield from certificates.conditions()
+        if self._forwarder is not None and (trouble := self._forwarder.trouble):
+            yield Condition("", "office", Severity.WARNING, trouble)
         recorder = self._recorder
         if recorder is not None and (recorder.failed or recorder.lost):
             words = recorder.failed or f"{recorder.lost} payloads not recorded, the disk is slow"

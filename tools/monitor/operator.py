@@ -17,7 +17,7 @@ import zenoh
 from maps.input_limits import MAX_MESSAGE_BYTES, MAX_PAYLOAD_BYTES
 from robot_agent.messages.streams import key_of
 from robot_agent.process.telemetry import LEASE_MS, plain_reason, tls_settings
-from tools.deploy.certificates import RobotName, known_robots
+from tools.deploy.certificates import RobotName, known_robots, known_sites
 from tools.monitor.team_state import TeamState
 
 Tap = Callable[[str, bytes, float], None]
@@ -86,10 +86,13 @@ class Operator:
         self._session.close()  # type: ignore[no-untyped-call]
 
 
-def access_control(robots: Sequence[RobotName] | None) -> dict[str, object]:
+def access_control(
+    robots: Sequence[RobotName] | None, sites: Sequence[str] = ()
+) -> dict[str, object]:
     """Return Zenoh's access control that lets robots report and denies everything else.
 
-    robots: those that may report, each under its certificate's name only; None: any client.
+    robots: those that may report, each under its certificate's name only; None: any client. sites:
+    teams whose site may report all their robots, with the team's certificate.
     """
     allowed: list[tuple[str, list[str], dict[str, list[str]]]]
     if robots is None:
@@ -102,6 +105,10 @@ def access_control(robots: Sequence[RobotName] | None) -> dict[str, object]:
                 {"cert_common_names": [robot.common_name]},
             )
             for robot in robots
+        ]
+        allowed += [
+            (f"site of {team} reports", [f"patrol/{team}/**"], {"cert_common_names": [team]})
+            for team in sites
         ]
     return {
         "enabled": True,
@@ -131,7 +138,11 @@ def _session_config(listen: str, keys: Path | None) -> zenoh.Config:
         "transport/shared_memory/enabled": False,
         "transport/link/tx/lease": LEASE_MS,
         "transport/link/rx/max_message_size": MAX_MESSAGE_BYTES,
-        "access_control": access_control(None if keys is None else known_robots(keys)),
+        "access_control": (
+            access_control(None)
+            if keys is None
+            else access_control(known_robots(keys), known_sites(keys))
+        ),
     }.items():
         config.insert_json5(key, json.dumps(value))
     if keys is not None:

@@ -15,6 +15,8 @@ MAX_ROBOTS = 64
 """Most robots kept; a further one takes the place of one that is silent, or is not shown."""
 GIVE_WAY_S = 5.0
 """Silence from which a robot gives way: several of a bad link's pauses."""
+_MAX_ONLINE = 16 * MAX_ROBOTS
+"""Most robots whose presence is remembered, shown or not."""
 _NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
 """Valid names of a team or robot, as in the robots' configuration."""
 
@@ -30,6 +32,7 @@ class TeamState:
         self._lock = threading.Lock()
         self._robots: dict[tuple[str, str], RobotState] = {}
         self._version = 0
+        self._online: dict[tuple[str, str], None] = {}  # the latest last; shown or not
         self.stray = 0
         """Number of messages under a key of no robot, or of a robot beyond ``MAX_ROBOTS``."""
         self.stray_at: float | None = None
@@ -64,8 +67,20 @@ class TeamState:
         self._update(parts, t, lambda robot: _with_malformed(robot, t))
 
     def set_liveliness(self, key: str, *, online: bool, t: float = 0.0) -> None:
-        """Set whether the robot of ``patrol/<team>/<robot>`` is online."""
-        self._update(key.split("/"), t, lambda robot: replace(robot, online=online))
+        """Set whether the robot of ``patrol/<team>/<robot>`` is online.
+
+        That is said once; a robot for which there is no room yet is online when it is shown.
+        """
+        parts = key.split("/")
+        name = robot_name(parts)
+        with self._lock:
+            if name is not None:
+                self._online.pop(name, None)
+                if online:
+                    self._online[name] = None
+                if len(self._online) > _MAX_ONLINE:
+                    del self._online[next(iter(self._online))]
+        self._update(parts, t, lambda robot: replace(robot, online=online))
 
     def _update(
         self,
@@ -85,7 +100,8 @@ class TeamState:
             if name not in self._robots and not self._make_room(t):
                 self._hide(name, t)
                 return
-            robot = change(self._robots.get(name, RobotState(*name, first_seen=t)))
+            new = RobotState(*name, first_seen=t, online=name in self._online)
+            robot = change(self._robots.get(name, new))
             versions = {**robot.versions, stream: self._version}
             self._robots[name] = replace(robot, version=self._version, versions=versions)
             self.hidden.pop(robot.id, None)
@@ -130,6 +146,7 @@ class TeamState:
         """Remove every robot; the version keeps increasing."""
         with self._lock:
             self._robots.clear()
+            self._online.clear()
             self.hidden.clear()
 
 

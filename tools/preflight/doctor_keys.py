@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import time
 from collections.abc import Callable
@@ -11,6 +12,7 @@ from urllib.parse import urlsplit
 
 from robot_agent.config import TelemetrySettings
 from robot_agent.process.certificate_dates import CertificateError, first_trouble, read_dates
+from robot_agent.process.key_rights import KEY, rights_trouble
 from tools.preflight.finding import Finding, ok, skipped, warning
 
 OPERATOR_LIMIT_S = 1.0
@@ -21,15 +23,26 @@ class RefusedError(Exception):
 
 
 def examine_keys(keys: str, wall: Callable[[], float] = time.time) -> Finding:
-    """Check the robot's certificates by its clock; a warning at most, as it patrols without."""
+    """Check the robot's certificates by its clock, and who may read its key.
+
+    A warning at most, as it patrols without.
+    """
     if not keys:
         return skipped("keys", "telemetry.keys is not set: telemetry is not encrypted")
     try:
         certificates = read_dates(Path(keys))
     except CertificateError as error:
         return warning("keys", str(error), "copy this robot's folder of `patrol keys` there")
+    if not os.access(Path(keys) / KEY, os.R_OK):
+        text = f"{keys}/{KEY}: this user cannot read the private key"
+        return warning(
+            "keys", text, f"copy it there, owned by the service's user: `chown patrol {keys}/*`"
+        )
     text, _, remedy = first_trouble(certificates, wall()).partition(": ")
     if text:
+        return warning("keys", text, remedy)
+    if trouble := rights_trouble(Path(keys)):
+        text, _, remedy = trouble.rpartition(": ")
         return warning("keys", text, remedy)
     text, _, remedy = next(
         filter(None, (each.ends_soon(wall()) for each in certificates)), ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
 import time
 from contextlib import closing
 from pathlib import Path
@@ -10,9 +11,11 @@ from pathlib import Path
 import pytest
 
 from robot_agent.config import TelemetrySettings
+from robot_agent.process.key_rights import rights_trouble
 from robot_agent.process.telemetry import Telemetry
 from tests.tools.deploy.test_certificates import wait_until
-from tools.deploy.certificates import OPERATOR, make_keys
+from tools.deploy.certificates import KEY, OPERATOR, make_keys
+from tools.deploy.child_program import environment, program
 from tools.monitor.alarm import Severity
 from tools.monitor.certificate_watch import CertificateWatch
 from tools.monitor.endpoint import free_endpoint
@@ -86,3 +89,60 @@ def test_valid_certificates_pass_the_doctors_trial(keys: Path, endpoint: str) ->
         settings = TelemetrySettings(operator=endpoint, keys=str(keys / "bob"))
         finding = examine_operator(settings)
     assert (finding.verdict, finding.text) == (Verdict.OK, f"{endpoint} answers")
+
+
+def test_certificates_of_the_future_are_told_with_the_clock(keys: Path) -> None:
+    def wall() -> float:
+        return -DAY_S  # certificates of `patrol keys` are valid from 1970 on
+
+    finding = examine_keys(str(keys / "bob"), wall)
+    assert (finding.verdict, "valid from 1970" in finding.text) == (Verdict.WARNING, True)
+    assert "set the clock" in finding.remedy
+    conditions = list(CertificateWatch(keys / OPERATOR, wall).conditions())
+    assert all("set the clock" in condition.text for condition in conditions)
+    assert {condition.severity for condition in conditions} == {Severity.CRITICAL}
+
+
+@pytest.mark.parametrize("mode", [0o640, 0o604, 0o644, 0o600, 0o400])
+def test_private_key_that_others_may_read_is_told_in_one_line_with_the_remedy(
+    keys: Path, mode: int
+) -> None:
+    readable = mode not in (0o600, 0o400)
+    for name in ("bob", OPERATOR):
+        (keys / name / KEY).chmod(mode)
+    told = rights_trouble(keys / "bob")
+    assert ("chmod 600" in told) == readable
+    finding = examine_keys(str(keys / "bob"))
+    assert finding.verdict is (Verdict.WARNING if readable else Verdict.OK)
+    assert ("chmod 600" in finding.remedy) == readable
+    conditions = list(CertificateWatch(keys / OPERATOR).conditions())
+    assert [condition.kind for condition in conditions] == (["keys key.pem"] if readable else [])
+    assert rights_trouble(keys / "nobody") == ""
+
+
+def test_key_that_the_user_cannot_read_is_told_by_the_doctor(keys: Path) -> None:
+    (keys / "bob" / KEY).unlink()
+    finding = examine_keys(str(keys / "bob"))
+    assert finding.verdict is Verdict.WARNING
+    assert "cannot read the private key" in finding.text
+    assert "chown patrol" in finding.remedy
+
+
+def test_agent_tells_that_others_may_read_its_key(keys: Path, tmp_path: Path) -> None:
+    (keys / "bob" / KEY).chmod(0o644)
+    robot = tmp_path / "robot.toml"
+    robot.write_text(
+        f'[telemetry]\noperator = "tls/127.0.0.1:9"\nkeys = "{keys / "bob"}"\n'
+        '[base]\nurl = "/dev/none-such"\n[laser]\nurl = "/dev/none-such"\n'
+    )
+    with subprocess.Popen(
+        program("tools.cli", "agent", str(robot)),
+        env=environment(),
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as agent:
+        assert agent.stderr is not None
+        first = agent.stderr.readline()
+        agent.terminate()
+        agent.stderr.read()
+    assert "other users of this computer may read this private key (644)" in first

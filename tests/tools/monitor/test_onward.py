@@ -6,18 +6,23 @@ import asyncio
 import time
 from collections.abc import Callable
 from contextlib import closing
+from pathlib import Path
 
 import aiohttp
 import pytest
+import zenoh
 
 from robot_agent.config import TelemetrySettings
 from robot_agent.messages.streams import encode
-from robot_agent.process.telemetry import Telemetry
+from robot_agent.process.telemetry import Telemetry, session_config
 from tests.tools.monitor.reports import pose
+from tools.cli import main
+from tools.deploy.certificates import make_keys
 from tools.monitor import forwarder
 from tools.monitor.endpoint import free_endpoint
 from tools.monitor.foxglove_server import FoxgloveServer
 from tools.monitor.monitor import Monitor, MonitorOptions
+from tools.monitor.operator import Operator
 from tools.monitor.site import Site
 from tools.monitor.web_server import WebError
 
@@ -57,6 +62,90 @@ def test_head_office_receives_the_robots_of_two_sites() -> None:
         assert [robot.id for robot in first.operator.team.snapshot()] == ["north/robot0"]
         for robot in robots:
             robot.close()
+
+
+@pytest.fixture
+def office_keys(tmp_path: Path) -> Path:
+    """Keys that a head office made: its own, and those of the site of team north."""
+    make_keys(tmp_path, "north", [], ["127.0.0.1"], site=True)
+    return tmp_path
+
+
+def test_head_office_with_certificates_receives_a_whole_team_from_its_site(
+    office_keys: Path,
+) -> None:
+    office_endpoint, site_endpoint = free_endpoint().replace("tcp/", "tls/"), free_endpoint()
+    site = MonitorOptions(
+        *(site_endpoint, None, Site(None)),
+        forward=office_endpoint,
+        forward_keys=office_keys / "north.site",
+    )
+    office = MonitorOptions(office_endpoint, None, Site(None), keys=office_keys / "operator")
+    with closing(Monitor(office)) as head, closing(Monitor(site)) as monitor:
+        settings = TelemetrySettings(operator=site_endpoint)
+        robots = [
+            Telemetry(settings, robot=name, team=team)
+            for team, name in (("south", "carl"), ("north", "anna"), ("north", "bob"))
+        ]
+
+        def report() -> list[str]:
+            for robot in robots:
+                robot.publish("pose", encode(pose(1.0)))
+            return [robot.id for robot in head.operator.team.snapshot() if robot.poses]
+
+        wait_until(lambda: len(report()) == 2, "the team's robots")
+        assert report() == ["north/anna", "north/bob"], "none of a team that is not the site's"
+        assert all(robot.online for robot in head.operator.team.snapshot())
+        assert len(monitor.operator.team.snapshot()) == 3
+        assert list(monitor.conditions()) == []
+        for robot in robots:
+            robot.close()
+
+
+def test_robot_cannot_report_as_a_site(office_keys: Path) -> None:
+    make_keys(office_keys, "north", ["anna"], [])
+    endpoint = free_endpoint().replace("tcp/", "tls/")
+    with (
+        closing(Operator(endpoint, keys=office_keys / "operator")) as office,
+        zenoh.open(session_config(endpoint, str(office_keys / "anna"))) as robot,
+    ):
+        wait_until(lambda: bool(list(robot.info.routers_zid())), "the robot's connection")
+        robot.put("patrol/north/bob/pose", encode(pose(1.0)))
+        robot.put("patrol/north/anna/pose", encode(pose(2.0)))
+        wait_until(lambda: bool(office.team.snapshot()), "its own pose, sent last")
+        assert [each.id for each in office.team.snapshot()] == ["north/anna"]
+
+
+@pytest.mark.parametrize("office", ["tls/127.0.0.1:7447", "office", "udp/127.0.0.1:7447", ""])
+def test_office_that_cannot_be_reached_so_is_one_line(
+    office: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    listen = ["--listen", free_endpoint(), "--text", "--duration", "0.1"]
+    assert main(["monitor", *listen, "--forward", office]) == (1 if office else 0)
+    told = capsys.readouterr().err
+    assert told.count("\n") == (1 if office else 0)
+    assert not office or "--forward-keys" in told
+
+
+def test_certificate_of_the_site_that_has_ended_is_told_by_its_monitor(office_keys: Path) -> None:
+    make_keys(office_keys, "south", [], [], days=-1, site=True)
+    office = free_endpoint().replace("tcp/", "tls/")
+    site = MonitorOptions(
+        *(free_endpoint(), None, Site(None)),
+        forward=office,
+        forward_keys=office_keys / "south.site",
+    )
+    with closing(Operator(office, keys=office_keys / "operator")), closing(Monitor(site)) as own:
+        settings = TelemetrySettings(operator=site.listen)
+        with closing(Telemetry(settings, robot="carl", team="south")) as robot:
+
+            def told() -> dict[str, str]:
+                robot.publish("pose", encode(pose(1.0)))
+                return {each.kind: each.text for each in own.conditions()}
+
+            wait_until(lambda: "office" in told(), "the trouble with the office")
+            assert "was valid until" in told()["office"]
+            assert told()["keys certificate.pem"].startswith("the office hears nothing: ")
 
 
 def test_foxglove_viewer_gets_channels_with_schemas_and_payloads() -> None:

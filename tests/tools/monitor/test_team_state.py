@@ -95,6 +95,26 @@ def test_silent_robot_gives_way_and_is_named() -> None:
     assert team.hidden_since(0.0) == ["north/robot0"]
 
 
+def test_robot_that_came_online_without_room_is_online_once_it_is_shown() -> None:
+    team = TeamState()
+    for number in range(MAX_ROBOTS):
+        team.receive(f"patrol/north/robot{number}/pose", encode(POSE), 0.0)
+    team.set_liveliness("patrol/north/late", online=True, t=1.0)
+    team.set_liveliness("patrol/north/gone", online=True, t=1.0)
+    team.set_liveliness("patrol/north/gone", online=False, t=2.0)
+    for name in ("late", "gone"):
+        team.receive(f"patrol/north/{name}/pose", encode(POSE), GIVE_WAY_S + 1.0)
+    online = {robot.robot: robot.online for robot in team.snapshot()}
+    assert (online["late"], online["gone"]) == (True, False)
+
+
+def test_presence_of_invented_names_is_bounded() -> None:
+    team = TeamState()
+    for number in range(5000):
+        team.set_liveliness(f"patrol/north/x{number}", online=True)
+    assert len(team._online) < 2000
+
+
 def test_of_silent_robots_the_offline_one_gives_way_first() -> None:
     team = full_team()
     team.set_liveliness("patrol/north/robot7", online=False, t=1.0)
