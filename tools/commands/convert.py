@@ -10,15 +10,18 @@ from pathlib import Path
 from maps.map_folder import MapFolder, load_map_folder
 from maps.occupancy_map import save_map
 from robot_agent.config import find_map
-from tools.commands.log_option import add_no_return, print_notes
+from tools.commands.log_option import add_no_return, add_topics, print_notes, topics_of
 from tools.logs.capture import capture_to_recording, recording_to_capture
-from tools.logs.carmen import CarmenLog, read_carmen
+from tools.logs.carmen import CarmenLog
 from tools.logs.carmen_writer import recording_to_carmen
+from tools.logs.laser_log import read_laser_log
 from tools.logs.recording import read_recording
+from tools.logs.ros_bag import RosTopics, is_ros_bag
+from tools.logs.ros_bag_writer import recording_to_ros
 from tools.logs.stream_table import stream_to_csv
 from tools.mapping.map_build import build_map
 from tools.progress import progress_line
-from tools.replay.carmen_recording import convert
+from tools.replay.carmen_recording import as_lms_scans, convert
 
 
 class ConvertError(ValueError):
@@ -28,28 +31,33 @@ class ConvertError(ValueError):
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = """what becomes what follows from the names:
-  CARMEN log (any name, plain or .gz) or capture (.jsonl) to recording (.mcap)
-  recording (.mcap) to CARMEN log (.log), capture (.jsonl), or one stream as table (.csv)
+  CARMEN log (any name, plain or .gz), ROS bag (.bag, .db3, ROS 2 .mcap or folder) or
+    capture (.jsonl) to recording (.mcap)
+  recording (.mcap) to CARMEN log (.log), ROS 2 bag (.ros2, a folder), capture (.jsonl), or
+    one stream as table (.csv)
 
 examples:
   patrol convert intel.log.gz -o intel.mcap --map intel_lab
+  patrol convert drive.bag -o drive.mcap --map my_lab
   patrol convert robot1.mcap -o robot1.log
+  patrol convert robot1.mcap -o robot1.ros2
   patrol convert robot1.mcap -o decisions.csv --stream decision"""
-    parser.add_argument("source", type=Path, help="CARMEN log, capture or recording")
+    parser.add_argument("source", type=Path, help="CARMEN log, ROS bag, capture or recording")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE")
     parser.add_argument(
         "--map",
         metavar="DIR",
-        help="of a CARMEN log: map folder or shipped map of its place; built from it when absent",
+        help="of a log: map folder or shipped map of its place; built from it when absent",
     )
     parser.add_argument("--stream", metavar="NAME", help="of a .csv: e.g. decision, base/rx")
     add_no_return(parser)
+    add_topics(parser)
 
 
 def run(options: argparse.Namespace) -> int:
     """Convert one file."""
     source, output = options.source, options.output
-    if source.suffix == ".mcap":
+    if source.suffix == ".mcap" and not is_ros_bag(source):
         print(f"{output}: {_from_recording(source, output, options.stream)}")
     elif output.suffix != ".mcap":
         raise ConvertError(f"{output}: a log or capture becomes a recording: name it .mcap")
@@ -66,7 +74,7 @@ def run(options: argparse.Namespace) -> int:
                 file=sys.stderr,
             )
     else:
-        _from_carmen(source, output, options.map, options.no_return)
+        _from_log(source, output, options.map, options.no_return, topics_of(options))
     return 0
 
 
@@ -75,22 +83,28 @@ def _from_recording(source: Path, output: Path, stream: str | None) -> str:
     recording = read_recording(source)
     if output.suffix == ".log":
         words = f"{recording_to_carmen(recording, output)} scans"
+    elif output.suffix == ".ros2":
+        words = f"{recording_to_ros(recording, output)} scans, for ROS 2"
     elif output.suffix == ".jsonl":
         words = f"{recording_to_capture(recording, output)} lines"
     elif output.suffix == ".csv" and stream:
         words = f"{stream_to_csv(recording, stream, output)} rows"
     else:
         raise ConvertError(
-            f"{output}: a recording becomes a .log, a .jsonl, or with --stream NAME a .csv"
+            f"{output}: a recording becomes a .log, .ros2 or .jsonl, or with --stream NAME a .csv"
         )
     if recording.truncated:
         print(f"patrol convert: {recording.truncated}", file=sys.stderr)
     return words
 
 
-def _from_carmen(source: Path, output: Path, place: str | None, max_range: float | None) -> None:
-    """Convert a CARMEN log to a recording."""
-    log = read_carmen(source, max_range)
+def _from_log(
+    source: Path, output: Path, place: str | None, max_range: float | None, topics: RosTopics
+) -> None:
+    """Convert a CARMEN log or a ROS bag to a recording."""
+    log = read_laser_log(source, max_range, topics)
+    if is_ros_bag(source):
+        log = as_lms_scans(log)
     print_notes("convert", log.notes)
     if place:
         folder = load_map_folder(find_map(place, Path.cwd()))

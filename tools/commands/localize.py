@@ -12,16 +12,18 @@ import numpy as np
 
 from maps.map_folder import MapFolder, load_map_folder
 from robot_agent.config import find_map
-from tools.commands.log_option import add_no_return, print_notes
+from tools.commands.log_option import add_no_return, add_topics, print_notes, topics_of
 from tools.localize.localize import LocalizeOptions, localize_steps, log_steps, map_of_log
 from tools.localize.localize_report import STUDIES, format_table, run_count, run_study
 from tools.localize.localize_study import RESOLUTION, read_study_log
 from tools.localize.localize_trials import kidnapped_steps, outcome
-from tools.logs.carmen import LogError, read_carmen
+from tools.logs.carmen import LogError
+from tools.logs.laser_log import read_laser_log
 from tools.logs.log_step import LogStep
 from tools.logs.recorded_config import recorded_config
 from tools.logs.recorded_scans import recorded_scans
 from tools.logs.recording import read_recording
+from tools.logs.ros_bag import is_ros_bag
 from tools.mapping.map_build import Scans
 from tools.number_range import not_negative, whole
 from tools.progress import progress_line
@@ -75,6 +77,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seeds", type=_positive, default=20, metavar="N", help="of a study")
     parser.add_argument("--trials", type=_positive, default=100, metavar="N", help="of a study")
     add_no_return(parser)
+    add_topics(parser)
     parser.add_argument("--csv", type=Path, metavar="OUT", help="write one line per scan")
     parser.add_argument("--json", type=Path, metavar="OUT", help="write the summary")
 
@@ -128,7 +131,7 @@ def _read(path: Path, options: argparse.Namespace) -> tuple[list[LogStep], MapFo
 
     Raises LogError for ``--map-from`` with a recording, which holds no reference poses.
     """
-    if path.suffix == ".mcap":
+    if path.suffix == ".mcap" and not is_ros_bag(path):
         if options.map_from:
             raise LogError(f"{path}: --map-from needs a CARMEN log: give --map DIR")
         recording = read_recording(path)
@@ -136,7 +139,7 @@ def _read(path: Path, options: argparse.Namespace) -> tuple[list[LogStep], MapFo
         steps = list(recorded_scans(recording, config))
         print_notes("localize", [recording.truncated] if recording.truncated else [])
         return steps, _folder(options)
-    log = read_carmen(path, options.no_return)
+    log = read_laser_log(path, options.no_return, topics_of(options))
     print_notes("localize", log.notes)
     if not options.map_from:
         return log_steps(log), _folder(options)

@@ -15,7 +15,7 @@ from maps.map_folder import DEFAULT_BORDER, MAP_FILE
 from maps.occupancy_map import MapError, load_map, save_map
 from robot_agent.config import SHIPPED_MAPS, find_map
 from tools.border_editor.editor_server import EditorServer
-from tools.commands.log_option import add_no_return, print_notes
+from tools.commands.log_option import add_no_return, add_topics, print_notes, topics_of
 from tools.logs.carmen import LogError
 from tools.logs.scan_log import ScanLog, read_scan_log
 from tools.mapping.floor_plan import draw_floor_plan
@@ -40,7 +40,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
     build = actions.add_parser("build", help="build a map from a log or recording")
     build.epilog = "example: patrol map build drive.mcap -o my_map --from odometry"
-    build.add_argument("log", type=Path, help="CARMEN log (plain or gzip) or recording (.mcap)")
+    build.add_argument("log", type=Path, help="CARMEN log (plain or gzip), ROS bag or recording")
     build.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
     build.add_argument("--resolution", type=positive, default=0.05, metavar="M", help="cell side")
     build.add_argument("--scans", choices=("all", "even", "odd"), default="all")
@@ -65,6 +65,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="the relations' time at the log's time zero",
     )
     add_no_return(build)
+    add_topics(build)
     build.set_defaults(act=_build)
 
     draw = actions.add_parser("draw", help="draw a map from a floor plan file")
@@ -125,7 +126,7 @@ def _build(options: argparse.Namespace) -> int:
     relations = (
         read_relations(options.relations, options.relations_epoch) if options.relations else []
     )
-    log = read_scan_log(options.log, options.no_return)
+    log = read_scan_log(options.log, options.no_return, topics_of(options))
     print_notes("map", log.notes)
     log, trajectory = _posed(log.from_scan(options.first_scan), options.source)
     if relations:

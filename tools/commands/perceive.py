@@ -12,10 +12,12 @@ from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.calibration.perceive import perceive
 from tools.calibration.perception_pictures import draw_picture, draw_scan, moment_of
-from tools.commands.log_option import add_no_return, print_notes
+from tools.commands.log_option import add_no_return, add_topics, print_notes, topics_of
 from tools.localize.localize import log_steps, map_of_log
-from tools.logs.carmen import LogError, read_carmen
+from tools.logs.carmen import LogError
+from tools.logs.laser_log import read_laser_log
 from tools.logs.recording import read_recording
+from tools.logs.ros_bag import is_ros_bag
 from tools.number_range import whole
 from tools.progress import progress_line
 
@@ -42,6 +44,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=whole(), default=0, metavar="N")
     add_no_return(parser)
+    add_topics(parser)
 
 
 def run(options: argparse.Namespace) -> int:
@@ -50,9 +53,9 @@ def run(options: argparse.Namespace) -> int:
     Returns 1 when a track of the log is classified as a teammate (logs have none), else 0.
     """
     cv2.setNumThreads(1)
-    if options.log.suffix == ".mcap":
+    if options.log.suffix == ".mcap" and not is_ros_bag(options.log):
         return _draw(options)
-    log = read_carmen(options.log, options.no_return)
+    log = read_laser_log(options.log, options.no_return, topics_of(options))
     print_notes("perceive", log.notes)
     steps = log_steps(log)[options.first_scan :]
     if not steps:

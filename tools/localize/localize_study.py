@@ -18,7 +18,8 @@ from localization.settings import LocalizationSettings
 from maps.map_folder import MapFolder
 from tools.localize.localize import LocalizeOptions, Progress, localize_steps, log_steps, map_of_log
 from tools.localize.localize_result import LocalizeResult
-from tools.logs.carmen import LogError, read_carmen
+from tools.logs.carmen import LogError
+from tools.logs.laser_log import read_laser_log
 from tools.logs.log_step import LogStep
 
 RESOLUTION = 0.05
@@ -46,10 +47,10 @@ class StudyLog:
 def read_study_log(path: Path, first_scan: int = 0, max_range: float | None = None) -> StudyLog:
     """Read a log, leave out the scans before ``first_scan``, and build its maps.
 
-    max_range: as of ``read_carmen``. Raises LogError if no scan is left, MapError if no map can be
-    built.
+    max_range: as of ``read_laser_log``. Raises LogError if no scan is left, MapError if no map can
+    be built.
     """
-    log = read_carmen(path, max_range)
+    log = read_laser_log(path, max_range)
     steps = log_steps(log)
     if not steps[first_scan:]:
         raise LogError(f"{path}: no scan from scan {first_scan} on: start with an earlier one")

@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 
 from maps.pose import Pose
 from robot_agent.perception.scan_points import move_points
-from tools.logs.carmen import CarmenScan, LogError, read_carmen
+from tools.logs.carmen import CarmenScan, LogError
+from tools.logs.laser_log import read_laser_log
 from tools.logs.log_step import LogStep
 from tools.logs.recorded_config import recorded_config
 from tools.logs.recorded_scans import recorded_mount, recorded_scans
 from tools.logs.recording import read_recording
+from tools.logs.ros_bag import RosTopics, is_ros_bag
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,14 +75,17 @@ class ScanLog:
         return replace(self, scans=placed, referenced=True)
 
 
-def read_scan_log(path: Path, max_range: float | None = None) -> ScanLog:
-    """Read a CARMEN log, plain or gzip, or a recording (.mcap).
+def read_scan_log(
+    path: Path, max_range: float | None = None, topics: RosTopics | None = None
+) -> ScanLog:
+    """Read a CARMEN log, plain or gzip, a ROS bag, or a recording (.mcap).
 
-    max_range: as of ``read_carmen``. Raises LogError, or RecordingError, naming file and remedy.
+    max_range, topics: as of ``read_laser_log``. Raises LogError, or RecordingError, naming file and
+    remedy.
     """
-    if path.suffix == ".mcap":
+    if path.suffix == ".mcap" and not is_ros_bag(path):
         return _read_recorded(path)
-    log = read_carmen(path, max_range)
+    log = read_laser_log(path, max_range, topics)
     # In an uncorrected log the pose of a scan is its odometry.
     referenced = any(scan.reference != scan.odometry for scan in log.scans)
     return ScanLog(path, log.scans, log.lines, log.scan_lines, referenced, log.notes)

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import msgspec
+import numpy as np
+from numpy.typing import NDArray
 
 from drivers.lms200.settings import LaserSettings
 from maps.map_folder import MapFolder
@@ -18,7 +21,7 @@ from robot_agent.messages.events import Event
 from robot_agent.pose.start_pose import StartPose
 from robot_agent.recording.recording_writer import RecordingWriter
 from robot_agent.recording.run_header import header_of_run
-from tools.logs.carmen import CarmenLog, LogError
+from tools.logs.carmen import CarmenLog, CarmenScan, LogError
 from tools.replay.carmen_devices import BASE_BAUD, LASER_BAUD, LogRig, Moment, padded_ranges, play
 from tools.simulation.lockstep import LockstepAgent
 
@@ -93,6 +96,42 @@ def convert(
         base_reports=lockstep.agent.base.counters.sips,
         duration=duration,
     )
+
+
+def as_lms_scans(log: CarmenLog) -> CarmenLog:
+    """Return a log whose scans an LMS 200 sends: half a turn ahead, by 0.5 or 1 degree.
+
+    Each beam is the nearest one of the log's scanner; where that has none, there is no return. A
+    log that is so already is returned unchanged.
+    """
+    first = log.scans[0]
+    step = math.radians(1.0 if first.angle_increment > math.radians(0.75) else 0.5)
+    angles = np.linspace(-math.pi / 2, math.pi / 2, round(math.pi / step) + 1)
+    if all(_is_lms(scan, angles) for scan in log.scans):
+        return log
+    scans = [
+        replace(scan, ranges=_at(scan, angles), angle_min=-math.pi / 2, angle_increment=step)
+        for scan in log.scans
+    ]
+    apart = math.degrees(first.angle_increment)
+    note = (
+        f"{log.path}: scans of {first.ranges.size} beams by {apart:.2f} degrees become those of an "
+        f"LMS 200, {angles.size} by {math.degrees(step):g}"
+    )
+    return replace(log, scans=scans, notes=[*log.notes, note])
+
+
+def _is_lms(scan: CarmenScan, angles: NDArray[np.float64]) -> bool:
+    first, step = float(angles[0]), float(angles[1] - angles[0])
+    same = math.isclose(scan.angle_min, first, abs_tol=0.1 * step)
+    return same and padded_ranges(scan).size == angles.size
+
+
+def _at(scan: CarmenScan, angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (n,) the ranges of the beams nearest to angles (n,), rad; inf outside the scan."""
+    beam = np.rint((angles - scan.angle_min) / scan.angle_increment).astype(np.intp)
+    inside = (beam >= 0) & (beam < scan.ranges.size)
+    return np.where(inside, scan.ranges.take(beam, mode="clip"), np.inf)
 
 
 def _require_lms_scans(log: CarmenLog) -> None:

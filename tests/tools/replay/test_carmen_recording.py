@@ -112,7 +112,7 @@ def test_bytes_are_written_as_table(tmp_path: Path) -> None:
     [
         (["-o", "x.csv"], "--stream"),
         (["-o", "x.csv", "--stream", "nothing"], "topics with messages are base/rx"),
-        (["-o", "x.mcap"], "a .log, a .jsonl"),
+        (["-o", "x.mcap"], "a .log, .ros2 or .jsonl"),
     ],
 )
 def test_unknown_conversions_name_the_known_ones(
