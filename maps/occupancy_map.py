@@ -156,11 +156,17 @@ def read_map_file(path: Path) -> bytes:
         return path.read_bytes() if path.stat().st_size <= MAX_RECORD_BYTES else _too_large(path)
     except OSError as error:
         remedy = (
-            "is this a map folder?"
+            f"is this a map folder? Shipped maps are {', '.join(shipped_maps())}"
             if path.suffix == ".yaml"
             else "put the image there or correct the key 'image' of the map's YAML file"
         )
         raise MapError(f"{path}: cannot be read ({error.strerror}), {remedy}") from None
+
+
+def shipped_maps() -> list[str]:
+    """Return the names of the maps that come with the product."""
+    here = Path(__file__).parent
+    return sorted(path.parent.name for path in here.glob("*/map.yaml"))
 
 
 def _too_large(path: Path) -> bytes:

@@ -1,6 +1,7 @@
 """The ``patrol`` command: one entry point, one module per subcommand.
 
-Exit status: 0 ok, 1 failed, 2 wrong usage, 78 an agent that could never patrol, 130 interrupted.
+Exit status: 0 ok, 1 failed, 2 wrong usage, 78 an agent that could never patrol, 130 interrupted,
+143 or 129 ended by SIGTERM or SIGHUP.
 Data goes to standard output, messages to standard error.
 """
 
@@ -8,9 +9,11 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import os
+import signal
 import sys
 from importlib.metadata import version
-from types import ModuleType
+from types import FrameType, ModuleType
 
 from tools.computer_check import unfit_computer
 from tools.fixed_arithmetic import fix_arithmetic
@@ -51,6 +54,37 @@ COMMANDS = {
 }
 
 
+EXTRAS = {
+    **dict.fromkeys(("aiohttp", "argcomplete", "cryptography"), "operator"),
+    **dict.fromkeys(("jinja2", "matplotlib", "rich"), "operator"),
+    **dict.fromkeys(("dask", "distributed"), "cluster"),
+    "rosbags": "ros",
+    "foxglove": "foxglove",
+    **dict.fromkeys(("hypothesis", "psutil", "pytest", "selenium"), "development"),
+}
+"""Packages that the product does without, with the extra that brings each."""
+
+
+class EndedBySignal(KeyboardInterrupt):
+    """SIGTERM or SIGHUP, which end a command as Ctrl-C does: files finished, children ended."""
+
+    def __init__(self, number: int) -> None:
+        """Take the signal's number."""
+        super().__init__(number)
+        self.number = number
+
+
+def end_by_signals() -> None:
+    """Raise ``EndedBySignal`` in the main thread on SIGTERM and SIGHUP, as SIGINT does."""
+
+    def end(number: int, _frame: FrameType | None) -> None:
+        raise EndedBySignal(number)
+
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) is signal.SIG_DFL:  # nohup and others have their reasons
+            signal.signal(number, end)
+
+
 def make_parser(command: str | None) -> argparse.ArgumentParser:
     """Return the parser; only the module of the given subcommand is imported and configured."""
     parser = argparse.ArgumentParser(prog="patrol", description=__doc__)
@@ -73,6 +107,25 @@ def load_command(name: str) -> ModuleType:
     return importlib.import_module(f"tools.commands.{name}")
 
 
+def _parsed(words: list[str]) -> argparse.Namespace:
+    """Return the options; completes the line and exits where a shell asks for that."""
+    if "_ARGCOMPLETE" in os.environ:
+        complete_line()
+    command = next((word for word in words if not word.startswith("-")), None)
+    return make_parser(command).parse_args(words)
+
+
+def complete_line() -> None:
+    """Answer a shell that completes a line, and exit; return where argcomplete is missing."""
+    try:
+        import argcomplete
+    except ImportError:
+        return
+    words = os.environ.get("COMP_LINE", "").split()[1:]
+    command = next((word for word in words if word in COMMANDS), None)
+    argcomplete.autocomplete(make_parser(command))
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run one subcommand and return its exit status.
 
@@ -85,17 +138,32 @@ def main(arguments: list[str] | None = None) -> int:
         return 1
     fix_arithmetic()
     words = sys.argv[1:] if arguments is None else arguments
-    command = next((word for word in words if not word.startswith("-")), None)
-    options = make_parser(command).parse_args(words)
+    if arguments is None:
+        end_by_signals()
     try:
-        status: int = load_command(options.command).run(options)
+        return _run(words)
+    except EndedBySignal as end:
+        return 128 + end.number
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:
         sys.stderr.close()  # the output's reader has closed the pipe: no message can be shown
         return 1
+    except ModuleNotFoundError as error:
+        extra = EXTRAS.get((error.name or "").split(".")[0])
+        if extra is None:
+            raise
+        print(f"patrol: needs {error.name}: pip install 'border-patrol[{extra}]'", file=sys.stderr)
+        return 1
+
+
+def _run(words: list[str]) -> int:
+    """Run one subcommand; of its input's errors one line each."""
+    options = _parsed(words)
+    try:
+        status: int = load_command(options.command).run(options)
     except OSError as error:
-        if error.filename is None:
+        if error.filename is None or isinstance(error, BrokenPipeError):
             raise
         print(
             f"patrol {options.command}: {error.filename}: {error.strerror}; check path and rights",

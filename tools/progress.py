@@ -1,4 +1,4 @@
-"""A progress line on standard error, shown on terminals only."""
+"""A progress line on standard error: drawn anew on terminals, once a minute elsewhere."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 PERIOD_S = 0.2
+LOG_PERIOD_S = 60.0
+"""Period of the lines where standard error is no terminal."""
 WIDTH = 30
 
 
@@ -27,22 +29,27 @@ def progress_line(
 
 
 class _Line:
-    """A progress bar on one line; prints nothing unless standard error is a terminal."""
+    """A progress bar on one line, or a line a minute if standard error is no terminal."""
 
     def __init__(self, label: str, total: float | None, unit: str) -> None:
         self._label = label
         self._total = total
         self._unit = unit
-        self._shown_at = 0.0
-        self._visible = sys.stderr.isatty()
+        self._redraws = sys.stderr.isatty()
+        self._period = PERIOD_S if self._redraws else LOG_PERIOD_S
+        self._shown_at = 0.0 if self._redraws else time.monotonic()
 
     def show(self, done: float) -> None:
-        """Show the amount done; at most one update per ``PERIOD_S``."""
+        """Show the amount done; at most one update per period."""
         now = time.monotonic()
-        if not self._visible or now - self._shown_at < PERIOD_S:
+        if now - self._shown_at < self._period:
             return
         self._shown_at = now
-        print(f"\r{self._text(done)}", end="", file=sys.stderr, flush=True)
+        text = self._text(done)
+        if self._redraws:
+            print(f"\r{text}", end="", file=sys.stderr, flush=True)
+        else:
+            print(text, file=sys.stderr, flush=True)
 
     def _text(self, done: float) -> str:
         if not self._total:
@@ -52,5 +59,5 @@ class _Line:
 
     def clear(self) -> None:
         """Erase the line."""
-        if self._visible:
+        if self._redraws:
             print("\r\033[K", end="", file=sys.stderr, flush=True)

@@ -2,12 +2,20 @@
 
 import os
 import shutil
+import signal
+import subprocess
+import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
 from robot_agent.config import find_map, parse_config
-from tools.cli import COMMANDS, main
+from tools.cli import COMMANDS, EXTRAS, main
+from tools.monitor.endpoint import free_endpoint
+
+ROOT = Path(__file__).parents[2]
+MCAP_MAGIC = b"\x89MCAP0\r\n"
 
 
 def run(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
@@ -130,5 +138,66 @@ def test_unwritable_output_is_one_error(
 ) -> None:
     log = str(data_folder / "logs/seattle-corrected.log.gz")
     target = str(tmp_path / "no" / "such" / "x.mcap")
-    line = complaint(capsys, "convert", log, "-o", target, "--map", "intel_lab")
+    status, _, said = run(capsys, "convert", log, "-o", target, "--map", "intel_lab")
+    assert status == 1
+    note, line = said.splitlines()
+    assert "mean no return" in note
     assert target in line
+
+
+def test_a_missing_extra_is_one_line_that_names_it(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delitem(sys.modules, "tools.commands.monitor", raising=False)
+    for module in [name for name in sys.modules if name.startswith("tools.monitor.web_server")]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setitem(sys.modules, "aiohttp", None)
+    for words in (("monitor", "--duration", "1"), ("monitor", "--help")):
+        line = complaint(capsys, *words)
+        assert line == "patrol: needs aiohttp: pip install 'border-patrol[operator]'"
+
+
+def test_every_extra_of_the_project_but_the_checkers_is_known() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    for extra in ("operator", "cluster", "ros"):
+        names = {each.split("[")[0] for each in project["optional-dependencies"][extra]}
+        assert {EXTRAS[name] for name in names} == {extra}
+
+
+def test_a_map_that_is_not_there_names_the_shipped_ones(capsys: pytest.CaptureFixture[str]) -> None:
+    line = complaint(capsys, "bench", "--map", "nowhere", "--duration", "1")
+    assert "Shipped maps are intel_lab, large_hall, paper_lab" in line
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_ends_a_command_as_ctrl_c_does(tmp_path: Path, number: signal.Signals) -> None:
+    target = tmp_path / "team.mcap"
+    listen = free_endpoint()
+    words = ["monitor", "--http", "127.0.0.1:0", "--listen", listen, "--record", str(target)]
+    command = [sys.executable, "-m", "tools.cli", *words]
+    with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        assert "robots report to" in process.stderr.readline()
+        process.send_signal(number)
+        _, said = process.communicate(timeout=30.0)
+    assert process.returncode == 128 + number
+    assert "Traceback" not in said
+    assert target.read_bytes().endswith(MCAP_MAGIC)  # finished, with its index
+
+
+def test_a_shell_completes_commands_options_and_choices() -> None:
+    for line, expected in (
+        ("patrol moni", "monitor"),
+        ("patrol bench --sen", "--sensing"),
+        ("patrol bench --sensing id", "ideal"),
+    ):
+        environment = {
+            **os.environ,
+            "_ARGCOMPLETE": "1",
+            "_ARGCOMPLETE_STDOUT_FILENAME": "/dev/stdout",
+            "COMP_LINE": line,
+            "COMP_POINT": str(len(line)),
+        }
+        words = [sys.executable, "-m", "tools.cli"]
+        done = subprocess.run(words, cwd=ROOT, env=environment, capture_output=True, timeout=60)
+        assert expected in done.stdout.decode().split("\v")[0]

@@ -1,4 +1,4 @@
-"""The progress line: shown on terminals only, cleared on every way out."""
+"""The progress line: drawn anew on terminals and cleared on every way out, else one a minute."""
 
 from __future__ import annotations
 
@@ -30,7 +30,26 @@ def test_line_is_shown_and_cleared_after_an_exception(monkeypatch: pytest.Monkey
     assert screen.getvalue().endswith("\r\033[K")
 
 
-def test_nothing_is_printed_where_there_is_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_line_a_minute_is_printed_where_there_is_no_terminal(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    log, now = io.StringIO(), [0.0]
+    monkeypatch.setattr(sys, "stderr", log)
+    monkeypatch.setattr("tools.progress.time.monotonic", lambda: now[0])
+    with progress_line("bench", 600.0, "s") as progress:
+        for second in range(150):
+            now[0] = float(second)
+            progress(2.0 * second)
+    bar = "#" * 6
+    assert log.getvalue().splitlines() == [
+        f"bench [{bar:<30}] 120/600 s",
+        f"bench [{2 * bar:<30}] 240/600 s",
+    ]
+
+
+def test_nothing_is_printed_of_short_work_where_there_is_no_terminal(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     log = io.StringIO()
     monkeypatch.setattr(sys, "stderr", log)
     with progress_line("map", None) as progress:
