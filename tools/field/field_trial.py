@@ -39,6 +39,7 @@ def run_trial(
     image = machine_image(cache_folder(), report)
     acceleration = choose_acceleration(rate)
     report(f"machine by {acceleration.name}, its clock at {acceleration.rate:g} of the real one")
+    folder = folder.resolve()  # disks name those below them by path
     folder.mkdir(parents=True, exist_ok=True)
     place = find_map(MAP, Path("/"))
     done: Done = []

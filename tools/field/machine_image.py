@@ -24,7 +24,8 @@ PACKAGES = (
 """linux-image-cloud-amd64 would be smaller, but has no drivers of USB adapters."""
 SIZE = "4G"
 _BUILD_LIMIT_S = 1800.0
-_SOURCES = "$(REPO_URI)|$(CODENAME)|$(COMPONENT)|$(ORIGIN)"
+_TARGETS = "$(REPO_URI)|$(CODENAME)|$(COMPONENT)|$(ORIGIN)"
+_PACKAGE_LISTS = "Created-By: Packages"
 _LAYOUT = 1
 """Of what is made from the packages; increase it with every change of the steps below."""
 _STEPS = (
@@ -54,7 +55,7 @@ def machine_image(cache: Path, report: Callable[[str], None]) -> MachineImage:
 
     Raises TrialError when it cannot be made.
     """
-    sources = debian_sources()
+    sources = debian_sources(_run("apt-get", "indextargets", "--format", _TARGETS, _PACKAGE_LISTS))
     folder = cache / f"debian-{_key()}"
     image = MachineImage(folder / "disk.raw", folder / "vmlinuz", folder / "initrd.img")
     if all(path.exists() for path in (image.disk, image.kernel, image.initrd)):
@@ -70,9 +71,11 @@ def machine_image(cache: Path, report: Callable[[str], None]) -> MachineImage:
     return image
 
 
-def debian_sources() -> list[str]:
-    """Return apt's sources of Debian 12, one a line of sources.list; raises TrialError if none."""
-    listed = _run("apt-get", "indextargets", "--format", _SOURCES, "Created-By: Packages")
+def debian_sources(listed: str) -> list[str]:
+    """Return Debian 12's sources among apt's, as lines of sources.list; raises TrialError if none.
+
+    listed: URI, code name, component and origin of each, joined by |.
+    """
     found = []
     for line in listed.splitlines():
         uri, codename, component, origin = line.split("|")
