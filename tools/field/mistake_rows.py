@@ -16,12 +16,13 @@ INSTALLED_MAP = "/etc/patrol/my_map"
 CONFIG = "/etc/patrol/robot1.toml"
 SETTLED_S = 20.0
 """Time in which a service would be started again several times, s."""
-OFF_THE_MAP = (
-    "printf 'closed = true\\nvertices = [[100, 100], [110, 100], [110, 110]]\\n' > {}/border.toml"
-)
-THROUGH_A_WALL = (
-    "printf 'closed = false\\nvertices = [[5.0, 13.4], [5.0, 3.75]]\\n' > my_map/border.toml"
-)
+_BORDER = "printf 'closed = {}\\ncorner_radius = 0.5\\nvertices = {}\\n' > {}/border.toml"
+THROUGH_A_WALL = _BORDER.format("false", "[[5.0, 13.4], [5.0, 3.75]]", "my_map")
+
+
+def _off_the_map(folder: str) -> str:
+    """Return a shell line that moves a map's border off it."""
+    return _BORDER.format("true", "[[100, 100], [110, 100], [110, 110]]", folder)
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +37,7 @@ class Mistake:
     what: str
     shell: str
     words: str = ""
-    holds: str = "true"
+    holds: str = "patrol agent /etc/patrol/robot1.toml --print-config > /dev/null"
 
     @property
     def must(self) -> str:
@@ -76,7 +77,7 @@ def _map_at(folder: str) -> str:
     return _edit('folder = "my_map"', f'folder = "{folder}"')
 
 
-AS_PATROL = f"sudo -u patrol patrol map check {INSTALLED_MAP} | tail -1"
+AS_PATROL = f"set -o pipefail; sudo -u patrol patrol map check {INSTALLED_MAP} | tail -1"
 MISTAKES = (
     Mistake("map-in-root", "map in root's home", _map_at("/root/my_map"), "may not read"),
     Mistake(
@@ -98,13 +99,9 @@ MISTAKES = (
         "rm -rf ../above && mv my_map ../above; " + _map_at("../above"),
         "lies above",
     ),
-    Mistake(
-        "border-off-map", "border off the map", OFF_THE_MAP.format("my_map"), "can never patrol"
-    ),
-    Mistake("border-wall", "border through a wall", THROUGH_A_WALL, "can never patrol"),
-    Mistake(
-        "start-off-map", "start off the map", _edit("x = 5.0", "x = 500.0"), "can never patrol"
-    ),
+    Mistake("border-off-map", "border off the map", _off_the_map("my_map"), "leaves the map"),
+    Mistake("border-wall", "border through a wall", THROUGH_A_WALL, "through a wall"),
+    Mistake("start-off-map", "start off the map", _edit("x = 5.0", "x = 500.0"), "outside the map"),
     Mistake("not-a-number", "start at nan", _edit("theta = 0.0", "theta = nan"), "start.theta"),
     Mistake("infinite", "start at inf", _edit("x = 5.0", "x = inf"), "start.x"),
     Mistake(
@@ -129,8 +126,8 @@ MISTAKES = (
     Mistake(
         "same-name",
         "edited copy of the shipped paper_lab beside the file, its border off the map",
-        f"mv my_map paper_lab; {_map_at('paper_lab')}; " + OFF_THE_MAP.format("paper_lab"),
-        "can never patrol",
+        f"mv my_map paper_lab; {_map_at('paper_lab')}; " + _off_the_map("paper_lab"),
+        "leaves the map",
     ),
     Mistake(
         "no-serial-numbers",
@@ -144,7 +141,7 @@ MISTAKES = (
 
 def _never_drives(stage: FieldStage, outcome: Outcome) -> None:
     guest = _installed(stage)
-    guest.run(OFF_THE_MAP.format(INSTALLED_MAP))
+    guest.run(_off_the_map(INSTALLED_MAP))
     guest.attempt(f"systemctl start {UNIT}")
     stage.machine.guest.run(f"sleep {SETTLED_S:.0f}")
     state = guest.run(f"systemctl show {UNIT} -p ActiveState,ExecMainStatus,NRestarts")
