@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 from types import FrameType
 
-from tools.field.field_row import FieldRow, Outcome, markdown
+from tools.field.field_row import FieldRow, Outcome, markdown, verdict
 from tools.field.field_trial import run_trial
 from tools.field.row_list import ROWS, chosen_rows
 from tools.number_range import positive
@@ -49,22 +49,22 @@ def run(options: argparse.Namespace) -> int:
         return 0
     rows = chosen_rows(options.only)
     signal.signal(signal.SIGTERM, _interrupt)  # as Ctrl-C: machines are switched off
+    done: list[tuple[FieldRow, Outcome]] = []
+
+    def ended(row: FieldRow, outcome: Outcome) -> None:
+        done.append((row, outcome))
+        _report(f"{row.name}: {verdict(outcome)} ({'; '.join(outcome.measured)})")
+        if options.output:
+            options.output.write_text(markdown(done))
+
     with tempfile.TemporaryDirectory(prefix="patrol-trial-") as own:
-        done = run_trial(rows, options.folder or Path(own), options.rate, _report, _ended)
-    table = markdown(done)
-    if options.output:
-        options.output.write_text(table)
-    print(table, end="")
+        run_trial(rows, options.folder or Path(own), options.rate, _report, ended)
+    print(markdown(done), end="")
     return 1 if any(outcome.complaints for _, outcome in done) else 0
 
 
 def _report(message: str) -> None:
     print(f"patrol trial: {message}", file=sys.stderr, flush=True)
-
-
-def _ended(row: FieldRow, outcome: Outcome) -> None:
-    verdict = "; ".join(outcome.complaints) or "ok"
-    _report(f"{row.name}: {verdict} ({'; '.join(outcome.measured)})")
 
 
 def _interrupt(_number: int, _frame: FrameType | None) -> None:

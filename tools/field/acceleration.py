@@ -44,13 +44,18 @@ class Acceleration:
         if self.rate == 1.0:
             return tied
         slowed = (f"LD_PRELOAD={_faketime_library()}", f"FAKETIME=+0 x{self.rate:g}")
-        # without shared memory: a killed program would leave it behind
-        return [*tied, "env", *slowed, "FAKETIME_DISABLE_SHM=1"]
+        return [*tied, "env", *slowed]
 
     @property
     def at_full_speed(self) -> Acceleration:
         """The same in real time, for work without a robot."""
         return Acceleration(self.name, self.arguments, 1.0)
+
+
+def clean_up(program: int) -> None:
+    """Delete the shared memory that libfaketime leaves behind when a program (its id) is killed."""
+    for name in (f"faketime_shm_{program}", f"sem.faketime_sem_{program}"):
+        Path("/dev/shm", name).unlink(missing_ok=True)  # noqa: S108 - libfaketime's place
 
 
 class TrialClock:

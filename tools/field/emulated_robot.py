@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tools.deploy.child_program import environment, program
-from tools.field.acceleration import Acceleration, TrialClock
+from tools.field.acceleration import Acceleration, TrialClock, clean_up
 from tools.field.trial_error import TrialError
 from tools.field.virtual_machine import Adapter
 from tools.preflight.watchdog_trial import ADVISED_WATCHDOG_S
@@ -77,6 +77,7 @@ class EmulatedRobot:
         """Switch it off."""
         self._process.kill()
         self._process.wait()
+        clean_up(self._process.pid)
         self._reader.join()
         assert self._process.stdout is not None
         self._process.stdout.close()

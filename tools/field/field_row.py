@@ -50,8 +50,12 @@ def markdown(done: Sequence[tuple[FieldRow, Outcome]]) -> str:
     return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
 
 
+def verdict(outcome: Outcome) -> str:
+    """Return ok, or what did not hold."""
+    return "; ".join(outcome.complaints) or "ok"
+
+
 def _cells(row: FieldRow, outcome: Outcome) -> tuple[str, ...]:
     measured = "; ".join(outcome.measured) or "-"
-    verdict = "; ".join(outcome.complaints) or "ok"
-    cells = (row.name, row.what, row.must, measured, verdict)
+    cells = (row.name, row.what, row.must, measured, verdict(outcome))
     return tuple(" ".join(cell.split()).replace("|", "/") for cell in cells)

@@ -19,8 +19,6 @@ MAP = "paper_lab"
 POSE = "5.0,13.4,0"
 """True start of the robot, m, m, deg: the one of the file that README prints."""
 
-Done = list[tuple[FieldRow, Outcome]]
-
 
 def run_trial(
     rows: Sequence[FieldRow],
@@ -28,7 +26,7 @@ def run_trial(
     rate: float | None,
     report: Callable[[str], None],
     ended: Callable[[FieldRow, Outcome], None],
-) -> Done:
+) -> None:
     """Run rows; ``ended`` is called with each.
 
     folder: for disks, logs and recordings; an installation found there is used again unless its
@@ -42,17 +40,14 @@ def run_trial(
     folder = folder.resolve()  # disks name those below them by path
     folder.mkdir(parents=True, exist_ok=True)
     place = find_map(MAP, Path("/"))
-    done: Done = []
     with closing(FieldStage(folder, image, acceleration, place, POSE)) as stage:
         for row in (*_preparation(rows, stage), *rows):
             report(f"{row.name}: {row.what}")
             outcome = run_row(row, stage)
             if row in rows:
-                done.append((row, outcome))
                 ended(row, outcome)
             elif outcome.complaints:
                 raise TrialError(f"{row.name}: {'; '.join(outcome.complaints)}")
-    return done
 
 
 def run_row(row: FieldRow, stage: FieldStage) -> Outcome:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from tools.field.acceleration import Acceleration, TrialClock
+from tools.field.acceleration import Acceleration, TrialClock, clean_up
 from tools.field.guest import Guest
 from tools.field.json_channel import JsonChannel
 from tools.field.machine_image import MachineImage
@@ -119,6 +119,7 @@ class VirtualMachine:
         if self._process.poll() is None:
             self._process.kill()
         self._process.wait()
+        clean_up(self._process.pid)
         if hasattr(self, "_monitor"):
             self._monitor.close()
 
