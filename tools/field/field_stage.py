@@ -164,6 +164,10 @@ class FieldStage:
         """Return the end of the service's journal."""
         return " / ".join(line.text for line in self.journal()[-6:])
 
+    def machine_words(self) -> str:
+        """Return the last words of the machine that is on."""
+        return "no machine is on" if self._machine is None else self._machine.last_words()
+
     def _switch_off(self) -> None:
         if self._machine is not None:
             self._machine.cut_power()

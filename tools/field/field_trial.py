@@ -56,7 +56,7 @@ def run_row(row: FieldRow, stage: FieldStage) -> Outcome:
     try:
         row.run(stage, outcome)
     except TrialError as error:
-        outcome.complaints.append(str(error))
+        outcome.complaints.append(f"{error} ({stage.machine_words()})")
         stage.close()
     return outcome
 

@@ -72,8 +72,9 @@ class VirtualMachine:
         ]
         if stick is not None:
             command += ["-drive", f"file={stick},format=raw,if=virtio,readonly=on"]
-        self._errors = (folder / "qemu.log").open("w+")
-        self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=self._errors)
+        self._log = folder / "qemu.log"
+        with self._log.open("w") as log:
+            self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stderr=log)
         self._guest: Guest | None = None
         try:
             self._monitor = JsonChannel(monitor)
@@ -84,7 +85,7 @@ class VirtualMachine:
         except BaseException as error:
             self.cut_power()
             if isinstance(error, TrialError):
-                raise TrialError(f"{error}: {self._said()}") from error
+                raise TrialError(f"{error}: {self.last_words()}") from error
             raise
 
     @property
@@ -94,7 +95,9 @@ class VirtualMachine:
             try:
                 self._guest = Guest(self._agent_socket, self._clock, BOOT_LIMIT_S)
             except TrialError as error:
-                raise TrialError(f"the machine did not boot: {error}: {self._said()}") from error
+                raise TrialError(
+                    f"the machine did not boot: {error}: {self.last_words()}"
+                ) from error
         return self._guest
 
     def plug(self, adapter: Adapter) -> None:
@@ -130,14 +133,15 @@ class VirtualMachine:
         while self._process.poll() is None:
             if time.monotonic() > deadline:
                 self.cut_power()
-                raise TrialError(f"the machine did not shut down: {self._said()}")
+                raise TrialError(f"the machine did not shut down: {self.last_words()}")
             time.sleep(0.2)
         self.cut_power()
 
-    def _said(self) -> str:
+    def last_words(self) -> str:
         """Return the last words of qemu and of the machine's console."""
-        self._errors.seek(0)
-        words = self._errors.read()
+        words = self._log.read_text()
+        if self._process.poll() is not None:
+            words = f"qemu ended with {self._process.returncode}; {words}"
         if self._console.exists():
             words += self._console.read_text(errors="replace")
         return " ".join(words.split())[-600:]
