@@ -58,8 +58,8 @@ def _swapped_driving(stage: FieldStage, outcome: Outcome) -> None:
         stage.machine.pull(getattr(stage.robot, name))
     stage.clock.sleep(5.0)
     for name in ("laser", "base") if before == "ttyUSB0" else BOTH:
-        stage.machine.plug(getattr(stage.robot, name))
         stage.clock.sleep(1.0)
+        stage.machine.plug(getattr(stage.robot, name))
     _drives_within(stage, outcome, PLUGGED_LIMIT_S)
     outcome.require(_name(stage, "base") != before, f"the base is at {before} as before")
 
