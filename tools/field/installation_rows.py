@@ -92,7 +92,6 @@ def _install(stage: FieldStage, outcome: Outcome) -> None:
     guest.run(f"mount -r /dev/vdb /mnt && cp -r /mnt/{FOLDER} /mnt/my_map /root/ && umount /mnt")
     lines, _ = _halves()
     _type(guest, lines, outcome)
-    guest.write("/root/robot1.toml", robot_configuration())
     size = guest.run("du -sm /opt/patrol").split()[0]
     outcome.note(f"{len(lines)} lines, {size} MB")
     stage.keep_disk(stage.bundled)
@@ -103,6 +102,7 @@ def _first_hour(stage: FieldStage, outcome: Outcome) -> None:
     stage.boot(backing=stage.bundled)
     guest = stage.guest
     guest.write(RULES, udev_lines(guest.run("patrol ports")))
+    guest.write("/root/robot1.toml", robot_configuration())
     guest.run("udevadm control --reload && udevadm trigger --subsystem-match=tty")
     lines = [line for line in first_hour() if line not in BY_HAND]
     _type(guest, lines, outcome)
