@@ -38,6 +38,7 @@ COMMANDS = {
     "mutation": "mutation test of the safety gate",
     "record": "record a robot driven by keys, for a map",
     "campaign": "the same as faults: every fault, one table",
+    "trial": "the bundle on a virtual computer: boots, cables, power cuts, one table",
     "monitor": "watch the team: the operator's side",
     "keys": "make certificates for robots and operator",
     "map": "build, draw, show and check maps",

@@ -34,6 +34,7 @@ from robot_agent.messages.foxglove import Log, timestamp_at
 from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.streams import encode
 from robot_agent.perception.picture_reader import PictureReader
+from robot_agent.process.brief_holds import BriefHolds
 from robot_agent.process.journal import Journal
 from robot_agent.process.pose_file import PoseFile
 from robot_agent.process.process_watch import ProcessWatch
@@ -110,6 +111,7 @@ class Runtime:
         self._recorder = recorder
         self._telemetry = telemetry
         self._journal = SideWriter("journal", journal.write, JOURNAL_LINES)
+        self._brief_holds = BriefHolds()
         self._pose_file = pose_file
         self._pose_writer: SideWriter | None = None
         if pose_file is not None:  # of the poses that wait only the newest counts
@@ -229,6 +231,7 @@ class Runtime:
 
     def _publish_process(self, t: float) -> None:
         """Publish and record the process report, and failures of what runs beside the loop."""
+        self._write_lines(self._brief_holds.due(t))
         lost, trouble = 0, ""
         if self._recorder is not None:
             lost, trouble = self._recorder.lost, self._recorder.trouble
@@ -253,6 +256,10 @@ class Runtime:
         return (
             "the disk hangs: no pose is kept" if self._pose_writer.hangs else self._pose_file.failed
         )
+
+    def _write_lines(self, payloads: list[bytes]) -> None:
+        for payload in payloads:
+            self._journal.put(payload)
 
     def _publish_trouble(self, part: str, trouble: str, t: float) -> None:
         """Publish, record and log a failure of a part outside the agent, once per text."""
@@ -283,7 +290,7 @@ class Runtime:
             case Publish(stream, payload):
                 self._telemetry.publish(stream, payload)
                 if stream == "event":
-                    self._journal.put(payload)
+                    self._write_lines(self._brief_holds.lines(payload, self._clock()))
 
     def _finish(self) -> None:
         """Process events for SHUTDOWN_S more, so that the last commands are sent in order.

@@ -6,6 +6,7 @@ Files are written below a root folder, so that an installation can be inspected 
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -29,6 +30,8 @@ SERIAL_DRIVERS = ("usbserial", "ftdi_sio", "pl2303", "cp210x", "cdc_acm")
 kinds of devices whose driver is there when it starts."""
 CAMERA_DRIVERS = ("videodev", "uvcvideo")
 CONFIGS = Path("etc/patrol")
+_IMAGE_FOLDER = re.compile(rb"^(image:\s*['\"]?)[^\n]*/", re.MULTILINE)
+"""Of a map's description: begin of the line that names the image, and the image's folder."""
 ACTIVATION = (
     ("systemd-sysusers",),
     ("systemctl", "restart", "systemd-modules-load.service"),
@@ -84,7 +87,7 @@ def deploy(root: Path, configs: Sequence[Path], user: str, program: Path) -> Dep
     for path, config in loaded.items():
         _write(done, root / CONFIGS / path.name, path.read_text())
         for file in beside[path]:
-            _write(done, root / CONFIGS / file, (path.parent / file).read_bytes())
+            _write(done, root / CONFIGS / file, _movable(path.parent / file))
         done.findings += examine_paths(config, user)
     done.findings += [_program(program), *check_unit(root / UNIT)]
     return done
@@ -108,6 +111,12 @@ def _files_beside(path: Path, config: AgentConfig) -> list[Path]:
                 " the file, or write its whole path"
             )
     return files
+
+
+def _movable(file: Path) -> bytes:
+    """Return a file's content; a map's image is named without folders, which may be absolute."""
+    content = file.read_bytes()
+    return _IMAGE_FOLDER.sub(rb"\1", content) if file.name == MAP_FILE else content
 
 
 def _write(done: Deployment, path: Path, content: str | bytes) -> None:

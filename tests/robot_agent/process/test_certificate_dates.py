@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import time
 from pathlib import Path
 
 import pytest
@@ -70,6 +71,14 @@ def test_files_that_are_no_certificates_are_one_error(
 
 
 def test_clock_before_this_program_is_not_set() -> None:
-    assert clock_trouble(wall(2026)) == ""
+    assert clock_trouble(wall(2026), installed=wall(2026)) == ""
     assert clock_trouble(40.0).startswith("the clock is not set, it says 1970: times are wrong; ")
     assert clock_trouble(40.0) == clock_trouble(3000.0), "told once"
+
+
+def test_clock_before_the_programs_installation_is_not_set() -> None:
+    assert clock_trouble(wall(2027), installed=wall(2026)) == ""
+    assert clock_trouble(wall(2026), installed=wall(2027)).startswith(
+        "the clock is not set, it says 2026-01-01, and this program was installed on 2027-01-01: "
+    )
+    assert clock_trouble(time.time()) == ""

@@ -151,6 +151,22 @@ def test_rules_beside_the_configuration_are_copied_and_found_from_any_folder(
     assert Path(rules).is_file()
 
 
+def test_a_map_that_names_its_image_by_the_whole_path_is_readable_where_it_is_installed(
+    tmp_path: Path, config: Path
+) -> None:
+    shutil.copytree(Path(__file__).parents[3] / "maps" / "paper_lab", tmp_path / "lab")
+    text = (tmp_path / "lab" / "map.yaml").read_text()
+    whole = text.replace("image: map.pgm", f"image: {tmp_path / 'lab'}/map.pgm")
+    assert whole != text
+    (tmp_path / "lab" / "map.yaml").write_text(whole)
+    config.write_text("[map]\nfolder = 'lab'\n")
+    deploy(tmp_path / "root", [config], "patrol", this_program())
+    installed = tmp_path / "root" / "etc" / "patrol"
+    (tmp_path / "lab").rename(tmp_path / "gone")
+    assert (installed / "lab" / "map.yaml").read_text() == text
+    assert load_patrol_map(load_config(installed / "robot1.toml"), installed).border is not None
+
+
 @pytest.mark.parametrize(
     ("written", "subject", "says"),
     [
