@@ -22,6 +22,7 @@ MAX_JUMP_XY = 0.5  # m between the estimate and the last one carried forward by 
 MAX_JUMP_THETA = 0.5  # rad; a scan with a larger jump is unsure
 WORSEN_AFTER = 1.3  # scans in a row, weighted by their information
 IMPROVE_AFTER = 4.0  # likewise
+RETURN_AFTER = 1.3  # likewise, of a pose that was localized and is the same: it fits again
 
 
 class Health(StrEnum):
@@ -75,12 +76,16 @@ class HealthMonitor:
         """Start with a health. worsen_after, improve_after: scans in a row that change it."""
         self._worsen_after, self._improve_after = worsen_after, improve_after
         self.health = health
+        # Whether the pose was localized, and neither lost nor moved away from since.
+        self._known = health is Health.LOCALIZED
         # Verdicts in a row that were all better, or all worse, with the information of their scans.
         self._run: list[tuple[Health, float]] = []
 
     def update(self, evidence: Evidence) -> Health:
         """Return the health after one more update."""
         self.health, self._run = self._after(evidence)
+        stays = self._known and self.health is not Health.LOST and _is_steady(evidence)
+        self._known = self.health is Health.LOCALIZED or stays
         return self.health
 
     def preview(self, evidence: Evidence) -> Health:
@@ -95,7 +100,10 @@ class HealthMonitor:
             return self.health, []
         goes_on = bool(self._run) and change * _change(self.health, self._run[0][0]) > 0
         run = [*(self._run if goes_on else []), (verdict, evidence.information)]
-        needed = self._worsen_after if change < 0 else self._improve_after
+        if change > 0:
+            needed = RETURN_AFTER if self._known else self._improve_after
+        else:
+            needed = self._worsen_after
         if sum(information for _, information in run) < needed * _ENOUGH:
             return self.health, run
         # The verdict of the run nearest to the present health: all others are farther away.
@@ -117,19 +125,24 @@ class HealthMonitor:
                 and evidence.share >= UNSURE_SHARE
             )
         else:
-            # People may occlude the map while localized, but not while becoming localized.
+            # People may occlude the map of a known pose, but not while becoming localized.
+            fit = evidence.fit.fit_without_dynamic if self._known else evidence.fit.whole
             good = (
-                evidence.fit.whole >= LOCALIZED_ABOVE
+                fit >= LOCALIZED_ABOVE
                 and evidence.wall_crossing <= LOCALIZED_WALL_CROSSING
                 and evidence.spread <= LOCALIZED_SPREAD
                 and evidence.share >= LOCALIZED_SHARE
             )
-        steady = (
-            not evidence.relocated
-            and evidence.jump_xy <= MAX_JUMP_XY
-            and evidence.jump_theta <= MAX_JUMP_THETA
-        )
-        return Health.LOCALIZED if good and steady else Health.UNSURE
+        return Health.LOCALIZED if good and _is_steady(evidence) else Health.UNSURE
+
+
+def _is_steady(evidence: Evidence) -> bool:
+    """Whether the pose is the last one carried forward."""
+    return (
+        not evidence.relocated
+        and evidence.jump_xy <= MAX_JUMP_XY
+        and evidence.jump_theta <= MAX_JUMP_THETA
+    )
 
 
 def _change(before: Health, after: Health) -> int:

@@ -300,3 +300,35 @@ def test_board_before_a_standing_robot_does_not_shift_the_pose(room) -> None:
         assert error(estimate.pose, truth)[0] < 0.1
         if index >= 20:
             assert estimate.health is Health.LOCALIZED
+
+
+def crowded(points, rng, share: float):
+    """End points of a scan with people of 0.44 m at 0.6 to 2.5 m before a share of its beams."""
+    bearing, length = np.arctan2(points[:, 1], points[:, 0]), np.linalg.norm(points, axis=1)
+    hidden = np.zeros(len(points), dtype=bool)
+    while hidden.mean() < share:
+        away, where = rng.uniform(0.6, 2.5), rng.uniform(-math.pi / 2, math.pi / 2)
+        on_person = np.abs(bearing - where) < math.asin(0.22 / away)
+        length = np.where(on_person, np.minimum(length, away), length)
+        hidden |= on_person
+    return length[:, None] * np.column_stack((np.cos(bearing), np.sin(bearing)))
+
+
+@pytest.mark.parametrize("share", [0.2, 0.4, 0.6])
+def test_pose_is_kept_in_a_crowd_that_stays(room, circle, share: float) -> None:
+    localizer = new_localizer(room)
+    localizer.start_at(circle[0], 0.1, 0.05)
+    rng, odometer = np.random.default_rng(8), WornOdometer()
+    errors = []
+    for index, pose in enumerate(circle[::2]):
+        step = circle[2 * index - 2].between(pose) if index else Pose(0, 0, 0)
+        points = crowded(room.scan(pose, rng), rng, share if index > 5 else 0.0)
+        estimate = localizer.update(0.1 * index, odometer.count(step), points)
+        errors.append(error(estimate.pose, pose)[0])
+    assert max(errors) < 0.5
+    assert errors[-1] < 0.2
+    for index in range(20):
+        points = room.scan(pose, rng)
+        estimate = localizer.update(20.0 + 0.1 * index, estimate.odometry, points)
+    assert estimate.health is Health.LOCALIZED
+    assert error(estimate.pose, pose)[0] < 0.05
