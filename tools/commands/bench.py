@@ -14,12 +14,15 @@ from maps.border import BorderError
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.bench.bench_fault import FaultKind, draw_faults
+from tools.bench.bench_table import bench_table
 from tools.bench.fleet_recorder import FleetRecorder
 from tools.bench.sensing import Sensing, bench
 from tools.commands.settings_option import add_set_option, chosen_config
 from tools.commands.truth_option import add_truth_option, chosen_truth
 from tools.number_range import positive, whole
 from tools.progress import progress_line
+
+STANDARD_OUTPUT = Path("-")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -59,11 +62,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_truth_option(parser)
     add_set_option(parser)
     parser.add_argument("--record", type=Path, metavar="DIR", help="keep a recording per robot")
-    parser.add_argument("--json", type=Path, metavar="OUT", help="write the figures to this file")
+    parser.add_argument(
+        "--json", type=Path, metavar="OUT", help="write all figures to this file; -: print them"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run one bench; print its figures as JSON."""
+    """Run one bench; print its figures."""
     truth = chosen_truth(options)
     config = chosen_config(options)
     cv2.setNumThreads(1)  # images are small: more threads cost more than they save
@@ -103,7 +108,10 @@ def run(options: argparse.Namespace) -> int:
             progress=stack.enter_context(progress_line("bench", options.duration, "s")),
         )
     text = json.dumps(figures, indent=2)
-    if options.json:
-        options.json.write_text(text + "\n")
-    print(text)
+    if options.json == STANDARD_OUTPUT:
+        print(text)
+    else:
+        print(bench_table(figures))
+        if options.json:
+            options.json.write_text(text + "\n")
     return 0 if figures["contacts"] == 0 else 1
