@@ -55,7 +55,7 @@ REFUTED_BELOW = 0.6  # fit of what people cannot explain, below which one scan r
 MAX_SEARCH_PARTICLES = 20_000  # during a search, after the first scan
 DOUBTED = 4.0  # scans with an unsure pose until a search starts
 REPEAT = 15.0  # scans until it starts again
-FOUND_ODDS = 4.6  # log of 100 to 1, for a place found, against a tracked pose that is not lost
+FOUND_ODDS = 4.6  # log of 100 to 1, for a place found, against a pose that people may explain
 FOUND_STOPS = 3  # scans, a step apart each, that it takes
 _WINDOW_STEP = 0.2  # of a window's reach: spacing of samples, for the refinement's prior
 
@@ -101,6 +101,8 @@ class Localizer:
         self._search: MapSearch | None = None
         # Whether the pose is checked against alternative hypotheses before it becomes localized.
         self._contestable = False
+        # Whether the latest scan refutes the tracked pose, whoever stands round the robot.
+        self._refuted = False
         self._information = ScanInformation()
         self._last_odometry: Pose | None = None
         self._search_due = 0.0  # 0 to 1; at 1 a search of the whole map starts
@@ -343,6 +345,7 @@ class Localizer:
         if self._contestable and self._monitor.preview(evidence) is Health.LOCALIZED:
             evidence = self._contested(evidence, pose)
         health = self._monitor.update(evidence)
+        self._refuted = hypothesis.fit is not None and hypothesis.fit.beside < REFUTED_BELOW
         self._update_search_due(before, health, hypothesis.fit, information)
         return self._estimate_of(t, odometry, hypothesis, health)
 
@@ -404,7 +407,7 @@ class Localizer:
         if is_same(search.hypothesis.pose, self.estimate.pose):
             return True
         odds = search.odds_against(self.estimate.pose)
-        if self.estimate.health is Health.LOST:
+        if self.estimate.health is Health.LOST and self._refuted:
             return odds > 0.0
         return odds > FOUND_ODDS and search.stops >= FOUND_STOPS
 

@@ -11,14 +11,16 @@ from maps.map_folder import MapFolder, load_map_folder
 from maps.occupancy_map import save_map
 from robot_agent.config import find_map
 from tools.commands.log_option import add_no_return, print_notes
+from tools.localize.localize import map_of_log
 from tools.logs.capture import capture_to_recording, recording_to_capture
 from tools.logs.carmen import CarmenLog, read_carmen
 from tools.logs.carmen_writer import recording_to_carmen
 from tools.logs.recording import read_recording
 from tools.logs.stream_table import stream_to_csv
-from tools.mapping.map_build import build_map
 from tools.progress import progress_line
 from tools.replay.carmen_recording import convert
+
+RESOLUTION = 0.05  # m
 
 
 class ConvertError(ValueError):
@@ -108,7 +110,7 @@ def _from_carmen(source: Path, output: Path, place: str | None, max_range: float
 def map_of(log: CarmenLog) -> MapFolder:
     """Return a map folder without border, built from a log's scans at their reference poses."""
     with progress_line("map", len(log.scans), "scans") as progress:
-        built = build_map(log, progress=progress)
+        built = map_of_log(log, RESOLUTION, "all", progress)
     with tempfile.TemporaryDirectory() as parent:
         folder = Path(parent) / log.path.name.split(".")[0]
         save_map(built.map, folder)

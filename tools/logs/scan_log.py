@@ -81,9 +81,7 @@ def read_scan_log(path: Path, max_range: float | None = None) -> ScanLog:
     if path.suffix == ".mcap":
         return _read_recorded(path)
     log = read_carmen(path, max_range)
-    # In an uncorrected log the pose of a scan is its odometry.
-    referenced = any(scan.reference != scan.odometry for scan in log.scans)
-    return ScanLog(path, log.scans, log.lines, log.scan_lines, referenced, log.notes)
+    return ScanLog(path, log.scans, log.lines, log.scan_lines, log.referenced, log.notes)
 
 
 def _read_recorded(path: Path) -> ScanLog:

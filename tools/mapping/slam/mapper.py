@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from maps.pose import Pose
+from tools.logs.carmen import LogError
 from tools.logs.scan_log import ScanLog
 from tools.mapping.slam.chain import build_chain
 from tools.mapping.slam.keyframe import choose_keyframes, make_keyframe
@@ -23,6 +24,8 @@ from tools.mapping.slam.refinement import refine
 from tools.mapping.slam.rigid_fit import fit
 from tools.mapping.slam.trajectory import Trajectory
 from tools.progress import progress_line
+
+_LEAST_KEYFRAMES = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,10 +67,14 @@ def map_from_odometry(log: ScanLog) -> Mapping:
     """Return the poses of all scans from raw odometry, without the log's references.
 
     The result is then moved as a whole to fit the log's references, if there are any, for
-    comparison.
+    comparison. Raises LogError for a log without motion.
     """
     started = time.perf_counter()
     chosen = choose_keyframes(log.scans)
+    if len(chosen) < _LEAST_KEYFRAMES:
+        raise LogError(
+            f"{log.path}: {len(chosen)} scans a step apart, too few to find poses by: drive farther"
+        )
     frames = [make_keyframe(log.scans[index]) for index in chosen]
     with progress_line("chain", len(frames), "keyframes") as progress:
         chain, edges = build_chain(frames, progress)
