@@ -47,15 +47,16 @@ WINDOW_BELOW = 0.8  # fit of a scan, without dynamic beams, that starts it
 WINDOW_ABOVE = 0.75  # fit of a pose that is preferred
 WINDOW_GAIN = 0.1  # by which it must fit better
 WINDOW_SAMPLES = 3000
-WINDOW_XY = 1.0  # m either way
-WINDOW_THETA = 0.6  # rad either way
+WINDOW_REACH = (1.0, 1.0, 0.6)  # m, m, rad either way
+TURNED_REACH = (0.4, 0.4, math.pi)  # likewise, of a robot that its wheels did not see turning
+WINDOW_TRIED = 4  # of the best samples
 REFUTED_BELOW = 0.6  # fit of what people cannot explain, below which one scan refutes a pose
 
 # The search over the whole map.
 MAX_SEARCH_PARTICLES = 20_000  # during a search, after the first scan
 DOUBTED = 4.0  # scans with an unsure pose until a search starts
 REPEAT = 15.0  # scans until it starts again
-FOUND_ODDS = 4.6  # log of 100 to 1, for a place found, against a tracked pose that is not lost
+FOUND_ODDS = 4.6  # log of 100 to 1, for a place found, against a pose that people may explain
 FOUND_STOPS = 3  # scans, a step apart each, that it takes
 _WINDOW_STEP = 0.2  # of a window's reach: spacing of samples, for the refinement's prior
 
@@ -101,6 +102,8 @@ class Localizer:
         self._search: MapSearch | None = None
         # Whether the pose is checked against alternative hypotheses before it becomes localized.
         self._contestable = False
+        # Whether the latest scan refutes the tracked pose, whoever stands round the robot.
+        self._refuted = False
         self._information = ScanInformation()
         self._last_odometry: Pose | None = None
         self._search_due = 0.0  # 0 to 1; at 1 a search of the whole map starts
@@ -285,28 +288,49 @@ class Localizer:
         """
         if hypothesis.fit is None or hypothesis.fit.fit_without_dynamic >= WINDOW_BELOW:
             return hypothesis
-        reach = np.array((WINDOW_XY, WINDOW_XY, WINDOW_THETA))
-        offsets = self._rng.uniform(-1.0, 1.0, (WINDOW_SAMPLES, 3)) * reach
+        refuted = hypothesis.fit.beside < REFUTED_BELOW
+        found = self._in_window(hypothesis, points, information, WINDOW_REACH)
+        if found is None and refuted:  # wheels may miss a turn of any size
+            found = self._in_window(hypothesis, points, information, TURNED_REACH)
+        if found is None:
+            return hypothesis
+        other, belief = found
+        if refuted:
+            self._restart_alternatives(points)
+        return self._propose(hypothesis, other, belief, at_once=refuted)
+
+    def _in_window(
+        self,
+        hypothesis: Hypothesis,
+        points: NDArray[np.float64],
+        information: float,
+        reach: tuple[float, float, float],
+    ) -> tuple[Hypothesis, Belief] | None:
+        """Return the best hypothesis within reach, m, m, rad, with its belief.
+
+        None if the scan fits nowhere clearly better.
+        """
+        assert hypothesis.fit is not None
+        spread = np.array(reach)
+        offsets = self._rng.uniform(-1.0, 1.0, (WINDOW_SAMPLES, 3)) * spread
         window = ParticleFilter(self._motion, self._matching.field, self._rng)
         window.restart(np.array(hypothesis.cluster.mean) + offsets)
         window.weigh(points, information * INDEPENDENT_BEAMS)
-        best = Pose(*window.particles[window.weights.argmax()].tolist())
-        refined = self._matching.refinement.refine(
-            best, np.diag(np.square(_WINDOW_STEP * reach)), points
-        )
-        fit = None if refined is None else self._matching.check.fit(refined.pose, points)
         needed = max(WINDOW_ABOVE, hypothesis.fit.whole + WINDOW_GAIN)
-        if refined is None or fit is None or fit.whole < needed:
-            return hypothesis
-        # At a wrong pose beams cross mapped walls.
-        if self._matching.check.wall_crossing(refined.pose, points) > LOCALIZED_WALL_CROSSING:
-            return hypothesis
-        cluster = best_cluster(window.particles, window.weights)
-        other = Hypothesis(cluster, refined, refined.pose, fit, relocated=True)
-        refuted = hypothesis.fit.beside < REFUTED_BELOW
-        if refuted:
-            self._restart_alternatives(points)
-        return self._propose(hypothesis, other, window.belief, at_once=refuted)
+        covariance = np.diag(np.square(_WINDOW_STEP * np.minimum(spread, WINDOW_REACH)))
+        for best in np.argsort(-window.weights, kind="stable")[:WINDOW_TRIED]:
+            start = Pose(*window.particles[best].tolist())
+            refined = self._matching.refinement.refine(start, covariance, points)
+            fit = None if refined is None else self._matching.check.fit(refined.pose, points)
+            if refined is None or fit is None or fit.whole < needed:
+                continue
+            # At a wrong pose beams cross mapped walls.
+            crossing = self._matching.check.wall_crossing(refined.pose, points)
+            if crossing <= LOCALIZED_WALL_CROSSING:
+                cluster = best_cluster(window.particles, window.weights)
+                found = Hypothesis(cluster, refined, refined.pose, fit, relocated=True)
+                return found, window.belief
+        return None
 
     def _restart_alternatives(self, points: NDArray[np.float64]) -> None:
         """Search alternatives from this scan on, as odometry does not lead to the pose."""
@@ -343,6 +367,7 @@ class Localizer:
         if self._contestable and self._monitor.preview(evidence) is Health.LOCALIZED:
             evidence = self._contested(evidence, pose)
         health = self._monitor.update(evidence)
+        self._refuted = hypothesis.fit is not None and hypothesis.fit.beside < REFUTED_BELOW
         self._update_search_due(before, health, hypothesis.fit, information)
         return self._estimate_of(t, odometry, hypothesis, health)
 
@@ -404,7 +429,7 @@ class Localizer:
         if is_same(search.hypothesis.pose, self.estimate.pose):
             return True
         odds = search.odds_against(self.estimate.pose)
-        if self.estimate.health is Health.LOST:
+        if self.estimate.health is Health.LOST and self._refuted:
             return odds > 0.0
         return odds > FOUND_ODDS and search.stops >= FOUND_STOPS
 

@@ -332,3 +332,17 @@ def test_pose_is_kept_in_a_crowd_that_stays(room, circle, share: float) -> None:
         estimate = localizer.update(20.0 + 0.1 * index, estimate.odometry, points)
     assert estimate.health is Health.LOCALIZED
     assert error(estimate.pose, pose)[0] < 0.05
+
+
+@pytest.mark.parametrize("degrees", [-90, 50, 75])
+def test_turn_that_the_wheels_missed_is_found_whatever_its_size(room, circle, degrees) -> None:
+    localizer = new_localizer(room)
+    localizer.start_at(circle[0], 0.05, 0.02)
+    rng = np.random.default_rng(2)
+    for index in range(20):
+        localizer.update(0.1 * index, Pose(0, 0, 0), room.scan(circle[0], rng))
+    truth = circle[0].compose(Pose(0.0, 0.0, math.radians(degrees)))
+    for index in range(20, 40):
+        estimate = localizer.update(0.1 * index, Pose(0, 0, 0), room.scan(truth, rng))
+        assert error(estimate.pose, truth)[0] < 0.1
+    assert estimate.health is Health.LOCALIZED

@@ -27,6 +27,8 @@ _BODY = body_corners(load_model(DEFAULT_MODEL).body)  # the robots of the logs, 
 class PerceiveResult:
     """Counts of the tracker's results on a log, over the localized scans."""
 
+    looked_at: int
+    """All scans; the tracker sees those at which the robot is localized."""
     scans: int
     teammates: int
     """Tracks classified as a teammate at any time."""
@@ -46,6 +48,7 @@ class PerceiveResult:
     def summary(self) -> dict[str, float]:
         """The figures for JSON."""
         return {
+            "looked_at": self.looked_at,
             "scans": self.scans,
             "teammates": self.teammates,
             "tracks": self.tracks,
@@ -95,4 +98,4 @@ def perceive(
             if track.last_seen == t:
                 moving += track.moving
                 standing += not track.moving
-    return PerceiveResult(scans, len(teammates), len(seen), moving, standing)
+    return PerceiveResult(len(steps), scans, len(teammates), len(seen), moving, standing)

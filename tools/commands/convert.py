@@ -11,6 +11,7 @@ from maps.map_folder import MapFolder, load_map_folder
 from maps.occupancy_map import save_map
 from robot_agent.config import find_map
 from tools.commands.log_option import add_no_return, add_topics, print_notes, topics_of
+from tools.localize.localize import map_of_log
 from tools.logs.capture import capture_to_recording, recording_to_capture
 from tools.logs.carmen import CarmenLog
 from tools.logs.carmen_writer import recording_to_carmen
@@ -19,9 +20,10 @@ from tools.logs.recording import read_recording
 from tools.logs.ros_bag import RosTopics, is_ros_bag
 from tools.logs.ros_bag_writer import recording_to_ros
 from tools.logs.stream_table import stream_to_csv
-from tools.mapping.map_build import build_map
 from tools.progress import progress_line
 from tools.replay.carmen_recording import as_lms_scans, convert
+
+RESOLUTION = 0.05  # m
 
 
 class ConvertError(ValueError):
@@ -122,7 +124,7 @@ def _from_log(
 def map_of(log: CarmenLog) -> MapFolder:
     """Return a map folder without border, built from a log's scans at their reference poses."""
     with progress_line("map", len(log.scans), "scans") as progress:
-        built = build_map(log, progress=progress)
+        built = map_of_log(log, RESOLUTION, "all", progress)
     with tempfile.TemporaryDirectory() as parent:
         folder = Path(parent) / log.path.name.split(".")[0]
         save_map(built.map, folder)

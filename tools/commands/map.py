@@ -13,6 +13,7 @@ import cv2
 from maps.border import BorderError
 from maps.map_folder import DEFAULT_BORDER, MAP_FILE
 from maps.occupancy_map import MapError, load_map, save_map
+from maps.pose import Pose
 from robot_agent.config import SHIPPED_MAPS, find_map
 from tools.border_editor.editor_server import EditorServer
 from tools.commands.log_option import add_no_return, add_topics, print_notes, topics_of
@@ -22,6 +23,7 @@ from tools.mapping.floor_plan import draw_floor_plan
 from tools.mapping.map_build import build_map
 from tools.mapping.map_check import check_map
 from tools.mapping.map_picture import draw_map, draw_map_alone
+from tools.mapping.map_verdict import Grade, judge
 from tools.mapping.picture_import import import_picture
 from tools.mapping.slam.mapper import map_from_odometry
 from tools.mapping.slam.relations import read_relations, relation_error, synchronize
@@ -43,6 +45,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     build.add_argument("log", type=Path, help="CARMEN log (plain or gzip), ROS bag or recording")
     build.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
     build.add_argument("--resolution", type=positive, default=0.05, metavar="M", help="cell side")
+    build.add_argument(
+        "--max-range", type=positive, default=20.0, metavar="M", help="leave out longer beams"
+    )
     build.add_argument("--scans", choices=("all", "even", "odd"), default="all")
     build.add_argument(
         "--from",
@@ -128,31 +133,41 @@ def _build(options: argparse.Namespace) -> int:
     )
     log = read_scan_log(options.log, options.no_return, topics_of(options))
     print_notes("map", log.notes)
-    log, trajectory = _posed(log.from_scan(options.first_scan), options.source)
+    log, trajectory, unmatched = _posed(log.from_scan(options.first_scan), options.source)
     if relations:
         lined_up = synchronize(relations, trajectory.times)
         print(relation_error(lined_up, trajectory.at).table())
     with progress_line("map", len(log.scans), "scans") as progress:
-        built = build_map(log, options.resolution, scans=options.scans, progress=progress)
+        built = build_map(
+            log,
+            options.resolution,
+            scans=options.scans,
+            max_range=options.max_range,
+            progress=progress,
+        )
     save_map(built.map, options.output)
-    draw_map(options.output, options.output / PICTURE)
+    verdict = judge(built.map, log.scans, options.max_range, unmatched)
+    draw_map(options.output, options.output / PICTURE, doubts=verdict.places)
     print(f"{options.output}: {built.summary()}")
+    print(f"{options.output}: {verdict}")
+    if verdict.grade is Grade.FAILED:
+        return 1
     print(f"next: draw its border with `patrol map border {options.output}`")
     return 0
 
 
-def _posed(log: ScanLog, source: str) -> tuple[ScanLog, Trajectory]:
-    """Return the log with the poses to build from, and the poses at all times."""
+def _posed(log: ScanLog, source: str) -> tuple[ScanLog, Trajectory, list[tuple[Pose, float]]]:
+    """Return the log with the poses to build from, poses at all times, pieces without a match."""
     if source == "odometry":
         found = map_from_odometry(log)
         print(found.summary())
-        return found.log, found.trajectory
+        return found.log, found.trajectory, found.unmatched
     if not log.referenced:
         raise LogError(
             f"{log.path}: scans without reference poses: build the map with --from odometry"
         )
     poses = {line: scan.reference for line, scan in zip(log.scan_lines, log.scans, strict=True)}
-    return log, Trajectory(log.odometry, poses)
+    return log, Trajectory(log.odometry, poses), []
 
 
 def _draw(options: argparse.Namespace) -> int:

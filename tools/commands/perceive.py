@@ -65,6 +65,8 @@ def run(options: argparse.Namespace) -> int:
     else:
         folder = map_of_log(log, RESOLUTION, "even")
         steps = steps[1 - options.first_scan % 2 :: 2]
+    if not steps:
+        raise LogError(f"{options.log}: too few scans for a map of every second: give --map DIR")
     with progress_line("perceive", len(steps), "scans") as progress:
         result = perceive(str(options.log), steps, folder, options.seed, progress)
     print(json.dumps({"log": options.log.name, **result.summary}, indent=2))

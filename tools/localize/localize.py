@@ -50,7 +50,10 @@ class LocalizeOptions:
 
 def log_steps(log: CarmenLog) -> list[LogStep]:
     """Return a CARMEN log's scans; the laser frame is taken as base_link."""
-    return [LogStep(scan.t, scan.odometry, scan.points(), scan.reference) for scan in log.scans]
+    return [
+        LogStep(scan.t, scan.odometry, scan.points(), scan.reference if log.referenced else None)
+        for scan in log.scans
+    ]
 
 
 def map_of_log(
@@ -58,8 +61,14 @@ def map_of_log(
 ) -> MapFolder:
     """Return a map of a log's scans at their reference poses, without border and files.
 
-    scans: all, or every second. Raises MapError if no map can be built.
+    scans: all, or every second. Raises MapError if no map can be built, LogError if the log has no
+    reference poses.
     """
+    if not log.referenced:
+        raise LogError(
+            f"{log.path}: no reference poses, only raw odometry: "
+            "make a map by `patrol map build --from odometry` and give it by --map"
+        )
     built = build_map(log, resolution, scans=scans, progress=progress)
     return MapFolder(f"{log.path.name} ({scans} scans)", built.map, None, {})
 
@@ -101,7 +110,7 @@ def _started_localizer(
         return localizer
     start = options.start or first.reference
     if start is None:
-        raise LogError(f"{name}: its first scan has no reference pose: give a start pose")
+        raise LogError(f"{name}: its first scan has no reference pose: start with --global")
     if options.start_noise:
         off = rng.standard_normal(3)
         start = Pose(

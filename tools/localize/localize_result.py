@@ -128,8 +128,10 @@ class LocalizeResult:
     rows: list[LocalizeRow]
 
     @property
-    def lost_share(self) -> float:
-        """Share of the scans whose estimate is lost."""
+    def lost_share(self) -> float | None:
+        """Share of the scans whose estimate is lost; None if no scan has a reference."""
+        if all(row.reference_x is None for row in self.rows):
+            return None
         return sum(row.is_lost for row in self.rows) / len(self.rows)
 
     @property

@@ -125,7 +125,7 @@ def _score(
         rmse=float(np.sqrt(np.mean(position**2))),
         p95=float(np.percentile(position, 95)),
         heading_rmse=float(np.sqrt(np.mean(heading**2))),
-        lost_share=result.lost_share,
+        lost_share=result.lost_share or 0.0,
         inside_xy=math.nan if inside is None else inside.xy,
         inside=math.nan if inside is None else inside.pose,
         update_ms=float(np.median([row.update_ms for row in result.rows])),

@@ -46,7 +46,9 @@ def recording_to_carmen(recording: Recording, target: Path) -> int:
     scans = 0
     with target.open("w") as file:
         file.write(_HEAD)
-        file.write(f"PARAM robot_frontlaser_offset {mount.x:.4f} nohost 0\n")
+        file.write(f"PARAM robot_frontlaser_offset {mount.x:.6f} nohost 0\n")
+        file.write(f"PARAM robot_frontlaser_side_offset {mount.y:.6f} nohost 0\n")
+        file.write(f"PARAM robot_frontlaser_angular_offset {mount.theta:.6f} nohost 0\n")
         for line in _lines(recording, config, mount):
             file.write(line + "\n")
             scans += line.startswith("FLASER")

@@ -117,6 +117,7 @@ def _assemble(path: Path, content: _Content, mount: Transform, notes: list[str])
         odometry=[one for number, one in enumerate(lines) if at_line[one[0]] == number],
         lines=lines,
         scan_lines=[at_line[scan.t] for scan in scans],
+        referenced=corrections is not None,
         notes=notes,
     )
 

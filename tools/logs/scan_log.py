@@ -86,9 +86,7 @@ def read_scan_log(
     if path.suffix == ".mcap" and not is_ros_bag(path):
         return _read_recorded(path)
     log = read_laser_log(path, max_range, topics)
-    # In an uncorrected log the pose of a scan is its odometry.
-    referenced = any(scan.reference != scan.odometry for scan in log.scans)
-    return ScanLog(path, log.scans, log.lines, log.scan_lines, referenced, log.notes)
+    return ScanLog(path, log.scans, log.lines, log.scan_lines, log.referenced, log.notes)
 
 
 def _read_recorded(path: Path) -> ScanLog:

@@ -94,7 +94,7 @@ def build_map(
     occupied cell. min_sightings: cells with fewer hits and misses stay unknown. progress: called
     with the number of scans done.
 
-    Raises MapError if there is no scan to use or the grid would be too large.
+    Raises MapError if there is no scan to use, no free floor, or the grid would be too large.
     """
     started = time.perf_counter()
     if not (math.isfinite(resolution) and resolution > 0.0):
@@ -119,6 +119,10 @@ def build_map(
     cells, origin = _crop(
         _classify(hits, misses, occupied_share, min_sightings), resolution, origin
     )
+    if not (cells == FREE).any():
+        raise MapError(
+            f"{log.path}: {len(chosen)} scans show no free floor twice: a map needs more of them"
+        )
     return MapBuild(
         map=OccupancyMap(cells, resolution, origin, Surface.CENTRE),
         scans=len(chosen),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import cv2
@@ -12,6 +13,7 @@ from maps.border import Border
 from maps.clearance import NEEDED_CLEARANCE, border_clearance
 from maps.map_folder import DEFAULT_BORDER, MAP_FILE, MapFolder, load_map_folder
 from maps.occupancy_map import OccupancyMap, load_map
+from maps.pose import Pose
 
 Color = tuple[int, int, int]
 
@@ -30,15 +32,17 @@ _TICK_STEP = 5.0  # m of abscissa
 _FOOT = 40  # pixels below the map for the caption
 
 
-def draw_map(folder: Path, png: Path, border: str = DEFAULT_BORDER) -> None:
+def draw_map(
+    folder: Path, png: Path, border: str = DEFAULT_BORDER, doubts: Sequence[Pose] = ()
+) -> None:
     """Write a PNG of a map folder and one of its borders.
 
     Green border: enough clearance, red: too little; arrows point along +s, ticks each 5 m of s; a
-    circle marks the narrowest place.
+    circle marks the narrowest place. doubts: places (map_from_laser) to mark in red.
 
     Raises MapError or BorderError as ``load_map_folder`` does; OSError if it cannot be written.
     """
-    _write(render_map(load_map_folder(folder, border)), png)
+    _write(render_map(load_map_folder(folder, border), doubts), png)
 
 
 def draw_map_alone(folder: Path, png: Path, caption: str) -> None:
@@ -54,13 +58,15 @@ def _write(picture: NDArray[np.uint8], png: Path) -> None:
     png.write_bytes(cv2.imencode(".png", picture)[1].tobytes())
 
 
-def render_map(folder: MapFolder) -> NDArray[np.uint8]:
+def render_map(folder: MapFolder, doubts: Sequence[Pose] = ()) -> NDArray[np.uint8]:
     """Return the picture, (height, width, 3) uint8, blue green red."""
     canvas = _Canvas(folder.map)
     canvas.draw_grid()
     caption = f"{folder.name}: {folder.map.size[0]:.1f} x {folder.map.size[1]:.1f} m"
     if folder.border is not None:
         caption += _draw_border(canvas, folder.map, folder.border)
+    for place in doubts:
+        cv2.circle(canvas.pixels, canvas.pixel(place.x, place.y), 8, _TOO_NARROW, 2, cv2.LINE_AA)
     canvas.write(caption, (10, canvas.pixels.shape[0] - 14), _LABEL, 0.6)
     return canvas.pixels
 

@@ -69,8 +69,8 @@ def convert(
 ) -> Conversion:
     """Write the recording of an agent on the log's robot; the map is ``folder``'s.
 
-    The agent starts at the log's first reference pose. Reference poses are recorded too. Raises
-    LogError for scans that an LMS 200 does not send.
+    The agent starts at the log's first reference pose, or finds itself in a log without; the
+    reference poses are recorded too. Raises LogError for scans that an LMS 200 does not send.
     """
     _require_lms_scans(log)
     config = configuration_for(log, folder)
@@ -87,6 +87,8 @@ def convert(
 
         def write_reference(moment: Moment) -> None:
             assert moment.scan is not None
+            if not log.referenced:
+                return
             writer.write_reference(round(moment.t, 6), moment.scan.reference)
 
         duration = play(log, rig, lockstep, write_reference, progress)
@@ -149,10 +151,11 @@ def configuration_for(log: CarmenLog, folder: MapFolder) -> AgentConfig:
     """Return the configuration of an agent on the log's robot: laser, start pose, map."""
     defaults = AgentConfig()
     first = log.scans[0]
+    at = first.reference
     return AgentConfig(
         robot=RobotSettings(name=log.path.name.split(".")[0], team="log"),
         map=MapSettings(folder=folder.name),
-        start=StartPose(x=first.reference.x, y=first.reference.y, theta=first.reference.theta),
+        start=StartPose(x=at.x, y=at.y, theta=at.theta) if log.referenced else None,
         base=msgspec.structs.replace(defaults.base, baud=BASE_BAUD),
         laser=msgspec.structs.replace(
             LaserSettings(),

@@ -70,4 +70,4 @@ def test_without_references_coverage_is_none() -> None:
     alone = result(row(Pose(0, 0, 0), None))
     assert alone.coverage() is None
     assert alone.summary["inside_95"] is None
-    assert alone.summary["lost_share"] == 0.0
+    assert alone.summary["lost_share"] is None

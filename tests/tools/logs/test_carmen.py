@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import bz2
 import gzip
+import lzma
 import math
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 
@@ -141,9 +144,11 @@ def test_uncorrected_log_keeps_its_own_odometry(tmp_path: Path) -> None:
 
     lines = [scan(1.0, 0.0), odom(1.5, 0.5, 0, 0), scan(2.0, 1.0), odom(2.5, 1.5, 0, 0)]
     log = read_carmen(write(tmp_path, lines))
-    assert [scan.odometry.x for scan in log.scans] == [0.0, 1.0]
-    assert [scan.reference.x for scan in log.scans] == [0.1, 1.1]
-    assert [(t, pose.x) for t, pose in log.odometry] == [(1, 0), (1.5, 0.5), (2, 1), (2.5, 1.5)]
+    assert not log.referenced
+    assert [scan.odometry.x for scan in log.scans] == pytest.approx([0.1, 1.1])
+    assert [t for t, _ in log.odometry] == [1.0, 1.5, 2.0, 2.5]
+    assert [pose.x for _, pose in log.odometry] == pytest.approx([0.1, 0.6, 1.1, 1.6])
+    assert "the laser is 0.100 m ahead" in log.notes[-1]
 
 
 @pytest.mark.parametrize("count", [180, 181, 360, 361])
@@ -194,7 +199,9 @@ def test_plain_log_truncated_in_its_last_line_is_read(tmp_path: Path) -> None:
         (b"# nothing here\nODOM 0 0 0 0 0 0 1 h 1\n", 1),
         (b"# ok\nODOM 0 0 zero 0 0 0 1 h 1\n", 2),
         (b"# ok\n\nFLASER 180 1 2 3 0 0 0 0 0 0 1 h 1\n", 3),
-        (b"FLASER 7 1 1 1 1 1 1 1 0 0 0 0 0 0 1 h 1\n", 1),
+        (b"FLASER 1 1 0 0 0 0 0 0 1 h 1\n", 1),
+        (b"FLASER 4 8.191 8.191 8.191 8.191 0 0 0 0 0 0 1 h 1\n", 1),
+        (b"FLASER 4 210 220 230 240 0 0 0 0 0 0 1 h 1\n", 1),
         (b"ODOM 0 nan 0 0 0 0 1 h 1\n", 1),
         (b"ROBOTLASER1 0 -1.5 3.0 0.75 8.0 0.01 0 5 1.0\n", 1),
         (gzip.compress(b"hello\n" * 50, mtime=0)[:-20] + b"\xff" * 40, None),
@@ -216,3 +223,135 @@ def test_invalid_log_is_refused_with_file_line_and_remedy(
 def test_missing_file_is_refused(tmp_path: Path) -> None:
     with pytest.raises(LogError, match=r"absent\.log"):
         read_carmen(tmp_path / "absent.log")
+
+
+# --- logs as people have them ---------------------------------------------------------------------
+
+READINGS = [2.0 + 0.01 * beam for beam in range(180)]
+WORDS = " ".join(f"{value:g}" for value in READINGS)
+POSES = "1.5 2.5 0.5 1.4 2.5 0.5"
+ROBOT_TAIL = f"0 {POSES} 0.1 0.2 0.3 0.3 0.0 77.5 host 77.25"
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        f"FLASER 180 {WORDS} {POSES} 77.25 host 77.25",
+        f"FLASER 180 {WORDS} {POSES} 77.25",
+        f"FLASER 180 {WORDS} {POSES}",
+        f"  FLASER\t180 {WORDS}\t{POSES} 77.25 host 77.25\r",
+        f"ROBOTLASER1 0 -1.570796 3.12414 0.0174533 81.0 0.01 0 180 {WORDS} {ROBOT_TAIL}",
+        f"ROBOTLASER0 0 -1.570796 3.12414 0 0 0.01 0 180 {WORDS} {ROBOT_TAIL}",
+        f"ROBOTLASER2 0 -90 179 1 81.0 0.01 0 180 {WORDS} {ROBOT_TAIL}",
+        f"RAWLASER1 0 -1.570796 3.12414 0.0174533 81.0 0.01 0 180 {WORDS} 0 77.5 host 77.25",
+        "ROBOTLASER1 0 -1.570796 3.12414 0.0174533 81000 10 0 180 "
+        + " ".join(f"{1000 * value:g}" for value in READINGS)
+        + f" {ROBOT_TAIL}",
+    ],
+)
+def test_forms_of_a_scan_line_are_one_scan(tmp_path: Path, line: str) -> None:
+    (scan,) = read_carmen(write(tmp_path, ["# Gr\u00f6\u00dfe", line])).scans
+    assert scan.ranges == pytest.approx(READINGS, abs=1e-3)
+    assert scan.angle_min == pytest.approx(-math.pi / 2, abs=1e-5)
+    assert scan.angle_increment == pytest.approx(math.radians(1.0), abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("count", "parameters", "first", "step"),
+    [
+        (721, [], -90.0, 0.25),
+        (401, [], -50.0, 0.25),
+        (101, [], -50.0, 1.0),
+        (91, [], -90.0, 2.0),
+        (181, ["laser_front_laser_resolution 0.5"], -45.0, 0.5),
+        (180, ["laser_front_laser_resolution 1.0"], -90.0, 1.0),
+        (541, ["laser_front_laser_fov 270.0"], -135.0, 0.5),
+    ],
+)
+def test_beam_counts_and_parameters_give_the_geometry(
+    tmp_path: Path, count: int, parameters: list[str], first: float, step: float
+) -> None:
+    lines = [*(f"PARAM {each} nohost 0" for each in parameters), flaser(1, 0, 0, 0, [2.0] * count)]
+    (scan,) = read_carmen(write(tmp_path, lines)).scans
+    assert math.degrees(scan.angle_min) == pytest.approx(first)
+    assert math.degrees(scan.angle_increment) == pytest.approx(step)
+
+
+def test_parameter_says_the_maximum_range(tmp_path: Path) -> None:
+    lines = ["PARAM robot_front_laser_max 5.0 nohost 0", flaser(1, 0, 0, 0, [2.0, 4.9, 5.0, 7.0])]
+    (scan,) = read_carmen(write(tmp_path, lines)).scans
+    assert scan.ranges.tolist() == [2.0, 4.9, math.inf, math.inf]
+    (scan,) = read_carmen(tmp_path / "made.log", 6.0).scans
+    assert scan.ranges.tolist() == [2.0, 4.9, 5.0, math.inf]
+
+
+@pytest.mark.parametrize("packed", [gzip.compress, bz2.compress, lzma.compress])
+@pytest.mark.parametrize("padding", [b"", bytes(512)])
+def test_compressed_log_is_read_with_its_padding(
+    tmp_path: Path, packed: Callable[[bytes], bytes], padding: bytes
+) -> None:
+    path = tmp_path / "packed.log"
+    path.write_bytes(packed(b"\xef\xbb\xbf" + "\r\n".join(CORRECTED).encode()) + padding)
+    assert len(read_carmen(path).scans) == 2
+
+
+def test_single_bad_lines_are_left_out_and_counted(tmp_path: Path) -> None:
+    lines = [*CORRECTED[:6], "ODOM 1 2 what 0 0 0 1 h 1", *CORRECTED[6:], "ODOM 1 2", *CORRECTED]
+    log = read_carmen(write(tmp_path, lines))
+    assert len(log.scans) == 4
+    assert "line 7" in log.notes[0]
+    assert "2 such lines" in log.notes[0]
+
+
+@pytest.mark.parametrize("jump", [1e5, -1e5, 1.6e9])
+def test_clock_that_was_set_leaves_time_continuous(tmp_path: Path, jump: float) -> None:
+    lines = []
+    for number in range(40):
+        t = 2e9 + 0.1 * number + (jump if number >= 20 else 0.0)
+        lines += [odom(t, 0.1 * number, 0, 0), flaser(t, 0.1 * number, 0, 0, READINGS)]
+    log = read_carmen(write(tmp_path, lines))
+    steps = np.diff([scan.t for scan in log.scans])
+    assert steps == pytest.approx(0.1, abs=0.1)
+    assert any("clock was set 1 times" in note for note in log.notes)
+
+
+def test_log_whose_robot_stands_keeps_all_of_its_odometry(tmp_path: Path) -> None:
+    x, lines = 0.0, []
+    for number in range(100):
+        for _ in range(2):
+            x += 0.05 if number >= 60 else 0.0
+            lines.append(odom(0.2 * number, x, 0, 0))
+        lines.append(flaser(0.2 * number, x, 0, 0, [2.0] * 180))
+    log = read_carmen(write(tmp_path, lines))
+    assert log.scans[-1].odometry.x == pytest.approx(4.0)
+    assert np.isfinite(log.scans[-1].ranges).all()
+    assert not log.referenced
+
+
+def test_laser_that_is_off_centre_in_a_raw_log_is_no_correction(tmp_path: Path) -> None:
+    mount, lines = Pose(0.15, -0.02, 0.1), []
+    for number in range(30):
+        robot = Pose(0.1 * number, 0.02 * number**2 / 10, 0.1 * number)
+        laser = " ".join(f"{value:.6f}" for value in robot.compose(mount))
+        base = " ".join(f"{value:.6f}" for value in robot)
+        lines.append(f"FLASER 180 {WORDS} {laser} {base} {number} host {number}")
+    log = read_carmen(write(tmp_path, lines))
+    assert not log.referenced
+    between = log.scans[3].odometry.between(log.scans[9].odometry)
+    one, other = (Pose(0.1 * n, 0.02 * n**2 / 10, 0.1 * n).compose(mount) for n in (3, 9))
+    assert between == pytest.approx(one.between(other), abs=1e-4)
+    assert "the laser is 0.150 m ahead, -0.020 m left, 5.7 degrees" in log.notes[-1]
+
+
+def test_player_log_is_read(tmp_path: Path) -> None:
+    scan = " ".join(f"{value:.3f} 0" for value in READINGS)
+    lines = ["## Player version 2.0.4", "## File version 0.3.0"]
+    for number in range(5):
+        t, x = 100.0 + 0.2 * number, 0.1 * number
+        head = f"{t:014.3f} 16777343 6665"
+        lines.append(f"{head} position2d 00 001 001 {x:+.3f} +0.000 +0.000 +0.1 +0.0 +0.0 1")
+        lines.append(f"{head} laser 00 001 001 {number:04d} -1.5708 +1.5533 +0.0175 8.0 180 {scan}")
+    log = read_carmen(write(tmp_path, lines))
+    assert [scan.odometry.x for scan in log.scans] == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
+    assert log.scans[0].ranges == pytest.approx(READINGS, abs=1e-3)
+    assert not log.referenced

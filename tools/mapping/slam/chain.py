@@ -8,9 +8,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from maps.pose import Pose
-from tools.mapping.slam.alignment import align
-from tools.mapping.slam.cloud import join
+from maps.pose import Pose, wrap_angle
+from tools.mapping.slam.alignment import Alignment, align
+from tools.mapping.slam.cloud import Cloud, join
 from tools.mapping.slam.correlation import search
 from tools.mapping.slam.keyframe import Keyframe
 from tools.mapping.slam.pose_graph import Edge
@@ -23,6 +23,9 @@ _NEAR_PEAK = (
     math.radians(5.0),
 )  # m, rad; an alignment farther off the peak has slid
 _LARGEST_TURN = math.radians(45.0)
+_SURE_SHARE = 0.6  # share of an alignment that is looked for no farther
+_MISSED_TURN = math.radians(90.0)
+_MISSED_SIGMAS = 4.0  # of the odometry's heading; more is a turn that the wheels missed
 _LARGEST_STEP = 1.5  # m
 
 
@@ -47,13 +50,21 @@ def build_chain(
     for index in range(1, len(frames)):
         guess = poses[-1].compose(frames[index - 1].odometry.between(frames[index].odometry))
         edge = _match(frames, poses, guess)
-        edges.append(odometry_edge(index - 1, index, frames))
+        counted = odometry_edge(index - 1, index, frames)
+        if edge is None or _agrees(counted, edge):
+            edges.append(counted)
         if edge is not None:
             edges.append(edge)
             guess = poses[-1].compose(edge.pose)
         poses.append(guess)
         progress(index)
     return poses, edges
+
+
+def _agrees(counted: Edge, seen: Edge) -> bool:
+    """Whether the odometry may be right: no wheel missed a turn that the scans show."""
+    off = abs(wrap_angle(seen.pose.theta - counted.pose.theta))
+    return off * math.sqrt(counted.information[2, 2]) < _MISSED_SIGMAS
 
 
 def _match(frames: Sequence[Keyframe], poses: Sequence[Pose], guess: Pose) -> Edge | None:
@@ -69,12 +80,25 @@ def _match(frames: Sequence[Keyframe], poses: Sequence[Pose], guess: Pose) -> Ed
     way, turn = math.hypot(expected.x, expected.y), abs(expected.theta)
     window = min(0.2 + 0.25 * way + 0.1 * turn, _LARGEST_STEP)
     turn_window = min(0.06 + 0.15 * way + 0.2 * turn, _LARGEST_TURN)
-    peak = search(points, target.points, expected, window, turn_window)
+    found = _aligned(points, target, expected, (window, turn_window))
+    if found is None or found.share < _SURE_SHARE:
+        # Wheels may have missed a turn: the heading is searched as far as the scans ask.
+        turned = _aligned(points, target, expected, (window, _MISSED_TURN))
+        if turned is not None and turned.share >= _SURE_SHARE:
+            found = turned
+    return None if found is None else Edge(index - 1, index, found.pose, found.information)
+
+
+def _aligned(
+    points: NDArray[np.float64], target: Cloud, expected: Pose, reach: tuple[float, float]
+) -> Alignment | None:
+    """Return the alignment of points (n, 2) with a cloud, found within a reach, m and rad."""
+    peak = search(points, target.points, expected, *reach)
     start = peak.pose if peak.score > _MIN_SCORE else expected
     found = align(points, target, start)
     if found is None or found.share < _MIN_SHARE or not close(start, found.pose, _NEAR_PEAK):
         return None
-    return Edge(index - 1, index, found.pose, found.information)
+    return found
 
 
 def close(one: Pose, other: Pose, limits: tuple[float, float]) -> bool:

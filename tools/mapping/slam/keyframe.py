@@ -10,10 +10,12 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from localization.scan_motion import share_on_surfaces, surfaces_of
 from maps.pose import Pose
 
 _STEP = 0.25  # m; a scan becomes a keyframe this far from the last one
 _TURN = math.radians(10.0)  # rad; or turned by this
+_LEAST_SHARE = 0.6  # of its points on the surfaces of the last one; with less it has moved
 _REACH = 20.0  # m; beyond, beams are too far apart for normals
 _NEIGHBOURS = 8  # beams to each side used for the normal
 _NEAR = 0.3  # m; neighbours farther away belong to another surface
@@ -50,14 +52,24 @@ class Keyframe:
 
 
 def choose_keyframes(scans: Sequence[Measurement]) -> list[int]:
-    """Return the indices of the scans taken a step or a turn apart; the first and last always."""
+    """Return the indices of the scans taken a step or a turn apart; the first and last always.
+
+    By the odometry, and by the scans, as wheels may miss a turn: a scan that does not lie on the
+    surfaces of the last one chosen, where the odometry puts it, is taken as well.
+    """
     chosen = [0]
+    surfaces = surfaces_of(scans[0].points())
     for index, scan in enumerate(scans):
         last = scans[chosen[-1]].odometry
         moved = math.dist(scan.odometry[:2], last[:2]) >= _STEP
         turned = abs(math.remainder(scan.odometry.theta - last.theta, math.tau)) >= _TURN
-        if index and (moved or turned or index == len(scans) - 1):
+        taken = moved or turned or index == len(scans) - 1
+        if index and not taken and surfaces is not None:
+            points, step = scan.points(), last.between(scan.odometry)
+            taken = share_on_surfaces(surfaces, points, step) < _LEAST_SHARE
+        if index and taken:
             chosen.append(index)
+            surfaces = surfaces_of(scan.points())
     return chosen
 
 

@@ -15,14 +15,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from maps.pose import Pose
+from tools.logs.carmen import LogError
 from tools.logs.scan_log import ScanLog
 from tools.mapping.slam.chain import build_chain
 from tools.mapping.slam.keyframe import choose_keyframes, make_keyframe
 from tools.mapping.slam.loop_closer import LoopCloser
+from tools.mapping.slam.pose_graph import Edge
 from tools.mapping.slam.refinement import refine
 from tools.mapping.slam.rigid_fit import fit
 from tools.mapping.slam.trajectory import Trajectory
 from tools.progress import progress_line
+
+_LEAST_KEYFRAMES = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,6 +47,8 @@ class Mapping:
     """Median distance between pairs' measured relative poses and the result, m."""
     off_references: float | None
     """Mean distance from the log's own reference poses, m; None if it has none."""
+    unmatched: list[tuple[Pose, float]]
+    """Pieces of the way that rest on odometry alone: middle (map_from_laser) and length, m."""
     seconds: float
     """Time of the computation, s."""
 
@@ -64,10 +70,14 @@ def map_from_odometry(log: ScanLog) -> Mapping:
     """Return the poses of all scans from raw odometry, without the log's references.
 
     The result is then moved as a whole to fit the log's references, if there are any, for
-    comparison.
+    comparison. Raises LogError for a log without motion.
     """
     started = time.perf_counter()
     chosen = choose_keyframes(log.scans)
+    if len(chosen) < _LEAST_KEYFRAMES:
+        raise LogError(
+            f"{log.path}: {len(chosen)} scans a step apart, too few to find poses by: drive farther"
+        )
     frames = [make_keyframe(log.scans[index]) for index in chosen]
     with progress_line("chain", len(frames), "keyframes") as progress:
         chain, edges = build_chain(frames, progress)
@@ -95,8 +105,23 @@ def map_from_odometry(log: ScanLog) -> Mapping:
         pairs=len(refined.pairs),
         disagreement=refined.disagreement(),
         off_references=off,
+        unmatched=_unmatched(poses, [*edges, *closer.loops, *refined.pairs]),
         seconds=time.perf_counter() - started,
     )
+
+
+def _unmatched(poses: list[Pose], edges: list[Edge]) -> list[tuple[Pose, float]]:
+    """Return the pieces of the way whose steps have no edge by scans."""
+    matched = {edge.end for edge in edges if edge.robust and edge.start == edge.end - 1}
+    pieces, begin, length = [], 0, 0.0
+    for end in range(1, len(poses) + 1):
+        if end < len(poses) and end not in matched:
+            length += math.dist(poses[end - 1][:2], poses[end][:2])
+            continue
+        if length > 0.0:
+            pieces.append((poses[(begin + end - 1) // 2], length))
+        begin, length = end, 0.0
+    return pieces
 
 
 def _mean_distance(poses: list[Pose], references: list[Pose]) -> float:
