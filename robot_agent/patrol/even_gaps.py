@@ -11,7 +11,8 @@ clockwise is onwards. A robot turned back by a meeting drives back for length / 
 leaves it length / N behind the robot it met, and turns onwards again. If it meets the next robot
 sooner, that one is turned back in its place, and so on until a wide gap is found and filled. A
 robot that has not measured the gap ahead as even probes: it turns back once at a random time.
-Probing leaves even gaps even.
+Probing leaves even gaps even, and so does a random reversal if the next one waits until its turn
+has gone round.
 
 The worst idleness of the result is length / (N v), the minimum possible. The estimate of N expires
 after an hour, or when the robot no longer gets round (a wreck on the border): then it patrols by
@@ -38,6 +39,9 @@ _COUNT_LIFETIME = 3600.0  # s after which the team is counted anew
 _MIN_TIME = 0.45  # laps one way and the other, and a meeting each, before the team is counted
 _MIN_PROGRESS = 0.5  # laps onwards in every _CHECK_LAPS that show that the way round is free
 _CHECK_LAPS = 3.0
+_REST_LAPS = 0.5
+"""Without a random reversal after any turn: meanwhile the turn, which all robots met pass on, has
+gone round the border at twice the patrol speed, and the gaps are even again."""
 _OWN_CAUSES = (TurnCause.CHANCE, TurnCause.EVEN_GAPS)
 _TURN = Override(OverrideReason.EVEN_GAPS, turn=TurnCause.EVEN_GAPS)
 _NO_CHANCE = Override(OverrideReason.EVEN_GAPS, may_turn=False)
@@ -73,14 +77,17 @@ class EvenGaps:
         choice: Choice,  # noqa: ARG002 - only the action in force matters
         action: Action,
     ) -> Override | None:
-        """Return a turn for even gaps; else, on a leg back, suppress the random reversal."""
+        """Return a turn for even gaps; else, on a leg back and after it, no random reversal."""
         if situation.direction is None or action not in PATROLLING:
             return None
         keeps_going = action is Action.KEEP_GOING
         abscissa, direction = situation.foot.abscissa, situation.direction
         if self.turns_back(situation.t, abscissa, direction, keeps_going=keeps_going):
             return _TURN
-        return None if self.team is None or direction == CLOCKWISE else _NO_CHANCE
+        if self.team is None:
+            return None
+        rests = self._leg is not None and situation.t - self._leg.t < _REST_LAPS * self._lap
+        return _NO_CHANCE if rests or direction != CLOCKWISE else None
 
     def turns_back(self, t: float, abscissa: float, direction: int, *, keeps_going: bool) -> bool:
         """Return whether to turn back at t for the sake of even gaps.

@@ -5,8 +5,10 @@ import pytest
 
 from maps.border import Border
 from maps.border_primitives import Arc
+from robot_agent.patrol.actions import Action
 from robot_agent.patrol.even_gaps import EvenGaps
 from robot_agent.patrol.turn_log import Turn, TurnCause, TurnLog
+from tests.robot_agent.patrol.situations import choice, situation
 
 LENGTH, SPEED, STEP = 51.0, 0.35, 0.1
 RADIUS = LENGTH / (2.0 * np.pi)
@@ -92,3 +94,23 @@ def test_with_a_wreck_on_the_border_all_the_rest_is_visited():
         visited |= {int(ring.place[robot]) for robot in (1, 2)}
     beside = {cell for cell in range(51) if abs(RING.difference(cell + 0.5, wreck)) <= 2.0}
     assert visited | beside == set(range(51))
+
+
+def test_no_random_reversal_until_the_last_turn_has_gone_round_the_border():
+    log = TurnLog()
+    modifier = EvenGaps(RING, SPEED, log, np.random.default_rng(1))
+
+    def proposed(t, direction=1):
+        now = situation(t, (-RADIUS, 0.0), border=RING, direction=direction)
+        return modifier.propose(now, choice(Action.KEEP_GOING), Action.KEEP_GOING)
+
+    assert proposed(0.0) is None, "a team that is not counted yet patrols by the rules"
+    modifier.team = 3
+    assert proposed(1.0) is None, "no turn yet"
+    log.add(Turn(2.0, 0.0, 1, TurnCause.TEAMMATE))
+    round_at_twice_the_speed = LENGTH / (2.0 * SPEED)
+    for t in (3.0, 2.0 + 0.99 * round_at_twice_the_speed):
+        override = proposed(t)
+        assert override is not None
+        assert not override.may_turn
+    assert proposed(2.0 + 1.01 * round_at_twice_the_speed) is None
