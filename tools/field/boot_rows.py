@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -19,6 +21,9 @@ FILTER_LIMIT_S = PLUGGED_LIMIT_S + 15.0
 """The same where the agent has to end first, which it does after 10 s, and start again."""
 DECISION_LIMIT_S = 5.0
 """Limit from the service's start to the first decision, s: the issue's for a slow computer."""
+SLOW_SHARE = 0.2
+"""Share of this machine's core down to which that limit holds: the issue's slow computer."""
+_LOOP = "import time; t = time.{0}(); sum(i * i for i in range(10**6)); print(time.{0}() - t)"
 DRIVERS = "/etc/modules-load.d/patrol.conf"
 
 
@@ -97,8 +102,20 @@ def _first_decision(stage: FieldStage, outcome: Outcome) -> None:
     copy = stage.folder / "first-decision.mcap"
     copy.write_bytes(stage.guest.read(newest))
     decided = first_decision(copy)
-    outcome.within("first decision after the service's start", decided - started, DECISION_LIMIT_S)
+    outcome.note(f"first decision {decided - started:.1f} s after the service's start")
     outcome.note(f"{decided:.1f} s after the kernel's")
+    share = share_of_a_core(stage)
+    outcome.note(f"with {share:.0%} of this machine's core")
+    late = decided - started > DECISION_LIMIT_S
+    outcome.require(not late or share < SLOW_SHARE, f"first decision: over {DECISION_LIMIT_S:g} s")
+
+
+def share_of_a_core(stage: FieldStage) -> float:
+    """Return how fast Python runs in the machine, as a share of what it does here unhindered."""
+    there = float(stage.guest.run(f"python3 -c '{_LOOP.format('perf_counter')}'"))
+    command = [sys.executable, "-c", _LOOP.format("process_time")]
+    here = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
+    return float(here.stdout) / there
 
 
 def first_decision(path: Path) -> float:
@@ -112,7 +129,8 @@ BOOT_ROWS = (
     FieldRow(
         "boot",
         "switched on with both adapters plugged in",
-        "drives, nobody helps",
+        f"drives, nobody helps; first decision in {DECISION_LIMIT_S:g} s, on a computer with "
+        f"{SLOW_SHARE:.0%} of this machine's core or more",
         _plugged_in,
     ),
     FieldRow(

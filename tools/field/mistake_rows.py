@@ -54,7 +54,7 @@ class Mistake:
         if self.words:
             outcome.require(done.status == 1, f"status {done.status}")
             outcome.require(bool(said), f"said {done.output.strip()[-200:]}")
-            outcome.note(said.split(": ", 1)[-1].strip())
+            outcome.note(f"{self.words}{said.partition(self.words)[2]}".split("; ")[0])
         else:
             outcome.require(done.status == 0, f"status {done.status}: {done.output.strip()[-200:]}")
             held = guest.attempt(f"cd {PLACE}\n{self.holds}")

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from tools.field.disk_check import examine_disk
+from tools.field.fault_rows import REST_LIMIT_S
 from tools.field.field_row import FieldRow, Outcome
-from tools.field.field_stage import PATROL_LIMIT_S, FieldStage, drives
+from tools.field.field_stage import PATROL_LIMIT_S, FieldStage, drives, stands
 from tools.field.journal import says, starts
 from tools.logs.recording import read_recording
 
@@ -31,7 +32,10 @@ def _power_cuts(stage: FieldStage, outcome: Outcome) -> None:
         outcome.within("drives after", stage.robot.wait(drives, PATROL_LIMIT_S), PATROL_LIMIT_S)
         stage.clock.sleep(DRIVEN_S)
         ends.append(stage.guest.uptime())
+        begun = stage.robot.now
         stage.machine.cut_power()
+        rest = stage.robot.wait(stands, REST_LIMIT_S, begun)
+        outcome.within("at rest after the cut", rest, REST_LIMIT_S)
         wrong = examine_disk(stage.disk, stage.folder / "cut.raw")
         outcome.require(not wrong, f"cut {number}: {wrong}")
         stage.power_on()
