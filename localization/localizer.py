@@ -22,6 +22,7 @@ from localization.global_search import GlobalSearch
 from localization.health import (
     LOCALIZED_SHARE,
     LOCALIZED_WALL_CROSSING,
+    UNSURE_BELOW,
     Evidence,
     Health,
     HealthMonitor,
@@ -50,6 +51,7 @@ WINDOW_SAMPLES = 3000
 WINDOW_REACH = (1.0, 1.0, 0.6)  # m, m, rad either way
 TURNED_REACH = (0.4, 0.4, math.pi)  # likewise, of a robot that its wheels did not see turning
 WINDOW_TRIED = 4  # of the best samples
+EMPTY_ABOVE = 0.9  # fit of a pose at which there are no people in the scan
 REFUTED_BELOW = 0.6  # fit of what people cannot explain, below which one scan refutes a pose
 
 # The search over the whole map.
@@ -295,6 +297,10 @@ class Localizer:
         if found is None:
             return hypothesis
         other, belief = found
+        # Nor is anybody there where nearly the whole scan fits, and it does not at the pose.
+        assert other.fit is not None
+        empty = other.fit.whole >= EMPTY_ABOVE
+        refuted = refuted or (empty and hypothesis.fit.fit_without_dynamic < UNSURE_BELOW)
         if refuted:
             self._restart_alternatives(points)
         return self._propose(hypothesis, other, belief, at_once=refuted)
