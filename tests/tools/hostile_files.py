@@ -123,8 +123,8 @@ def logs(folder: Path) -> Iterator[tuple[str, list[str]]]:
         "gzip bomb": gzip.compress(bytes(600 * MB), 1),
         "nested gzip members": gzip.compress(bytes(60 * MB), 1) * 10,
         "three beams": "\n".join(robot_laser(0.2 * n, 3, 1.5) for n in range(9)).encode(),
-        "endless turn": robot_laser(0.0, 181, 1e9).encode() + b"\n",
-        "no angle": robot_laser(0.0, 181, 0.0).encode() + b"\n",
+        "endless turn, by its field of view": robot_laser(0.0, 181, 1e9).encode() + b"\n",
+        "no angle, by its field of view": robot_laser(0.0, 181, 0.0).encode() + b"\n",
         "jump ahead": f"{robot_laser(0, 181, step)}\n{robot_laser(1e9, 181, step)}\n".encode(),
         "many pauses": "".join(
             f"{robot_laser(3500.0 * n, 181, step)}\n" for n in range(300)

@@ -121,7 +121,7 @@ def test_file_that_is_no_log_is_one_error(
         "map build": ("-o", str(tmp_path / "x")),
     }[command]
     line = complaint(capsys, *command.split(), str(path), *options)
-    assert "poem.log: line 1: no FLASER or ROBOTLASER1 line" in line
+    assert "poem.log: line 1: no FLASER or ROBOTLASER line" in line
 
 
 def test_file_that_is_no_recording_is_one_error(
@@ -140,8 +140,7 @@ def test_unwritable_output_is_one_error(
     target = str(tmp_path / "no" / "such" / "x.mcap")
     status, _, said = run(capsys, "convert", log, "-o", target, "--map", "intel_lab")
     assert status == 1
-    note, line = said.splitlines()
-    assert "mean no return" in note
+    (line,) = said.splitlines()
     assert target in line
 
 

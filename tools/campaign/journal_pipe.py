@@ -17,12 +17,15 @@ class JournalPipe:
         self._reader, self.end = os.pipe()
         self._reads = threading.Event()
         self._reads.set()
+        self._paused = threading.Event()
         self._thread = threading.Thread(target=self._copy, args=(log,), daemon=True)
         self._thread.start()
 
     def hang(self) -> None:
         """Take no more lines and fill the pipe, so that the next line written waits."""
         self._reads.clear()
+        os.write(self.end, b"\0")  # ends a read that has begun, and would make room later
+        self._paused.wait()
         os.set_blocking(self.end, False)
         with suppress(BlockingIOError):
             while True:
@@ -48,4 +51,7 @@ class JournalPipe:
             while data := os.read(self._reader, _BLOCK):
                 file.write(data.replace(b"\0", b""))
                 file.flush()
-                self._reads.wait()
+                if not self._reads.is_set():
+                    self._paused.set()
+                    self._reads.wait()
+                    self._paused.clear()

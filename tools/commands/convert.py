@@ -107,7 +107,6 @@ def _from_log(
     log = read_laser_log(source, max_range, topics)
     if is_ros_bag(source):
         log = as_lms_scans(log)
-    print_notes("convert", log.notes)
     if place:
         folder = load_map_folder(find_map(place, Path.cwd()))
     else:
@@ -115,6 +114,7 @@ def _from_log(
         folder = map_of(log)
     with progress_line("convert", log.odometry[-1][0] - log.odometry[0][0], "s") as progress:
         conversion = convert(log, folder, output, progress)
+    print_notes("convert", log.notes)
     print(
         f"{output}: {conversion.scans} scans and {conversion.base_reports} base reports "
         f"in {conversion.duration:.0f} s, as device bytes"

@@ -19,7 +19,7 @@ from tools.bench.bench_fault import (
     parse_fault,
 )
 from tools.bench.fleet import Fleet, run_bench
-from tools.metrics.idleness import border_visits
+from tools.metrics.border_visits import border_visits
 
 SETTLED = 12.0
 
@@ -134,9 +134,9 @@ def test_the_border_beside_a_wreck_is_left_out(folder: MapFolder) -> None:
     standing = np.tile((place.x, place.y), (10, 1))
     every = border_visits(border, [standing], t)
     marked = border_visits(border, [standing], t, [(place.x, place.y)])
-    assert max(every.visits) == 1
-    assert max(marked.visits) == 0
-    assert 12 <= len(every.visits) - len(marked.visits) <= 20  # 4 m in steps of 0.25 m
+    assert max(len(visited.arrivals) for visited in every.places) == 1
+    assert max(len(visited.arrivals) for visited in marked.places) == 0
+    assert 12 <= len(every.places) - len(marked.places) <= 20  # 4 m in steps of 0.25 m
 
 
 @pytest.mark.parametrize(
