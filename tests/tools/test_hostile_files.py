@@ -29,7 +29,7 @@ def test_each_is_refused_by_one_line_or_used_as_far_as_it_is_whole(
     assert len(rows) > 50
     for row in rows:
         lines = row["told"].splitlines()
-        if row["status"] == 0:  # of a recording the whole part is used
+        if row["status"] == 0:  # what is whole of a recording or a log is used
             assert ", " in row["name"], row
             continue
         assert row["status"] in (1, 78), row
