@@ -125,11 +125,15 @@ def logs(folder: Path) -> Iterator[tuple[str, list[str]]]:
         "three beams": "\n".join(robot_laser(0.2 * n, 3, 1.5) for n in range(9)).encode(),
         "endless turn, by its field of view": robot_laser(0.0, 181, 1e9).encode() + b"\n",
         "no angle, by its field of view": robot_laser(0.0, 181, 0.0).encode() + b"\n",
-        "jump ahead, taken to go on": f"{robot_laser(0, 181, step)}\n{robot_laser(1e9, 181, step)}\n".encode(),
+        "jump ahead, taken to go on": (
+            f"{robot_laser(0, 181, step)}\n{robot_laser(1e9, 181, step)}\n".encode()
+        ),
         "many pauses": "".join(
             f"{robot_laser(3500.0 * n, 181, step)}\n" for n in range(300)
         ).encode(),
-        "huge time, its line left out": f"{robot_laser(0, 181, step)}\n{robot_laser(1e300, 181, step)}\n".encode(),
+        "huge time, its line left out": (
+            f"{robot_laser(0, 181, step)}\n{robot_laser(1e300, 181, step)}\n".encode()
+        ),
         "huge place": f"{robot_laser(0, 181, step, 1e300)}\n".encode(),
         "400 digits in a log": f"ODOM {'1' * 400} 0 0 0 0 0 0 host 0\n".encode(),
         "5000 beams' digits": f"FLASER {'1' * 5000} 1 2 3\n".encode(),
