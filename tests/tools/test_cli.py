@@ -200,3 +200,32 @@ def test_a_shell_completes_commands_options_and_choices() -> None:
         words = [sys.executable, "-m", "tools.cli"]
         done = subprocess.run(words, cwd=ROOT, env=environment, capture_output=True, timeout=60)
         assert expected in done.stdout.decode().split("\v")[0]
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        "agent",
+        "bench",
+        "convert",
+        "doctor",
+        "emulate",
+        "install",
+        "localize",
+        "map",
+        "ports",
+        "record",
+        "replay",
+        "trial",
+    ],
+)
+def test_commands_of_a_robot_need_no_extra(command: str) -> None:
+    program = (
+        "import sys; from tools.cli import EXTRAS, load_command\n"
+        "for name in EXTRAS: sys.modules[name] = None\n"
+        f"load_command('{command}')"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=ROOT, capture_output=True, timeout=60
+    )
+    assert done.returncode == 0, done.stderr.decode()

@@ -15,7 +15,6 @@ from maps.map_folder import DEFAULT_BORDER, MAP_FILE
 from maps.occupancy_map import MapError, load_map, save_map
 from maps.pose import Pose
 from robot_agent.config import SHIPPED_MAPS, find_map
-from tools.border_editor.editor_server import EditorServer
 from tools.commands.log_option import add_no_return, add_topics, print_notes, topics_of
 from tools.logs.carmen import LogError
 from tools.logs.scan_log import ScanLog, read_scan_log
@@ -199,6 +198,8 @@ def _show(options: argparse.Namespace) -> int:
 
 
 def _border(options: argparse.Namespace) -> int:
+    from tools.border_editor.editor_server import EditorServer  # robots have no web server
+
     path = find_map(options.folder, Path.cwd())
     if path == SHIPPED_MAPS / options.folder:
         raise MapError(f"{path}: is a shipped map: copy the folder, and draw on the copy")
