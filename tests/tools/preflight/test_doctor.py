@@ -14,6 +14,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from importlib import import_module
 from pathlib import Path
 from queue import Empty, SimpleQueue
 
@@ -308,6 +309,8 @@ def as_plain_user(work: Callable[[], str]) -> str:
     """Return the result of work done as a user without rights."""
     if os.geteuid() != 0:
         return work()
+    for module in ("grp", "pwd"):  # of Path.owner; that user may not read where Python is
+        import_module(module)
     groups = os.getgroups()
     os.setgroups([])
     os.setresgid(UNPRIVILEGED, UNPRIVILEGED, 0)
