@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable
-from concurrent.futures import Future
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -22,12 +21,10 @@ from tools.border_editor.border_draft import BorderDraft, read_draft, save_draft
 from tools.border_editor.draft_judgement import judge
 from tools.border_editor.roomy_places import RoomyPlaces
 from tools.border_editor.suggested_loop import suggest_loop
-from tools.monitor.lasting_thread import LastingThread
-from tools.monitor.page_access import PageAccess
-from tools.monitor.page_files import HEADERS, add_file, add_page
+from tools.monitor.page_files import add_file, add_page
+from tools.monitor.page_server import PageServer
 from tools.monitor.site import page_extent, page_picture
 from tools.monitor.web_server import PAGE_FOLDER as MONITOR_PAGE
-from tools.monitor.web_server import WebError, parsed_address
 
 PAGE_FOLDER = Path(__file__).parent / "page"
 _REQUEST_LIMIT = 400_000  # bytes; the longest border
@@ -55,58 +52,36 @@ class EditorServer:
         self._map = occupancy
         self._roomy = RoomyPlaces(occupancy, NEEDED_CLEARANCE)
         self._picture = page_picture(occupancy)
-        self._host, self._port = parsed_address(address, "--http")
-        self._access = PageAccess(self._host)
-        self._ending = asyncio.Event()
-        self._loop = asyncio.new_event_loop()
-        ready: Future[int] = Future()
-        self._thread = LastingThread(lambda: self._run(ready), "border editor's server")
-        try:
-            self._port = ready.result()
-        except OSError as error:
-            self._thread.join()
-            raise WebError(
-                f"cannot serve the page on {address}: {error.strerror}; "
-                "give a free address, e.g. --http 127.0.0.1:8091"
-            ) from error
+        self._server = PageServer(
+            address,
+            "border editor's server",
+            self._add_routes,
+            self._until_closed,
+            request_limit=_REQUEST_LIMIT,
+            other="127.0.0.1:8091",
+        )
+        self._server.start()
 
     @property
     def link(self) -> str:
         """URL of the page, with the token that saving needs where others can reach it."""
-        host = f"[{self._host}]" if ":" in self._host else self._host
-        url = f"http://{host}:{self._port}/"
-        return f"{url}?token={self._access.token}" if self._access.token else url
+        return self._server.link
 
     def check(self) -> None:
         """Raise RuntimeError if the server has ended by itself."""
-        self._thread.check()
+        self._server.check()
 
     def close(self) -> None:
         """Stop serving; idempotent."""
-        if self._thread.is_alive():
-            self._loop.call_soon_threadsafe(self._ending.set)
-            self._thread.join()
+        self._server.close()
 
     # --- the loop's thread -----------------------------------------------------------------------
 
-    def _run(self, ready: Future[int]) -> None:
-        with asyncio.Runner(loop_factory=lambda: self._loop) as runner:
-            runner.run(self._serve(ready))
+    async def _until_closed(self) -> None:
+        await self._server.ending.wait()
 
-    async def _serve(self, ready: Future[int]) -> None:
-        runner = web.AppRunner(self._application(), access_log=None, shutdown_timeout=1.0)
-        await runner.setup()
-        try:
-            await web.TCPSite(runner, self._host, self._port).start()
-            ready.set_result(runner.addresses[0][1])
-            await self._ending.wait()
-        except OSError as error:
-            ready.set_exception(error)
-        finally:
-            await runner.cleanup()
-
-    def _application(self) -> web.Application:
-        application = web.Application(middlewares=[self._guard], client_max_size=_REQUEST_LIMIT)
+    def _add_routes(self, application: web.Application) -> None:
+        application.middlewares.append(self._guard)
         add_page(application, PAGE_FOLDER)
         add_file(application, MONITOR_PAGE / "viewport.js")
         add_file(application, MONITOR_PAGE / "icon.svg")
@@ -116,21 +91,16 @@ class EditorServer:
         application.router.add_post("/snap", self._snap)
         application.router.add_post("/suggest", self._suggest)
         application.router.add_post("/save", self._save)
-        return application
 
     @web.middleware
     async def _guard(
         self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
     ) -> web.StreamResponse:
-        """Add security headers; refuse foreign names, other sites' pages and strangers' drafts."""
-        refusal = self._access.refusal(request.host, request.headers.get("Origin"))
-        if refusal:
-            raise web.HTTPForbidden(text=refusal)
-        if request.method == "POST" and not self._access.may_act(request.query.get("token", "")):
+        """Refuse drafts without the token with 403."""
+        may_act = self._server.access.may_act(request.query.get("token", ""))
+        if request.method == "POST" and not may_act:
             raise web.HTTPForbidden(text="open the page by the URL that patrol map border printed")
-        response = await handler(request)
-        response.headers.update(HEADERS)
-        return response
+        return await handler(request)
 
     async def _send_site(self, _request: web.Request) -> web.Response:
         draft, trouble = read_draft(self.file)

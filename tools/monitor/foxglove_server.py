@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from robot_agent.messages.streams import STREAMS
-from tools.monitor.web_server import WebError, parsed_address
+from tools.monitor.page_server import WebError, parsed_address
 
 if TYPE_CHECKING:
     import foxglove

@@ -23,8 +23,8 @@ from tools.monitor.endpoint import free_endpoint
 from tools.monitor.foxglove_server import FoxgloveServer
 from tools.monitor.monitor import Monitor, MonitorOptions
 from tools.monitor.operator import Operator
+from tools.monitor.page_server import WebError
 from tools.monitor.site import Site
-from tools.monitor.web_server import WebError
 
 TIMEOUT_S = 20.0
 

@@ -14,11 +14,12 @@ import pytest
 from robot_agent.messages.streams import encode
 from tests.tools.monitor.reports import decision, pose, status
 from tools.monitor.alarm import Condition, Severity
+from tools.monitor.page_server import WebError
 from tools.monitor.site import Site
 from tools.monitor.source import LiveSource
 from tools.monitor.team_state import TeamState
 from tools.monitor.watch import Watch
-from tools.monitor.web_server import PAGE_FOLDER, WebError, WebServer
+from tools.monitor.web_server import PAGE_FOLDER, WebServer
 
 KEY = "patrol/north/anna"
 TROUBLE = Condition("north/anna", "battery", Severity.WARNING, "battery at 11.2 V")
