@@ -2,12 +2,25 @@
 
 from __future__ import annotations
 
+import math
+
 import msgspec
 
 from drivers.p2os.model import DEFAULT_MODEL, load_model
 from robot_agent.motion.freshness_limits import BASE, LASER
 
 _BODY = load_model(DEFAULT_MODEL).body
+_SHIFT = 0.01
+_HEADING = math.radians(1.5)
+"""m and rad, ours: by which walls out of view are off, as the pose and the laser's mount are."""
+
+
+def turn_margin(corner_reach: float) -> float:
+    """Return the margin, m, of a turn in place: more for a body whose corners reach farther.
+
+    corner_reach: from the middle of the axle to the farthest corner of the body, m.
+    """
+    return _SHIFT + _HEADING * corner_reach
 
 
 class GateLimits(msgspec.Struct, frozen=True, kw_only=True):
@@ -21,7 +34,8 @@ class GateLimits(msgspec.Struct, frozen=True, kw_only=True):
     half_width: float = 0.5 * _BODY.width  # m
     margin: float = 0.08  # m kept free beside while driving
     front_margin: float = 0.20  # m kept free ahead: room to turn
-    turn_margin: float = 0.02  # m kept free round the body while turning in place
+    # m kept free round the body while turning in place
+    turn_margin: float = turn_margin(_BODY.corner_reach)
     max_base_age: float = BASE.max_age  # s since the last base report was measured
     max_scan_age: float | None = None  # s likewise of a scan; None: LASER.max_age
     max_speed: float = 0.5  # m/s

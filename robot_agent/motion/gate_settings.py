@@ -8,7 +8,7 @@ import msgspec
 
 from drivers.p2os.model import RobotModel
 from robot_agent.motion.freshness_limits import scan_age_limit
-from robot_agent.motion.gate_limits import GateLimits
+from robot_agent.motion.gate_limits import GateLimits, turn_margin
 
 Positive = Annotated[float, msgspec.Meta(gt=0.0)]
 NotNegative = Annotated[float, msgspec.Meta(ge=0.0)]
@@ -67,6 +67,7 @@ def gate_limits(
         half_width=0.5 * body.width,
         margin=settings.margin,
         front_margin=front_margin,
+        turn_margin=turn_margin(body.corner_reach),
         max_speed=settings.max_speed,
         max_turn_rate=settings.max_turn_rate,
         battery_cutoff=settings.battery_cutoff or _DEFAULT.battery_cutoff * model.battery_share,
