@@ -23,14 +23,7 @@ DECISION_LIMIT_S = 5.0
 """Limit from the service's start to the first decision, s: the issue's for a slow computer."""
 SLOW_SHARE = 0.2
 """Share of this machine's core down to which that limit holds: the issue's slow computer."""
-_START = (
-    "import resource, subprocess, sys, time;"
-    " start = [sys.executable, '-c', 'import asyncio, json'];"
-    " subprocess.run(start); clock = lambda: {}; t = clock(); subprocess.run(start);"
-    " print(clock() - t)"
-)
-"""Times the second of two starts of an interpreter: work of the kind that is judged. A loop would
-not do: an emulated processor translates code when it is first run, which a loop does not feel."""
+_LOOP = "import time; t = time.{0}(); sum(i * i for i in range(10**6)); print(time.{0}() - t)"
 DRIVERS = "/etc/modules-load.d/patrol.conf"
 
 
@@ -118,11 +111,9 @@ def _first_decision(stage: FieldStage, outcome: Outcome) -> None:
 
 
 def share_of_a_core(stage: FieldStage) -> float:
-    """Return how fast Python starts in the machine, as a share of what it does here."""
-    lived = _START.format("time.perf_counter()")
-    there = float(stage.guest.run(f'python3 -c "{lived}"'))
-    used = _START.format("sum(resource.getrusage(resource.RUSAGE_CHILDREN)[:2])")
-    command = [sys.executable, "-c", used]  # the processor's time: this machine may be busy
+    """Return how fast Python runs in the machine, as a share of what it does here unhindered."""
+    there = float(stage.guest.run(f"python3 -c '{_LOOP.format('perf_counter')}'"))
+    command = [sys.executable, "-c", _LOOP.format("process_time")]
     here = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
     return float(here.stdout) / there
 
