@@ -10,9 +10,9 @@ from drivers.p2os.model import DEFAULT_MODEL, load_model
 from robot_agent.motion.freshness_limits import BASE, LASER
 
 _BODY = load_model(DEFAULT_MODEL).body
-_SHIFT = 0.01
-_HEADING = math.radians(1.5)
-"""m and rad, ours: by which walls out of view are off, as the pose and the laser's mount are."""
+_LEAST_TURN_MARGIN = 0.02  # m, ours
+_HEADING = math.radians(3.0)
+"""Ours: error of the laser's mount and of the pose together, by which a corner sweeps farther."""
 
 
 def turn_margin(corner_reach: float) -> float:
@@ -20,7 +20,7 @@ def turn_margin(corner_reach: float) -> float:
 
     corner_reach: from the middle of the axle to the farthest corner of the body, m.
     """
-    return _SHIFT + _HEADING * corner_reach
+    return max(_LEAST_TURN_MARGIN, _HEADING * corner_reach)
 
 
 class GateLimits(msgspec.Struct, frozen=True, kw_only=True):

@@ -30,6 +30,7 @@ from robot_agent.perception.unexplained import UnexplainedPoints
 from robot_agent.pose.odometry_history import OdometryHistory
 
 _JUST_SEEN = 0.6  # s since the last detection for which a teammate is an obstacle
+_PASSING = 0.1  # m/s, ours: a robot that is slower may be standing, by the track's error
 _NEAR = 2.5  # m; teammates farther away are no obstacle yet
 
 
@@ -141,14 +142,15 @@ class Surroundings:
         teammates = [e for e in near if e.needs_room and t - e.last_seen <= _JUST_SEEN]
         people = [track for track in near if track.person_like]
         to_base = localized.inverse()
-        return [
-            (source, room.around(move_points(np.array([(e.x, e.y) for e in chosen]), to_base)))
-            for source, room, chosen in (
-                (ObstacleSource.TEAMMATE_ROOM, self._keep_out, teammates),
-                (ObstacleSource.PERSON_ROOM, self._person_room, people),
-            )
-            if chosen
-        ]
+        rooms = []
+        if teammates:
+            passing = np.array([math.hypot(e.vx, e.vy) > _PASSING for e in teammates])
+            around = self._keep_out.around(_middles(teammates, to_base), passing)
+            rooms.append((ObstacleSource.TEAMMATE_ROOM, around))
+        if people:
+            around = self._person_room.around(_middles(people, to_base))
+            rooms.append((ObstacleSource.PERSON_ROOM, around))
+        return rooms
 
     def _unseen_walls(
         self, odometry: Pose, localized: Pose
@@ -183,3 +185,7 @@ class Surroundings:
             return points
         ranges = np.hypot(points[:, 0], points[:, 1])
         return points[self._unexplained.mask(localized, points, ranges)]
+
+
+def _middles(tracks: Sequence[Track], to_base: Pose) -> NDArray[np.float64]:
+    return move_points(np.array([(track.x, track.y) for track in tracks]), to_base)

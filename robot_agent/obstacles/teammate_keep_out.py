@@ -24,19 +24,26 @@ class TeammateKeepOut:
     """Makes the keep-out circles; teammates are taken to be of the robot's own size."""
 
     def __init__(self, footprint: Footprint) -> None:
+        self._footprint = footprint
         reach = footprint.corner_reach
         self.radius = _whole_centimetres(reach + footprint.middle_offset)
         """m round the middle of a teammate: its corners' reach from its axle, wherever that is."""
         self._own = _whole_centimetres(reach) + _OWN_MARGIN
 
-    def around(self, middles: NDArray[np.float64]) -> NDArray[np.float64]:
+    def around(
+        self, middles: NDArray[np.float64], passing: NDArray[np.bool_]
+    ) -> NDArray[np.float64]:
         """Return points (m, 2) on the circles round robots' middles (n, 2), m, all in base_link.
 
         Points within this robot's own circle are left out, so that the keep-out zone stops robots
-        from driving into it but never from turning away.
+        from driving into it but never from turning away; of robots that are ``passing`` (n,) only
+        those within the footprint: a turn can wait until they have passed.
         """
-        points = (middles[:, None, :] + self.radius * _CIRCLE).reshape(-1, 2)
-        return points[np.hypot(points[:, 0], points[:, 1]) > self._own]
+        points = middles[:, None, :] + self.radius * _CIRCLE
+        outside = np.hypot(points[..., 0], points[..., 1]) > self._own
+        flat = points.reshape(-1, 2)
+        beside = ~self._footprint.covers(flat).reshape(outside.shape)
+        return flat[(outside | (passing[:, None] & beside)).ravel()]
 
 
 def _whole_centimetres(metres: float) -> float:

@@ -28,6 +28,13 @@ def test_body_is_that_of_the_model_and_the_front_margin_lets_its_corners_turn():
     assert limits.front + limits.front_margin > math.hypot(limits.rear, limits.half_width)
 
 
+def test_turn_margin_of_a_body_that_reaches_far_is_larger():
+    assert gate_limits(GateSettings(), load_model("p2dx")).turn_margin == 0.02
+    assert gate_limits(GateSettings(), load_model("powerbot")).turn_margin == pytest.approx(
+        math.radians(3.0) * math.hypot(0.542, 0.34)
+    )
+
+
 def test_cut_offs_of_a_24_v_battery_are_doubled():
     limits = gate_limits(GateSettings(), msgspec.structs.replace(MODEL, battery=24))
     assert (limits.battery_cutoff, limits.battery_resume) == (22.0, 24.0)
