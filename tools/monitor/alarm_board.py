@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from tools.monitor.alarm import Condition, Severity
+from tools.monitor.sighting import Sighting
 
 CLEAR_S = 1.0
 """Time for which a condition must be absent before its alarm clears (debounce)."""
@@ -30,6 +31,11 @@ class Alarm:
     raised_wall: float
     cleared: float | None = None
     acknowledged: bool = False
+    acknowledged_by: str = ""  # as given on the page; empty: not told
+    acknowledged_wall: float | None = None
+    cleared_wall: float | None = None
+    place: tuple[float, float] | None = None  # of the robot when it was raised, m, map frame
+    sighting: Sighting | None = None  # the last, of an intruder
 
     @property
     def active(self) -> bool:
@@ -67,7 +73,7 @@ class AlarmBoard:
         for key, ongoing in list(self._ongoing.items()):
             if now - ongoing.last > CLEAR_S:
                 del self._ongoing[key]
-                self._clear(key, now)
+                self._clear(key, now, wall)
             elif now - ongoing.since >= ongoing.condition.delay:
                 self._raise(key, ongoing.condition, now, wall)
         self._drop_old(now)
@@ -94,20 +100,30 @@ class AlarmBoard:
                     condition.text,
                     now,
                     wall,
+                    place=condition.place,
+                    sighting=condition.sighting,
                 )
             )
             return
-        alarm = self._alarms[number]
-        if (alarm.severity, alarm.text) != (condition.severity, condition.text):
-            # A higher severity must be acknowledged again.
-            seen = alarm.acknowledged and condition.severity <= alarm.severity
-            changed = replace(alarm, severity=condition.severity, text=condition.text)
-            self._put(replace(changed, acknowledged=seen))
+        self._change(self._alarms[number], condition)
 
-    def _clear(self, key: tuple[str, str], now: float) -> None:
+    def _change(self, alarm: Alarm, condition: Condition) -> None:
+        """Bring an active alarm up to date; a higher severity must be acknowledged again."""
+        told = (condition.severity, condition.text)
+        news = condition.sighting is not None and condition.sighting.news_after(alarm.sighting)
+        if told == (alarm.severity, alarm.text) and not news:
+            return
+        changed = replace(alarm, severity=condition.severity, text=condition.text)
+        if condition.sighting is not None:
+            changed = replace(changed, sighting=condition.sighting.after(alarm.sighting))
+        if condition.severity > alarm.severity:
+            changed = replace(changed, acknowledged=False, acknowledged_by="")
+        self._put(changed)
+
+    def _clear(self, key: tuple[str, str], now: float, wall: float) -> None:
         number = self._active.pop(key, None)
         if number is not None:
-            self._put(replace(self._alarms[number], cleared=now))
+            self._put(replace(self._alarms[number], cleared=now, cleared_wall=wall))
 
     def _put(self, alarm: Alarm) -> None:
         self._alarms[alarm.number] = alarm
@@ -123,15 +139,24 @@ class AlarmBoard:
                 del self._alarms[alarm.number]
                 self.version += 1
 
-    def acknowledge(self, number: int) -> None:
-        """Mark an alarm as acknowledged; an unknown number is ignored."""
+    def acknowledge(self, number: int, by: str = "", wall: float | None = None) -> None:
+        """Mark an alarm as acknowledged by a person at wall, s since 1970; ignore others."""
         alarm = self._alarms.get(number)
         if alarm is not None and not alarm.acknowledged:
-            self._put(replace(alarm, acknowledged=True))
+            by = by if by.isprintable() else ""
+            self._put(replace(alarm, acknowledged=True, acknowledged_by=by, acknowledged_wall=wall))
+
+    def alarm(self, number: int) -> Alarm | None:
+        """Return the alarm of a number, None if there is none any more."""
+        return self._alarms.get(number)
 
     def alarms(self) -> list[Alarm]:
-        """Return all alarms: active first, then most severe, then unacknowledged, then newest."""
-        return sorted(
-            self._alarms.values(),
-            key=lambda a: (not a.active, -a.severity, a.acknowledged, -a.raised, -a.number),
-        )
+        """Return all alarms: active first, then most severe, intruders, unacknowledged, newest."""
+        return sorted(self._alarms.values(), key=_rank)
+
+
+def _rank(alarm: Alarm) -> tuple[bool, int, bool, bool, float, int]:
+    """Return what an alarm's place in the list goes by; intruders are what a patrol is for."""
+    other = alarm.kind != "intruder"
+    seen = alarm.acknowledged
+    return not alarm.active, -alarm.severity, other, seen, -alarm.raised, -alarm.number

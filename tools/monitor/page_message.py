@@ -231,12 +231,10 @@ _PARTS: dict[str, Callable[[RobotState], Any]] = {
 }
 
 
-def alarm_message(alarm: Alarm, now: float, wall: float) -> dict[str, Any]:
-    """Return one alarm for the page, times in s since 1970.
-
-    now, wall: the present on the board's clock and in s since 1970.
-    """
-    cleared = alarm.cleared
+def alarm_message(alarm: Alarm) -> dict[str, Any]:
+    """Return one alarm for the page, times in s since 1970, places in m in the map frame."""
+    sighting = alarm.sighting
+    place = alarm.place if sighting is None else sighting.place
     return {
         "number": alarm.number,
         "robot": alarm.robot,
@@ -244,8 +242,12 @@ def alarm_message(alarm: Alarm, now: float, wall: float) -> dict[str, Any]:
         "severity": alarm.severity.name.lower(),
         "text": _text(alarm.text),
         "raised": round(alarm.raised_wall, 1),
-        "cleared": None if cleared is None else round(wall - (now - cleared), 1),
+        "cleared": None if alarm.cleared_wall is None else round(alarm.cleared_wall, 1),
         "acknowledged": alarm.acknowledged,
+        "by": alarm.acknowledged_by,
+        "place": None if place is None else [round(at, 2) for at in place],
+        "seen": None if sighting is None else round(sighting.wall, 1),
+        "picture": 0 if sighting is None else len(sighting.picture),
     }
 
 
@@ -288,9 +290,7 @@ class PageFeed:
         board = watch.alarms
         if self._alarms != (id(board), board.version):
             self._alarms = (id(board), board.version)
-            message["alarms"] = [
-                alarm_message(alarm, watch.now, watch.wall) for alarm in board.alarms()
-            ]
+            message["alarms"] = [alarm_message(alarm) for alarm in board.alarms()]
         coverage = watch.coverage
         if coverage is not None and watch.now - self._covered_at >= 1.0:
             self._covered_at = watch.now

@@ -18,7 +18,9 @@ from tools.monitor.watch import Watch
 PREROLL_S = 300.0
 """Time before a seek target that is played fast, to fill plots, trails and coverage."""
 _PREROLL_STEP_S = 1.0  # short enough that a patrolling robot visits every border point
-_PREROLL_STREAMS = ("pose", "decision", "status", "event")
+_PREROLL_STREAMS = ("pose", "decision", "status")
+_EACH = ("event", "intruder")
+"""Streams of which no payload may be left out: they tell once."""
 _LAST_S = 2.0  # all streams are read this long before the target: each has occurred by then
 _BUDGET_S = 0.05
 """Real time per step of the fast playback: pages are served in between."""
@@ -127,11 +129,11 @@ class Playback:
             watch.team.receive(payload.key, payload.data, payload.t, payload.t)
 
     def _feed_newest(self, watch: Watch, t: float, *, all_streams: bool) -> None:
-        """Pass the events up to t to the watch, and the newest payload of each other stream."""
+        """Pass the payloads up to t to the watch: of most streams the newest only."""
         newest: dict[str, RecordedPayload] = {}
         for payload in self._up_to(t):
             stream = payload.key.rpartition("/")[2]
-            if stream == "event":
+            if stream in _EACH:
                 watch.team.receive(payload.key, payload.data, payload.t, payload.t)
             elif all_streams or stream in _PREROLL_STREAMS:
                 newest[payload.key] = payload

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
 
 from drivers.p2os.model import DEFAULT_MODEL, load_model
 from maps.map_folder import MapFolder
+from maps.map_identity import HASH_SHOWN, identity
 from maps.occupancy_map import OccupancyMap
 from robot_agent.messages.streams import ACTIONS
 from robot_agent.perception.visibility import VISIBILITY
@@ -21,6 +23,13 @@ class Site:
     """A map folder as the page needs it; folder None: no map, the page draws a grid."""
 
     folder: MapFolder | None
+
+    @cached_property
+    def hashes(self) -> tuple[str, str]:
+        """The hashes of map and border, as robots report theirs; empty without."""
+        files = {} if self.folder is None else self.folder.files
+        map_hash, border_hash = identity(files)
+        return map_hash[:HASH_SHOWN], border_hash[:HASH_SHOWN]
 
     def picture(self) -> bytes | None:
         """Return the map as a PNG, top row first: 0 free, 128 unknown, 255 wall; None: no map."""

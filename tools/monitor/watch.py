@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from functools import partial
 from typing import TypeVar
 
@@ -13,6 +14,7 @@ from tools.monitor.coverage import Coverage
 from tools.monitor.history import RobotHistory
 from tools.monitor.robot_state import RobotState
 from tools.monitor.site import Site
+from tools.monitor.site_conditions import site_conditions
 from tools.monitor.team_state import MAX_ROBOTS, TeamState
 
 T = TypeVar("T")
@@ -81,7 +83,9 @@ class Watch:
 
     def _conditions(self) -> Iterator[Condition]:
         for robot in self.robots:
-            yield from self.made(robot, partial(_listed, robot, self.now)) or ()
+            place = robot.poses[-1][1][:2] if robot.poses else None
+            for condition in self.made(robot, partial(_listed, robot, self.now, self.site)) or ():
+                yield replace(condition, place=place)
         yield from self._own_conditions()
         hidden = self.team.hidden_since(self.now - REMEMBERED_S)
         if hidden:
@@ -115,5 +119,5 @@ class Watch:
             self.coverage.visit(places, self.now)
 
 
-def _listed(robot: RobotState, now: float) -> list[Condition]:
-    return list(conditions_of(robot, now))
+def _listed(robot: RobotState, now: float, site: Site) -> list[Condition]:
+    return [*conditions_of(robot, now), *site_conditions(robot, now, site)]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
 from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
@@ -30,6 +30,7 @@ class Request(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     seen: int | None = None  # number of messages the page has drawn
     acknowledge: int | None = None  # the number of an alarm
+    by: Annotated[str, msgspec.Meta(max_length=40)] = ""  # who acknowledges it
     pause: bool | None = None
     speed: float | None = None  # of a playback, times real time
     seek: float | None = None  # s since 1970
@@ -111,6 +112,7 @@ class WebServer:
         add_page(application, PAGE_FOLDER)
         application.router.add_get("/site.json", self._send_site)
         application.router.add_get("/map.png", self._send_picture)
+        application.router.add_get(r"/intruder/{number:\d{1,9}}", self._send_intruder)
         application.router.add_get("/live", self._feed_page)
 
     async def _send_site(self, _request: web.Request) -> web.Response:
@@ -120,6 +122,13 @@ class WebServer:
         if self._picture is None:
             raise web.HTTPNotFound
         return web.Response(body=self._picture, content_type="image/png")
+
+    async def _send_intruder(self, request: web.Request) -> web.Response:
+        """Send the picture of an alarm's intruder."""
+        alarm = self.watch.alarms.alarm(int(request.match_info["number"]))
+        if alarm is None or alarm.sighting is None or not alarm.sighting.picture:
+            raise web.HTTPNotFound
+        return web.Response(body=alarm.sighting.picture, content_type="image/jpeg")
 
     async def _feed_page(self, request: web.Request) -> web.WebSocketResponse:
         """Send one page its updates until it disconnects; a slow page gets fewer, not older ones.
@@ -170,7 +179,7 @@ class WebServer:
             if not may_act:
                 continue
             if request.acknowledge is not None:
-                self.watch.alarms.acknowledge(request.acknowledge)
+                self.watch.alarms.acknowledge(request.acknowledge, request.by, self.watch.wall)
             self.source.steer(pause=request.pause, speed=request.speed, seek=request.seek)
 
 

@@ -4,6 +4,7 @@ import asyncio
 import json
 import re
 import socket
+import time
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import closing
 from typing import Any
@@ -12,7 +13,9 @@ import aiohttp
 import pytest
 
 from robot_agent.messages.streams import encode
+from tests.tools.monitor.agent_recordings import START
 from tests.tools.monitor.reports import decision, pose, status
+from tests.tools.monitor.trouble_team import intruder
 from tools.monitor.alarm import Condition, Severity
 from tools.monitor.page_server import WebError
 from tools.monitor.site import Site
@@ -32,10 +35,10 @@ def server() -> Iterator[WebServer]:
         yield started
 
 
-def get(url: str, **headers: str) -> tuple[int, dict[str, str], str]:
+def get(url: str, encoding: str | None = None, **headers: str) -> tuple[int, dict[str, str], str]:
     async def fetch() -> tuple[int, dict[str, str], str]:
         async with aiohttp.ClientSession() as session, session.get(url, headers=headers) as answer:
-            return answer.status, dict(answer.headers), await answer.text()
+            return answer.status, dict(answer.headers), await answer.text(encoding)
 
     return asyncio.run(fetch())
 
@@ -147,6 +150,20 @@ def on_a_page(server: WebServer, act: Callable[[Page], Awaitable[None]], query: 
             await act(Page(socket))
 
     asyncio.run(connected())
+
+
+def test_picture_of_an_intruder_is_served_as_a_picture_only(server: WebServer) -> None:
+    assert get(server.url + "intruder/1")[0] == 404
+    server.watch.team.receive(f"{KEY}/intruder", encode(intruder(1.0)), server.watch.now, START)
+    deadline = time.monotonic() + 10.0
+    while not (found := [a.number for a in server.watch.alarms.alarms() if a.sighting]):
+        assert time.monotonic() < deadline, "no alarm"
+        time.sleep(0.02)
+    status, headers, _ = get(f"{server.url}intruder/{found[0]}", encoding="latin-1")
+    assert (status, headers["Content-Type"]) == (200, "image/jpeg")
+    assert headers["X-Content-Type-Options"] == "nosniff"
+    assert get(server.url + "intruder/999")[0] == 404
+    assert get(server.url + "intruder/x")[0] == 404
 
 
 def test_messages_hold_only_changed_streams(server: WebServer) -> None:

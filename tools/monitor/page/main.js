@@ -2,15 +2,18 @@
 
 import { ActionPlot } from "./action_plot.js";
 import { AlarmList } from "./alarm_list.js";
+import { AlarmSignal } from "./alarm_signal.js";
 import { CardList } from "./card_list.js";
 import { Connection } from "./connection.js";
 import { CoverageStrip } from "./coverage_strip.js";
 import { DistancePlot } from "./distance_plot.js";
 import { setText } from "./element.js";
 import { Figures } from "./figures.js";
-import { duration, timeOfDay } from "./format.js";
+import { duration } from "./format.js";
+import { Header } from "./header.js";
 import { makeLayers } from "./layer_switches.js";
 import { MapView } from "./map_view.js";
+import { OperatorName } from "./operator_name.js";
 import { PlaybackBar } from "./playback_bar.js";
 import { Selection } from "./selection.js";
 import { Team } from "./team.js";
@@ -24,6 +27,7 @@ const find = (id) => document.getElementById(id);
 const site = await (await fetch("/site.json")).json();
 const team = new Team();
 const figures = new Figures();
+const header = new Header(team, figures, (id) => robotName(id));
 const selection = new Selection(() => selected());
 const layers = makeLayers(find("layers").querySelector("div"), () => map.refresh());
 const map = new MapView(find("map"), site, team, layers, selection);
@@ -34,27 +38,28 @@ const theme = new Theme(find("theme"), () => {
   map.restyle();
   drawPlots();
 });
-const connection = new Connection(take, showLink);
+const connection = new Connection(take, (up) => header.showLink(up));
 const playback = new PlaybackBar(find("playback"), (request) => connection.send(request));
-const alarms = new AlarmList(
-  find("alarms"), find("alarm-count"), find("acknowledge-all"),
-  (request) => connection.send(request), (id) => team.robots.get(id)?.name ?? id, showAlarm,
-);
+const robotName = (id) => team.robots.get(id)?.name ?? id;
+const operator = new OperatorName(find("operator"));
+const signal = new AlarmSignal(find("sound"), find("notify"));
+const alarms = new AlarmList(find("alarms"), find("alarm-count"), find("acknowledge-all"), {
+  acknowledge: (alarm) => connection.send({ acknowledge: alarm.number, by: operator.value }),
+  robotName,
+  go: showAlarm,
+});
 setText(find("site"), site.name);
 
 function take(message) {
-  if (message.fresh) cards.clear();
+  if (message.fresh) {
+    cards.clear();
+    alarms.clear();
+    signal.forget();
+  }
   team.take(message);
   map.changed = true;
   alarms.show(team.alarms, team.source.mayAct);
-}
-
-function showLink(up) {
-  const words = !up ? "monitor gone" : team.source.kind === "live" ? "live" : "playback";
-  const chip = find("link");
-  setText(chip, words);
-  chip.className = `chip ${up ? "good" : "bad"}`;
-  document.body.classList.toggle("gone", !up);
+  if (team.source.kind === "live") signal.take(team.alarms, robotName);
 }
 
 function selected() {
@@ -70,42 +75,18 @@ function selected() {
 function showCards() {
   cards.show();
   playback.show(team.source);
-  setText(find("clock"), team.wall ? timeOfDay(team.wall) : "");
-  setText(find("summary"), summary());
-  showTrouble();
-  setText(find("figures"), figures.words(team.source.kind === "live"));
+  header.show();
+  alarms.showAges(team.wall);
 }
 
-// Chooses the alarm's robot, brings it into view and, in a playback, goes to the alarm's time.
+// Chooses the alarm's robot and shows its place; in a playback, at the time it was raised.
 function showAlarm(alarm) {
-  if (team.source.kind === "playback") connection.send({ seek: alarm.raised });
-  if (!team.robots.has(alarm.robot)) return;
-  selection.choose(alarm.robot);
-  map.centre(team.robots.get(alarm.robot).pose);
-}
-
-// The worst active alarm stands first, in its colour; the tab's title counts them.
-function showTrouble() {
-  const active = team.active();
-  const [worst] = active;
-  const name = worst && (team.robots.get(worst.robot)?.name ?? "monitor");
-  const more = active.length > 1 ? ` · ${active.length - 1} more` : "";
-  const box = find("trouble");
-  setText(box, worst ? `${name}: ${worst.text}${more}` : "");
-  box.className = `trouble ${worst?.severity ?? ""}`;
-  box.hidden = !worst;
-  const title = active.length ? `(${active.length}) Border patrol` : "Border patrol";
-  if (document.title !== title) document.title = title;
-}
-
-function summary() {
-  const heard = team.ordered.filter((robot) => !robot.silent(team.now));
-  const held = heard.filter((robot) => robot.status && robot.status.health !== "ok");
-  const robots = `${heard.length} of ${team.ordered.length} robots heard`;
-  const allWell = team.ordered.length && heard.length === team.ordered.length && !team.active().length;
-  const well = held.length ? `${held.length} held back` : allWell ? "all well" : "";
-  const idle = team.coverage ? `border unseen ${duration(team.coverage.average)} on average` : "";
-  return [robots, well, idle].filter(Boolean).join(" · ");
+  const live = team.source.kind === "live";
+  if (!live) connection.send({ seek: alarm.raised });
+  selection.stopFollowing();
+  const robot = team.robots.get(alarm.robot);
+  if (robot) selection.choose(robot.id);
+  map.centre(live && alarm.seen === null ? (robot?.pose ?? alarm.place) : alarm.place);
 }
 
 function drawPlots() {
@@ -172,4 +153,4 @@ document.addEventListener("keydown", (event) => {
 setInterval(showCards, CARDS_MS);
 setInterval(drawPlots, PLOTS_MS);
 requestAnimationFrame(frame);
-window.patrol = { team, figures, map, selection };
+window.patrol = { team, figures, map, selection, signal };

@@ -2,6 +2,7 @@
 
 import { colour } from "./palette.js";
 import { Ground } from "./ground.js";
+import { drawIntruder } from "./intruder_mark.js";
 import {
   drawBody, drawCovariance, drawName, drawParticles, drawScan, drawTracks, drawTrail, drawVisibility,
 } from "./robot_drawing.js";
@@ -97,6 +98,10 @@ export class MapView {
     each("covariance", (robot) => drawCovariance(context, robot, scale));
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     each("names", (robot) => drawName(context, robot, viewport, robot.name));
+    if (layers.tracks) {
+      const sightings = team.alarms.filter((alarm) => alarm.seen !== null);
+      for (const alarm of sightings) drawIntruder(context, alarm, viewport, team.wall);
+    }
     this.drawScale(context);
     return true;
   }
