@@ -22,6 +22,7 @@ from tools.monitor.web_server import WebServer
 from tools.number_range import positive
 
 POLL_S = 0.2
+LOG_FILE = "shift_log.sqlite"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -45,6 +46,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--text", action="store_true", help="a table in the terminal, no page")
     parser.add_argument(
         "--record", type=Path, metavar="OUT.mcap", help="record every payload received"
+    )
+    parser.add_argument(
+        "--log",
+        type=Path,
+        metavar="FILE.sqlite",
+        help=f"keep the shift log in a file; with --record the default is {LOG_FILE} beside it",
     )
     parser.add_argument(
         "--forward", metavar="ENDPOINT", help="head office's monitor that gets every payload too"
@@ -82,6 +89,7 @@ def run(options: argparse.Namespace) -> int:
         http,
         site,
         record=options.record,
+        log=log_file(options.log, options.record),
         border=options.border,
         keys=options.keys,
         forward=options.forward,
@@ -97,6 +105,11 @@ def run(options: argparse.Namespace) -> int:
         while going_on():
             time.sleep(POLL_S)
     return 0
+
+
+def log_file(named: Path | None, record: Path | None) -> Path | None:
+    """Return the shift log's file: as named, else beside the recording; None without either."""
+    return named if named is not None or record is None else record.with_name(LOG_FILE)
 
 
 def play(options: argparse.Namespace, going_on: Callable[[], bool]) -> int:

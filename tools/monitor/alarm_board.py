@@ -5,7 +5,7 @@ Acknowledgements stay on this computer: nothing is sent to a robot.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from tools.monitor.alarm import Condition, Severity
@@ -55,7 +55,9 @@ class _Ongoing:
 class AlarmBoard:
     """Turns conditions over time into alarms; pure: reads no clock, times are arguments."""
 
-    def __init__(self) -> None:
+    def __init__(self, on_change: Callable[[Alarm], object] = bool) -> None:
+        """on_change: called with each alarm that is new or has changed."""
+        self._on_change = on_change
         self.version = 0
         """Incremented by every change of the list."""
         self._alarms: dict[int, Alarm] = {}
@@ -128,6 +130,7 @@ class AlarmBoard:
     def _put(self, alarm: Alarm) -> None:
         self._alarms[alarm.number] = alarm
         self.version += 1
+        self._on_change(alarm)
 
     def _drop_old(self, now: float) -> None:
         """Drop acknowledged alarms cleared long ago and, beyond MAX_ALARMS, the oldest cleared."""

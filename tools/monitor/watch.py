@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from maps.input_limits import BAD_DATA
 from tools.monitor.alarm import REMEMBERED_S, Condition, Severity, conditions_of
-from tools.monitor.alarm_board import AlarmBoard
+from tools.monitor.alarm_board import Alarm, AlarmBoard
 from tools.monitor.coverage import Coverage
 from tools.monitor.history import RobotHistory
 from tools.monitor.robot_state import RobotState
@@ -36,11 +36,17 @@ class Watch:
         team: TeamState,
         site: Site,
         own_conditions: Callable[[], Iterable[Condition]] = tuple,
+        on_alarm: Callable[[Alarm], object] = bool,
     ) -> None:
-        """Watch a team at a site; own_conditions: returns the conditions of the monitor itself."""
+        """Watch a team at a site.
+
+        own_conditions: returns the conditions of the monitor itself. on_alarm: called with each
+        alarm that is new or has changed.
+        """
         self.team = team
         self.site = site
-        self.alarms = AlarmBoard()
+        self._on_alarm = on_alarm
+        self.alarms = AlarmBoard(on_alarm)
         self.histories: dict[str, RobotHistory] = {}
         self.coverage: Coverage | None = None
         self.robots: list[RobotState] = []
@@ -77,7 +83,7 @@ class Watch:
         """Discard everything but the site, for playback from another time."""
         self.team.clear()
         self.histories.clear()
-        self.alarms = AlarmBoard()
+        self.alarms = AlarmBoard(self._on_alarm)
         self.coverage = None
         self._visited_at = float("-inf")
 

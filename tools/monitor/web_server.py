@@ -13,9 +13,11 @@ from typing import Annotated, Any
 import msgspec
 from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
 
+from tools.monitor.log_routes import LogRoutes
 from tools.monitor.page_files import add_page
 from tools.monitor.page_message import PageFeed
 from tools.monitor.page_server import PageServer
+from tools.monitor.shift_log import ShiftLog
 from tools.monitor.source import Source
 from tools.monitor.watch import Watch
 
@@ -55,14 +57,19 @@ class _FlowControl:
 class WebServer:
     """Serves one watch at one address until closed."""
 
-    def __init__(self, watch: Watch, source: Source, address: str) -> None:
+    def __init__(
+        self, watch: Watch, source: Source, address: str, log: ShiftLog | None = None
+    ) -> None:
         """Listen on an address such as ``127.0.0.1:8080`` (port 0: any free one).
+
+        log: of the alarms, for the page; None: it offers none.
 
         Raises:
             WebError: the address is invalid or taken.
         """
         self.watch = watch
         self.source = source
+        self._log = log
         self._ticked = asyncio.Event()
         self._picture = watch.site.picture()
         self._site = msgspec.json.encode(watch.site.description())
@@ -114,6 +121,8 @@ class WebServer:
         application.router.add_get("/map.png", self._send_picture)
         application.router.add_get(r"/intruder/{number:\d{1,9}}", self._send_intruder)
         application.router.add_get("/live", self._feed_page)
+        if self._log is not None:
+            LogRoutes(self._log).add_to(application)
 
     async def _send_site(self, _request: web.Request) -> web.Response:
         return web.Response(body=self._site, content_type="application/json")
@@ -158,7 +167,8 @@ class WebServer:
             if epoch != self.source.epoch:
                 feed, epoch, fresh = PageFeed(self.watch), self.source.epoch, True
             source = {**self.source.description(), "mayAct": may_act}
-            extra: dict[str, Any] = {"source": source, "fresh": fresh}
+            log = None if self._log is None else self._log.version
+            extra: dict[str, Any] = {"source": source, "fresh": fresh, "log": log}
             await socket.send_str(feed.message(extra).decode())
             flow.sent += 1
             fresh = False

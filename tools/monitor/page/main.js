@@ -16,6 +16,7 @@ import { MapView } from "./map_view.js";
 import { OperatorName } from "./operator_name.js";
 import { PlaybackBar } from "./playback_bar.js";
 import { Selection } from "./selection.js";
+import { ShiftLog } from "./shift_log.js";
 import { Team } from "./team.js";
 import { Theme } from "./theme.js";
 
@@ -48,6 +49,7 @@ const alarms = new AlarmList(find("alarms"), find("alarm-count"), find("acknowle
   robotName,
   go: showAlarm,
 });
+const log = new ShiftLog(find("log"), find("open-log"), robotName, (entry) => showAlarm(entryAlarm(entry)));
 setText(find("site"), site.name);
 
 function take(message) {
@@ -59,6 +61,7 @@ function take(message) {
   team.take(message);
   map.changed = true;
   alarms.show(team.alarms, team.source.mayAct);
+  log.take(team.log, find("open-log"));
   if (team.source.kind === "live") signal.take(team.alarms, robotName);
 }
 
@@ -77,6 +80,12 @@ function showCards() {
   playback.show(team.source);
   header.show();
   alarms.showAges(team.wall);
+}
+
+// An entry of the log as the alarm it was; its place is the one it had then.
+function entryAlarm(entry) {
+  const place = entry.place_x === null ? null : [entry.place_x, entry.place_y];
+  return { robot: entry.robot, raised: entry.raised, seen: entry.raised, place };
 }
 
 // Chooses the alarm's robot and shows its place; in a playback, at the time it was raised.
@@ -131,6 +140,7 @@ const KEYS = {
   0: fit,
   f: follow,
   a: () => alarms.acknowledgeFirst(),
+  l: () => team.log !== null && log.open(),
   t: () => theme.toggle(),
   " ": () => playback.toggle(),
   ",": () => playback.skip(-10),

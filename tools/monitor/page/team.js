@@ -55,6 +55,7 @@ export class Team {
     this.ordered = [];
     this.alarms = [];
     this.coverage = null;
+    this.log = null;
     this.source = { kind: "live" };
     this.now = 0;
     this.wall = 0;
@@ -65,6 +66,7 @@ export class Team {
     this.now = message.now;
     this.wall = message.wall;
     this.source = message.source;
+    this.log = message.log ?? null;
     if (message.shown) this.keep(new Set(message.shown));
     for (const part of message.robots) this.robot(part.id).take(part, message.now);
     if (message.alarms) this.alarms = message.alarms;
