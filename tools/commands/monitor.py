@@ -9,12 +9,11 @@ from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
-from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from robot_agent.recording.run_files import refuse_existing
 from tools.monitor.monitor import Monitor, MonitorOptions, PeriodicCall, until, while_sound
 from tools.monitor.playback import Playback
-from tools.monitor.site import Site
+from tools.monitor.site import Site, load_site
 from tools.monitor.team_state import TeamState
 from tools.monitor.text_view import show_team
 from tools.monitor.watch import Watch
@@ -119,7 +118,7 @@ def play(options: argparse.Namespace, going_on: Callable[[], bool]) -> int:
     """
     playback = Playback(options.play)
     chosen = chosen_site(options.map, options.border)
-    site = chosen if chosen.folder else Site(playback.site_folder())
+    site = chosen if chosen.folder else playback.site()
     watch = Watch(TeamState(), site)
     if options.text:
         with closing(PeriodicCall(lambda: playback.advance(watch))) as caller:
@@ -137,4 +136,4 @@ def chosen_site(name: str | None, border: str) -> Site:
     """Return the site of a map folder's name or path; a site without map for None."""
     if name is None:
         return Site(None)
-    return Site(load_map_folder(find_map(name, Path.cwd()), border))
+    return load_site(find_map(name, Path.cwd()), border)

@@ -101,7 +101,8 @@ class Monitor:
         """Yield the functions that get every payload: recording, office, viewers."""
         options = self.options
         if options.record is not None:
-            self._recorder = TeamRecorder(options.record, options.site.folder, options.border)
+            site = options.site
+            self._recorder = TeamRecorder(options.record, site.folder, options.border, site.zones)
             stack.callback(self._recorder.close)
             yield self._recorder.on_payload
         if options.forward is not None:

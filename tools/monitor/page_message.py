@@ -16,6 +16,7 @@ import numpy as np
 from robot_agent.messages.foxglove import LaserScan, PosesInFrame, SceneEntity, planar_pose
 from robot_agent.messages.streams import ACTIONS, DecisionPayload, DeviceStatus, StatusPayload
 from tools.monitor.alarm_board import Alarm
+from tools.monitor.place_words import PlaceWords
 from tools.monitor.reason import turn_words, why
 from tools.monitor.robot_state import RobotState
 from tools.monitor.watch import Watch
@@ -42,19 +43,24 @@ def robot_message(watch: Watch, robot: RobotState, since: int) -> dict[str, Any]
         "online": robot.online,
         "heard": robot.last_heard,
         "malformed": robot.malformed,
-        "why": _text(watch.made(robot, partial(why, robot, now)) or ""),
+        "why": _text(watch.site.words.explained(watch.made(robot, partial(why, robot, now)) or "")),
         "turned": _text(watch.made(robot, partial(turn_words, robot, now)) or ""),
     }
     for stream, make in _PARTS.items():
         if robot.versions.get(stream, 0) > since and stream in robot.payloads:
-            part = watch.made(robot, partial(_encoded, make, robot))
+            part = watch.made(robot, partial(_encoded, make, robot, watch.site.words))
             if part is not None:
                 message[stream] = part
     return message
 
 
-def _encoded(make: Callable[[RobotState], Any], robot: RobotState) -> msgspec.Raw:
-    return msgspec.Raw(msgspec.json.encode(make(robot)))
+def _encoded(
+    make: Callable[[RobotState], Any], robot: RobotState, words: PlaceWords
+) -> msgspec.Raw:
+    part = make(robot)
+    if make is _events:
+        part = [[*entry[:3], words.explained(entry[3])] for entry in part]
+    return msgspec.Raw(msgspec.json.encode(part))
 
 
 def _text(words: str) -> str:

@@ -8,10 +8,12 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from maps.map_folder import DEFAULT_BORDER, MapFolder, map_folder_from_files
+from maps.map_folder import DEFAULT_BORDER, map_folder_from_files
+from maps.zone_file import ZONES_FILE, read_zones
 from robot_agent.recording.recording_writer import CONFIGURATION_ATTACHMENT, RUN_METADATA
 from tools.logs.recorded_config import parse_old_config
 from tools.monitor.recorded_payloads import RecordedPayload, RecordedPayloads
+from tools.monitor.site import Site
 from tools.monitor.team_recorder import TEAM_METADATA
 from tools.monitor.watch import Watch
 
@@ -52,13 +54,14 @@ class Playback:
         self._rest = self._payloads(self.start)
         self._next: RecordedPayload | None = next(self._rest, None)
 
-    def site_folder(self) -> MapFolder | None:
-        """Return the map folder of the first recording that holds one; None if none does."""
+    def site(self) -> Site:
+        """Return the site of the first recording that holds one; without a map if none does."""
         for file in self.files:
             if file.map_files:
                 name, border = _map_of(file)
-                return map_folder_from_files(name, file.map_files, border)
-        return None
+                folder = map_folder_from_files(name, file.map_files, border)
+                return Site(folder, read_zones(file.map_files.get(ZONES_FILE, b""), name))
+        return Site(None)
 
     def description(self) -> dict[str, Any]:
         """Return start, end and present time (s since 1970), speed and pause, for the page."""

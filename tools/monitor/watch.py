@@ -91,7 +91,8 @@ class Watch:
         for robot in self.robots:
             place = robot.poses[-1][1][:2] if robot.poses else None
             for condition in self.made(robot, partial(_listed, robot, self.now, self.site)) or ():
-                yield replace(condition, place=place)
+                text = self.site.words.placed(condition.text, place)
+                yield replace(condition, text=text, place=place)
         yield from self._own_conditions()
         hidden = self.team.hidden_since(self.now - REMEMBERED_S)
         if hidden:

@@ -16,6 +16,8 @@ import numpy as np
 
 from maps.border import Border
 from maps.pose import Pose
+from maps.zone_file import load_zones
+from robot_agent.config import find_map
 from robot_agent.messages.foxglove import (
     Log,
     PoseInFrame,
@@ -161,7 +163,7 @@ def picture() -> bytes:
 
 def trouble_recording(path: Path, robots: int, seconds: float) -> Path:
     """Write a monitor's recording of the team."""
-    recorder = TeamRecorder(path, FOLDER, "border")
+    recorder = TeamRecorder(path, FOLDER, "border", load_zones(find_map(FOLDER.name, Path())))
     for t, key, payload in team_payloads(robots, seconds):
         recorder.on_payload(key, encode(payload), START + t)
     recorder.close()

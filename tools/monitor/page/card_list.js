@@ -3,10 +3,11 @@
 import { RobotCard } from "./robot_card.js";
 
 export class CardList {
-  constructor(box, team, actions, selection) {
+  constructor(box, team, actions, zones, selection) {
     this.box = box;
     this.team = team;
     this.actions = actions;
+    this.zones = zones;
     this.selection = selection;
     this.cards = new Map();
     this.all = false;
@@ -39,7 +40,7 @@ export class CardList {
     const known = this.cards.get(robot.id);
     if (known?.robot === robot) return known;
     known?.root.remove();
-    const card = new RobotCard(robot, this.actions, () => this.selection.toggle(robot.id));
+    const card = new RobotCard(robot, this.actions, this.zones, () => this.selection.toggle(robot.id));
     card.setOpen(false);
     this.cards.set(robot.id, card);
     this.box.append(card.root);

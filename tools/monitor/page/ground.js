@@ -1,6 +1,7 @@
 // The static part of the map: walls, grid and border, painted once per theme and view.
 
 import { colour, idleColour, parts } from "./palette.js";
+import { Zones } from "./zones.js";
 
 const FREE = 0;
 const UNKNOWN = 128;
@@ -8,6 +9,7 @@ const UNKNOWN = 128;
 export class Ground {
   constructor(site, onReady) {
     this.site = site;
+    this.zones = new Zones(site.zones);
     this.cells = null;
     this.picture = null;
     if (site.map) this.load(onReady);
@@ -61,6 +63,7 @@ export class Ground {
 
   draw(context, viewport, layers, coverage) {
     if (this.picture && layers.map) this.drawMap(context, viewport);
+    if (layers.zones) this.zones.drawAreas(context, viewport.scale);
     if (layers.grid || !this.site.map) this.drawGrid(context, viewport);
     if (this.site.border && layers.border) this.drawBorder(context, viewport, layers.idleness ? coverage : null);
   }

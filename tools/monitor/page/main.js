@@ -32,7 +32,7 @@ const header = new Header(team, figures, (id) => robotName(id));
 const selection = new Selection(() => selected());
 const layers = makeLayers(find("layers").querySelector("div"), () => map.refresh());
 const map = new MapView(find("map"), site, team, layers, selection);
-const cards = new CardList(find("cards"), team, site.actions, selection);
+const cards = new CardList(find("cards"), team, site.actions, map.ground.zones, selection);
 const coverage = new CoverageStrip(find("coverage"), find("idleness"), team, site);
 const plots = [new DistancePlot(find("distance"), team, selection), new ActionPlot(find("actions"), team, selection)];
 const theme = new Theme(find("theme"), () => {

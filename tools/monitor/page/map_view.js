@@ -111,7 +111,7 @@ export class MapView {
     const { viewport, layers } = this;
     const { width, height } = this.surface.canvas;
     const covered = layers.idleness ? Math.floor(this.team.now / 2) : 0;
-    const key = [width, height, viewport.x, viewport.y, viewport.scale, covered, layers.map, layers.border, layers.grid, layers.idleness].join();
+    const key = [width, height, viewport.x, viewport.y, viewport.scale, covered, layers.map, layers.border, layers.grid, layers.zones, layers.idleness].join();
     if (key !== this.stillKey) {
       this.stillKey = key;
       this.still.width = width;
@@ -121,6 +121,8 @@ export class MapView {
       still.fillRect(0, 0, width, height);
       viewport.apply(still, ratio);
       this.ground.draw(still, viewport, layers, this.team.coverage);
+      still.setTransform(ratio, 0, 0, ratio, 0, 0);
+      if (layers.zones) this.ground.zones.drawNames(still, viewport);
     }
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.drawImage(this.still, 0, 0);

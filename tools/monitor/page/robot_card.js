@@ -10,6 +10,7 @@ const LEVEL_CLASS = { 3: "worry", 4: "bad", 5: "bad" };
 const FACTS = [
   ["border", "from border"], ["neighbor", "nearest"],
   ["abscissa", "along border"], ["gamma", "neighbor state"],
+  ["zone", "in", "wide"],
   ["requested", "asked for", "wide"], ["command", "after gate", "wide"], ["gate", "gate", "wide"],
   ["override", "beyond the rules", "wide"], ["turned", "turned last", "wide"],
   ["localization", "localization", "wide"],
@@ -21,8 +22,10 @@ const FACTS = [
 ];
 
 export class RobotCard {
-  constructor(robot, actions, onChoose) {
+  // zones: the site's named places.
+  constructor(robot, actions, zones, onChoose) {
     this.robot = robot;
+    this.zones = zones;
     this.actions = actions;
     this.root = element("article", "card");
     this.root.dataset.robot = robot.id;
@@ -111,6 +114,12 @@ export class RobotCard {
     return `${quantity(robot.decision?.border, "m")} · ${quantity(robot.status?.battery, "V", 1)}`;
   }
 
+  // The name of the zone that it is in; empty without a pose.
+  zone() {
+    const { pose } = this.robot;
+    return pose ? this.zones.nameAt(pose[0], pose[1]) : "";
+  }
+
   updateBody() {
     this.updateBars();
     this.updateDecision();
@@ -141,6 +150,7 @@ export class RobotCard {
     setText(facts.neighbor, quantity(decision?.neighbor, "m"));
     setText(facts.gamma, quantity(decision?.gamma, ""));
     setText(facts.abscissa, decision ? `${quantity(decision.abscissa, "m", 1)} ${decision.direction > 0 ? "cw" : "ccw"}` : ABSENT);
+    setText(facts.zone, this.zone() || ABSENT);
     setText(facts.requested, twist(decision?.requested));
     setText(facts.command, twist(decision?.command));
     setText(facts.gate, decision ? (decision.gate ?? "lets all through") : ABSENT);
