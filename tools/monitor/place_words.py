@@ -28,8 +28,18 @@ class PlaceWords:
         return zone_name(self._zones, x, y)
 
     def explained(self, text: str) -> str:
-        """Return a text with the zone in parentheses behind each place that lies in one."""
-        return _PLACES.sub(self._named, text) if self._zones else text
+        """Return a text with the zone in parentheses behind each place that lies in one.
+
+        A zone is not told again for the next place.
+        """
+        last = ""
+
+        def named(found: re.Match[str]) -> str:
+            nonlocal last
+            before, last = last, self._zone_of(found)
+            return f"{found[0]} ({last})" if last not in ("", before) else found[0]
+
+        return _PLACES.sub(named, text) if self._zones else text
 
     def placed(self, text: str, place: tuple[float, float] | None) -> str:
         """Return a text with the zones of its places, or of a place if it tells none.
@@ -40,10 +50,6 @@ class PlaceWords:
             return self.explained(text)
         zone = self.zone(*place)
         return f"{text} ({zone})" if zone else text
-
-    def _named(self, found: re.Match[str]) -> str:
-        zone = self._zone_of(found)
-        return f"{found[0]} ({zone})" if zone else found[0]
 
     def _zone_of(self, found: re.Match[str]) -> str:
         s = found[1] or found[2]

@@ -27,6 +27,7 @@ WORDS = PlaceWords([HALF], FOLDER.border)
         ("intruder at 9.5, 14.6 m, 0.9 m", "intruder at 9.5, 14.6 m (north half), 0.9 m"),
         ("intruder 1 at (9.5, 14.6), 0.9 m", "intruder 1 at (9.5, 14.6) (north half), 0.9 m"),
         ("at -3.0, -4.0 m", "at -3.0, -4.0 m"),
+        ("at 9.5, 14.6 m, s = 5.5 m", "at 9.5, 14.6 m (north half), s = 5.5 m"),
         ("battery at 11.2 V", "battery at 11.2 V"),
         ("s = 99999999999999999999 m", "s = 99999999999999999999 m"),
     ],

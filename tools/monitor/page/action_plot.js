@@ -8,8 +8,9 @@ const LANES = ["Reach", "Keep", "Cw", "Ccw", "Avoid"];
 const GAP = 3; // s without a sample that breaks the line
 
 export class ActionPlot {
-  constructor(canvas, team, selection) {
+  constructor(canvas, team, roster, selection) {
     this.team = team;
+    this.roster = roster;
     this.selection = selection;
     this.surface = new Surface(canvas, () => this.draw());
     this.span = 300;
@@ -30,7 +31,7 @@ export class ActionPlot {
   }
 
   drawRobots(context, axis, height) {
-    const robots = this.team.ordered;
+    const robots = this.roster.plotted();
     const thickness = Math.min(Math.max((height - 4) / Math.max(robots.length, 1), 1), 5);
     robots.forEach((robot, row) => {
       const offset = 2 + (row * Math.max(height - 4 - thickness, 0)) / Math.max(robots.length - 1, 1);

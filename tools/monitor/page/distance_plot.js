@@ -8,8 +8,9 @@ const SCALES = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50];
 const GAP = 3; // s without a sample that breaks the line
 
 export class DistancePlot {
-  constructor(canvas, team, selection) {
+  constructor(canvas, team, roster, selection) {
     this.team = team;
+    this.roster = roster;
     this.selection = selection;
     this.surface = new Surface(canvas, () => this.draw());
     this.span = 300;
@@ -19,7 +20,7 @@ export class DistancePlot {
     if (!this.surface.width) return;
     const context = this.surface.begin();
     const axis = timeAxis(this.surface, 34, this.span, this.team.wall);
-    const lines = this.team.ordered.map((robot) => [robot, firstInView(robot.samples, axis.from)]);
+    const lines = this.roster.plotted().map((robot) => [robot, firstInView(robot.samples, axis.from)]);
     const top = this.scaleFor(lines);
     drawTimeAxis(context, axis, this.span);
     const y = (distance) => axis.bottom - (Math.min(distance, top) / top) * (axis.bottom - axis.top - 4);

@@ -5,6 +5,12 @@ import { colour } from "./palette.js";
 
 const NOW = 2.5; // s within which an intruder is seen at present: reports come once a second
 
+// The pixels that mark and words take, as [x0, y0, x1, y1].
+export function intruderBox(alarm, viewport) {
+  const [px, py] = viewport.toPixel(...alarm.place);
+  return [px - 65, py - 11, px + 65, py + 23];
+}
+
 export function drawIntruder(context, alarm, viewport, wall) {
   const [px, py] = viewport.toPixel(...alarm.place);
   const age = Math.max(wall - alarm.seen, 0);

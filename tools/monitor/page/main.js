@@ -13,8 +13,10 @@ import { duration } from "./format.js";
 import { Header } from "./header.js";
 import { makeLayers } from "./layer_switches.js";
 import { MapView } from "./map_view.js";
+import { NumberKeys } from "./number_keys.js";
 import { OperatorName } from "./operator_name.js";
 import { PlaybackBar } from "./playback_bar.js";
+import { Roster } from "./roster.js";
 import { Selection } from "./selection.js";
 import { ShiftLog } from "./shift_log.js";
 import { Team } from "./team.js";
@@ -32,9 +34,10 @@ const header = new Header(team, figures, (id) => robotName(id));
 const selection = new Selection(() => selected());
 const layers = makeLayers(find("layers").querySelector("div"), () => map.refresh());
 const map = new MapView(find("map"), site, team, layers, selection);
-const cards = new CardList(find("cards"), team, site.actions, map.ground.zones, selection);
+const roster = new Roster(team, map.ground.zones);
+const cards = new CardList(find("cards"), team, site.actions, roster, selection);
 const coverage = new CoverageStrip(find("coverage"), find("idleness"), team, site);
-const plots = [new DistancePlot(find("distance"), team, selection), new ActionPlot(find("actions"), team, selection)];
+const plots = [new DistancePlot(find("distance"), team, roster, selection), new ActionPlot(find("actions"), team, roster, selection)];
 const theme = new Theme(find("theme"), () => {
   map.restyle();
   drawPlots();
@@ -77,6 +80,8 @@ function selected() {
 
 function showCards() {
   cards.show();
+  const listed = cards.cards.size;
+  setText(find("robot-count"), listed === team.ordered.length ? `${listed}` : `${listed} of ${team.ordered.length}`);
   playback.show(team.source);
   header.show();
   alarms.showAges(team.wall);
@@ -118,6 +123,16 @@ find("zoom-out").addEventListener("click", () => map.zoom(1 / 1.4));
 find("fit").addEventListener("click", fit);
 find("follow").addEventListener("click", () => follow());
 find("help").addEventListener("click", () => find("keys").showModal());
+find("robot-search").addEventListener("input", (event) => {
+  roster.words = event.target.value;
+  showCards();
+  drawPlots();
+});
+find("robot-filter").addEventListener("change", (event) => {
+  roster.filter = event.target.value;
+  showCards();
+  drawPlots();
+});
 find("expand").addEventListener("click", (event) => {
   cards.all = !cards.all;
   event.target.setAttribute("aria-pressed", String(cards.all));
@@ -134,7 +149,14 @@ function follow() {
   selection.follow(!selection.following);
 }
 
+// Typing 1 and then 2 chooses robot 1, then 12.
+const numbers = new NumberKeys((number) => {
+  const robot = team.ordered.find((each) => each.mark === number);
+  if (robot) selection.choose(robot.id);
+});
+
 const KEYS = {
+  "/": () => find("robot-search").focus(),
   "+": () => map.zoom(1.4),
   "-": () => map.zoom(1 / 1.4),
   0: fit,
@@ -151,10 +173,8 @@ const KEYS = {
 document.addEventListener("keydown", (event) => {
   const control = event.target.closest?.("button, select, input, summary, dialog");
   if (event.ctrlKey || event.metaKey || event.altKey || (control && event.key === " " && !playback.shown) || (event.target.matches?.("select, input") && event.key !== " ")) return;
-  if (/^[1-9]$/.test(event.key)) {
-    const robot = team.ordered[Number(event.key) - 1];
-    if (robot) selection.choose(robot.id);
-  } else if (KEYS[event.key]) {
+  if (numbers.take(event.key)) return;
+  if (KEYS[event.key]) {
     event.preventDefault();
     KEYS[event.key]();
   }

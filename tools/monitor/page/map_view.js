@@ -2,9 +2,10 @@
 
 import { colour } from "./palette.js";
 import { Ground } from "./ground.js";
-import { drawIntruder } from "./intruder_mark.js";
+import { drawIntruder, intruderBox } from "./intruder_mark.js";
+import { MapLabels } from "./map_labels.js";
 import {
-  drawBody, drawCovariance, drawName, drawParticles, drawScan, drawTracks, drawTrail, drawVisibility,
+  drawBody, drawCovariance, drawParticles, drawScan, drawTracks, drawTrail, drawVisibility,
 } from "./robot_drawing.js";
 import { Surface } from "./surface.js";
 import { Viewport } from "./viewport.js";
@@ -20,6 +21,7 @@ export class MapView {
     this.selection = selection;
     this.following = false;
     this.changed = true;
+    this.labels = new MapLabels();
     this.viewport = new Viewport();
     this.still = document.createElement("canvas");
     this.stillKey = "";
@@ -87,21 +89,23 @@ export class MapView {
     const placed = team.ordered.filter((robot) => robot.pose);
     const each = (layer, paint) => layers[layer] && placed.forEach(paint);
     const { scale } = viewport;
+    const worst = team.troubles();
+    const trouble = (id) => worst.get(id) ?? "";
     each("trail", (robot) => drawTrail(context, robot, scale));
     each("visibility", (robot) => drawVisibility(context, robot, site, scale));
     each("scan", (robot) => drawScan(context, robot, site, scale, team.now));
     each("tracks", (robot) => drawTracks(context, robot, scale, team.now));
     for (const robot of placed) {
-      drawBody(context, robot, site, scale, { chosen: robot === chosen, silent: robot.silent(team.now) });
+      const looks = { chosen: robot === chosen, silent: robot.silent(team.now), trouble: trouble(robot.id) };
+      drawBody(context, robot, site, scale, looks);
     }
     each("particles", (robot) => drawParticles(context, robot, scale));
     each("covariance", (robot) => drawCovariance(context, robot, scale));
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    each("names", (robot) => drawName(context, robot, viewport, robot.name));
-    if (layers.tracks) {
-      const sightings = team.alarms.filter((alarm) => alarm.seen !== null);
-      for (const alarm of sightings) drawIntruder(context, alarm, viewport, team.wall);
-    }
+    const sightings = layers.tracks ? team.alarms.filter((alarm) => alarm.seen !== null) : [];
+    const taken = sightings.map((alarm) => intruderBox(alarm, viewport));
+    if (layers.names) this.labels.draw(context, placed, viewport, { chosen: chosen?.id, trouble, taken });
+    for (const alarm of sightings) drawIntruder(context, alarm, viewport, team.wall);
     this.drawScale(context);
     return true;
   }

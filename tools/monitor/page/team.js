@@ -7,6 +7,7 @@ class Robot {
   constructor(id, number) {
     this.id = id;
     this.number = number;
+    this.mark = String(number + 1); // beside its colour, which others may share; the key that chooses it
     this.name = id;
     this.samples = [];
     this.at = {}; // part -> monitor time of its arrival
@@ -33,6 +34,11 @@ class Robot {
   addSample(sample) {
     this.samples.push(sample);
     if (this.samples.length > SAMPLES) this.samples.shift();
+  }
+
+  // The words beside it on the map: its name, with the number if that does not end in it.
+  get label() {
+    return this.name.endsWith(this.mark) ? this.name : `${this.mark} ${this.name}`;
   }
 
   // Returns the age of a part, s; infinite if none was received.
@@ -76,6 +82,13 @@ export class Team {
   // Returns the active alarms of a robot, or of all, the worst first.
   active(id) {
     return this.alarms.filter((alarm) => alarm.cleared === null && (id === undefined || alarm.robot === id));
+  }
+
+  // Returns the severity of each robot's worst active alarm, of those that have any.
+  troubles() {
+    const worst = new Map();
+    for (const alarm of this.active()) if (!worst.has(alarm.robot)) worst.set(alarm.robot, alarm.severity);
+    return worst;
   }
 
   // Returns the severity of a robot's worst active alarm; empty if it has none.
