@@ -13,11 +13,11 @@ from robot_agent.config import find_map
 from robot_agent.recording.run_files import refuse_existing
 from tools.monitor.monitor import Monitor, MonitorOptions, PeriodicCall, until, while_sound
 from tools.monitor.playback import Playback
+from tools.monitor.playback_page import playback_page
 from tools.monitor.site import Site, load_site
 from tools.monitor.team_state import TeamState
 from tools.monitor.text_view import show_team
 from tools.monitor.watch import Watch
-from tools.monitor.web_server import WebServer
 from tools.number_range import positive
 
 POLL_S = 0.2
@@ -119,12 +119,12 @@ def play(options: argparse.Namespace, going_on: Callable[[], bool]) -> int:
     playback = Playback(options.play)
     chosen = chosen_site(options.map, options.border)
     site = chosen if chosen.folder else playback.site()
-    watch = Watch(TeamState(), site)
     if options.text:
+        watch = Watch(TeamState(), site)
         with closing(PeriodicCall(lambda: playback.advance(watch))) as caller:
             show_team(watch, while_sound(going_on, caller.check))
         return 0
-    with closing(WebServer(watch, playback, options.http)) as server:
+    with playback_page(playback, site, options.http) as server:
         print(f"patrol monitor: {server.link} plays {len(options.play)} files", file=sys.stderr)
         going_on = while_sound(going_on, server.check)
         while going_on():

@@ -6,7 +6,7 @@ network is cut to ``TEXT_SHOWN`` here, and the page sets it as text only, never 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 from robot_agent.messages.foxglove import LaserScan, PosesInFrame, SceneEntity, planar_pose
 from robot_agent.messages.streams import ACTIONS, DecisionPayload, DeviceStatus, StatusPayload
 from tools.monitor.alarm_board import Alarm
+from tools.monitor.history import HistorySample
 from tools.monitor.place_words import PlaceWords
 from tools.monitor.reason import turn_words, why
 from tools.monitor.robot_state import RobotState
@@ -257,6 +258,14 @@ def alarm_message(alarm: Alarm) -> dict[str, Any]:
     }
 
 
+def page_samples(samples: Sequence[HistorySample]) -> list[list[float]]:
+    """Return a robot's samples for the page: wall time, x, y, distance, action."""
+    return [
+        [round(s.wall, 1), round(s.x, 2), round(s.y, 2), round(s.distance, 3), s.action]
+        for s in samples
+    ]
+
+
 class PageFeed:
     """The messages of one page: tracks what was already sent to it."""
 
@@ -315,7 +324,4 @@ class PageFeed:
         limit = _FIRST_SAMPLES // max(len(self._watch.robots), 1)
         samples = history.since(self._samples.get(robot, 0), limit)
         self._samples[robot] = history.count
-        return [
-            [round(s.wall, 1), round(s.x, 2), round(s.y, 2), round(s.distance, 3), s.action]
-            for s in samples
-        ]
+        return page_samples(samples)

@@ -15,10 +15,11 @@ from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
 
 from tools.monitor.log_routes import LogRoutes
 from tools.monitor.page_files import add_page
-from tools.monitor.page_message import PageFeed
+from tools.monitor.page_message import PageFeed, page_samples
 from tools.monitor.page_server import PageServer
 from tools.monitor.shift_log import ShiftLog
 from tools.monitor.source import Source
+from tools.monitor.survey import Survey
 from tools.monitor.watch import Watch
 
 PAGE_FOLDER = Path(__file__).parent / "page"
@@ -58,11 +59,16 @@ class WebServer:
     """Serves one watch at one address until closed."""
 
     def __init__(
-        self, watch: Watch, source: Source, address: str, log: ShiftLog | None = None
+        self,
+        watch: Watch,
+        source: Source,
+        address: str,
+        log: ShiftLog | None = None,
+        survey: Survey | None = None,
     ) -> None:
         """Listen on an address such as ``127.0.0.1:8080`` (port 0: any free one).
 
-        log: of the alarms, for the page; None: it offers none.
+        log: of the alarms, for the page; None: it offers none. survey: of the recordings played.
 
         Raises:
             WebError: the address is invalid or taken.
@@ -70,6 +76,7 @@ class WebServer:
         self.watch = watch
         self.source = source
         self._log = log
+        self._survey = survey
         self._ticked = asyncio.Event()
         self._picture = watch.site.picture()
         self._site = msgspec.json.encode(watch.site.description())
@@ -121,6 +128,7 @@ class WebServer:
         application.router.add_get("/map.png", self._send_picture)
         application.router.add_get(r"/intruder/{number:\d{1,9}}", self._send_intruder)
         application.router.add_get("/live", self._feed_page)
+        application.router.add_get("/history", self._send_history)
         if self._log is not None:
             LogRoutes(self._log).add_to(application)
 
@@ -131,6 +139,12 @@ class WebServer:
         if self._picture is None:
             raise web.HTTPNotFound
         return web.Response(body=self._picture, content_type="image/png")
+
+    async def _send_history(self, _request: web.Request) -> web.Response:
+        """Send the surveyed samples of every robot, as the page gets those of the present."""
+        histories = {} if self._survey is None else self._survey.histories
+        body = {robot: page_samples(samples) for robot, samples in histories.items()}
+        return web.Response(body=msgspec.json.encode(body), content_type="application/json")
 
     async def _send_intruder(self, request: web.Request) -> web.Response:
         """Send the picture of an alarm's intruder."""
@@ -168,7 +182,9 @@ class WebServer:
                 feed, epoch, fresh = PageFeed(self.watch), self.source.epoch, True
             source = {**self.source.description(), "mayAct": may_act}
             log = None if self._log is None else self._log.version
+            surveyed = self._survey is not None and self._survey.done
             extra: dict[str, Any] = {"source": source, "fresh": fresh, "log": log}
+            extra["surveyed"] = surveyed
             await socket.send_str(feed.message(extra).decode())
             flow.sent += 1
             fresh = False
