@@ -76,7 +76,7 @@ class AlarmBoard:
             if now - ongoing.last > CLEAR_S:
                 del self._ongoing[key]
                 self._clear(key, now, wall)
-            elif now - ongoing.since >= ongoing.condition.delay:
+            elif ongoing.last == now and now - ongoing.since >= ongoing.condition.delay:
                 self._raise(key, ongoing.condition, now, wall)
         self._drop_old(now)
 

@@ -81,7 +81,7 @@ class Monitor:
                 CertificateWatch(options.forward_keys, consequence="the office hears nothing"),
             )
             self.watch = Watch(self.operator.team, self.options.site, self.conditions, self.log.put)
-            source = LiveSource()
+            source = LiveSource(options.listen)
             if self.options.http is None:
                 caller = PeriodicCall(lambda: source.advance(self.watch))
                 stack.callback(caller.close)

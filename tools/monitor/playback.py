@@ -41,6 +41,7 @@ class Playback:
         self._stream = PayloadStream(self.files)
         self.start, self.end = self._stream.start, self._stream.end
         self.epoch = 0
+        self.listen = ""
         self.t = self.start
         self.speed = 1.0
         self.paused = False

@@ -100,7 +100,7 @@ class ShiftLog:
         self.version = 0
         self.run = f"{time.strftime('%Y-%m-%d %H:%M:%S')} {secrets.token_hex(3)}"
         self._lock = threading.Lock()
-        self._waiting: deque[Alarm] = deque(maxlen=_MAX_WAITING)
+        self._waiting: deque[Alarm] = deque(maxlen=_MAX_WAITING)  # some more than once
         self._database = _open(path)
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._write_on, name="shift log", daemon=True)
@@ -137,9 +137,10 @@ class ShiftLog:
         ending = False
         while not ending:
             ending = self._ending.wait(_WRITE_S)
-            alarms = [self._waiting.popleft() for _ in range(len(self._waiting))]
-            if alarms and not self.failed:
-                self._write(alarms)
+            waiting = [self._waiting.popleft() for _ in range(len(self._waiting))]
+            newest = {alarm.number: alarm for alarm in waiting}
+            if newest and not self.failed:
+                self._write(list(newest.values()))
 
     def _write(self, alarms: Sequence[Alarm]) -> None:
         try:
@@ -159,6 +160,8 @@ def _open(path: Path | None) -> sqlite3.Connection:
         try:
             database = sqlite3.connect(name, check_same_thread=False, timeout=2.0)
             stack.callback(database.close)
+            database.execute("PRAGMA journal_mode = WAL")  # a change every second costs no sync
+            database.execute("PRAGMA synchronous = NORMAL")
             with database:
                 database.execute(_MAKE)
                 database.execute("CREATE INDEX IF NOT EXISTS by_time ON alarms (raised)")

@@ -13,6 +13,7 @@ from typing import Annotated, Any
 import msgspec
 from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
 
+from tools.monitor.dial_address import dial_endpoints, reaches_this_computer_only
 from tools.monitor.log_routes import LogRoutes
 from tools.monitor.page_files import add_page
 from tools.monitor.page_message import PageFeed, page_samples
@@ -129,6 +130,7 @@ class WebServer:
         application.router.add_get(r"/intruder/{number:\d{1,9}}", self._send_intruder)
         application.router.add_get("/live", self._feed_page)
         application.router.add_get("/history", self._send_history)
+        application.router.add_get("/dial.json", self._send_dial)
         if self._log is not None:
             LogRoutes(self._log).add_to(application)
 
@@ -139,6 +141,13 @@ class WebServer:
         if self._picture is None:
             raise web.HTTPNotFound
         return web.Response(body=self._picture, content_type="image/png")
+
+    async def _send_dial(self, _request: web.Request) -> web.Response:
+        """Send what robots dial; the computer's address may change with its network."""
+        listen = self.source.listen
+        endpoints = await asyncio.to_thread(dial_endpoints, listen) if listen else []
+        body = {"endpoints": endpoints, "onlyHere": reaches_this_computer_only(listen)}
+        return web.Response(body=msgspec.json.encode(body), content_type="application/json")
 
     async def _send_history(self, _request: web.Request) -> web.Response:
         """Send the surveyed samples of every robot, as the page gets those of the present."""

@@ -193,6 +193,15 @@ def test_an_unplugged_laser_is_one_alarm() -> None:
     assert [alarm.text for alarm in alarms_of(unplugged)] == ["laser: unplugged"]
 
 
+def test_consequence_told_before_its_cause_is_no_alarm_of_its_own() -> None:
+    board = AlarmBoard()
+    early = Condition("north/anna", "trust.laser", Severity.CRITICAL, "none for 0.4 s", 0.8)
+    cause = Condition("north/anna", "link laser", Severity.CRITICAL, "laser: unplugged")
+    for step in range(60):
+        board.update([early] if step < 5 else [cause], 0.1 * step, 0.0)
+    assert [alarm.kind for alarm in board.alarms()] == ["link laser"]
+
+
 def test_failing_recorder_of_a_robot_is_an_alarm() -> None:
     def failing(t: float) -> dict[str, Payload]:
         process = ProcessPayload(

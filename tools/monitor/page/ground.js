@@ -78,8 +78,24 @@ export class Ground {
     context.restore();
   }
 
+  // The coordinates of the grid's lines at the left and lower edges; the context is in pixels.
+  drawGridNumbers(context, viewport) {
+    const step = gridStep(viewport);
+    const [left, top] = viewport.toMap(0, 0);
+    const [right, bottom] = viewport.toMap(viewport.width, viewport.height);
+    context.font = "10.5px system-ui, 'DejaVu Sans', sans-serif";
+    context.fillStyle = colour("quiet");
+    context.textAlign = "left";
+    for (let x = Math.ceil(left / step) * step; x < right; x += step) {
+      context.fillText(`${x}`, viewport.toPixel(x, 0)[0] + 3, viewport.height - 4);
+    }
+    for (let y = Math.ceil(bottom / step) * step; y < top; y += step) {
+      context.fillText(`${y}`, 3, viewport.toPixel(0, y)[1] - 3);
+    }
+  }
+
   drawGrid(context, viewport) {
-    const step = viewport.scale > 60 ? 1 : viewport.scale > 12 ? 5 : 10;
+    const step = gridStep(viewport);
     const [left, top] = viewport.toMap(0, 0);
     const [right, bottom] = viewport.toMap(viewport.width, viewport.height);
     context.beginPath();
@@ -122,4 +138,9 @@ export class Ground {
     line(0, points.length - 1);
     context.setLineDash([]);
   }
+}
+
+// m between two lines of the grid.
+function gridStep(viewport) {
+  return viewport.scale > 60 ? 1 : viewport.scale > 12 ? 5 : 10;
 }

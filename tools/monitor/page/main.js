@@ -1,21 +1,27 @@
 // Assembles the page: one connection feeds one team, which the parts show.
 
-import { ActionPlot } from "./action_plot.js";
+import { ActionPlot, LANES } from "./action_plot.js";
 import { AlarmList } from "./alarm_list.js";
 import { AlarmSignal } from "./alarm_signal.js";
+import { BorderLine } from "./border_line.js";
 import { CardList } from "./card_list.js";
 import { Connection } from "./connection.js";
 import { CoverageStrip } from "./coverage_strip.js";
 import { DistancePlot } from "./distance_plot.js";
-import { setText } from "./element.js";
+import { element, setText } from "./element.js";
+import { EmptyTeam } from "./empty_team.js";
 import { Figures } from "./figures.js";
 import { duration } from "./format.js";
 import { Header } from "./header.js";
+import { History } from "./history.js";
+import { listenToKeys } from "./keyboard.js";
 import { makeLayers } from "./layer_switches.js";
+import { MapToolbar } from "./map_toolbar.js";
 import { MapView } from "./map_view.js";
 import { NumberKeys } from "./number_keys.js";
 import { OperatorName } from "./operator_name.js";
 import { PlaybackBar } from "./playback_bar.js";
+import { PlotCursor } from "./plot_cursor.js";
 import { Roster } from "./roster.js";
 import { Selection } from "./selection.js";
 import { ShiftLog } from "./shift_log.js";
@@ -33,17 +39,32 @@ const figures = new Figures();
 const header = new Header(team, figures, (id) => robotName(id));
 const selection = new Selection(() => selected());
 const layers = makeLayers(find("layers").querySelector("div"), () => map.refresh());
-const map = new MapView(find("map"), site, team, layers, selection);
-const roster = new Roster(team, map.ground.zones);
+const map = new MapView(find("map"), site, team, layers, selection, (place) => toolbar.tell(place));
+const border = new BorderLine(site.border);
+const zones = map.ground.zones;
+const toolbar = new MapToolbar(map, border, zones, { fit, follow });
+const roster = new Roster(team, zones);
 const cards = new CardList(find("cards"), team, site.actions, roster, selection);
-const coverage = new CoverageStrip(find("coverage"), find("idleness"), team, site);
-const plots = [new DistancePlot(find("distance"), team, roster, selection), new ActionPlot(find("actions"), team, roster, selection)];
+const coverage = new CoverageStrip(find("coverage"), find("idleness"), find("coverage-legend"), {
+  team, border, zones, go: (s) => {
+    selection.stopFollowing();
+    map.show(border.at(s));
+  },
+});
+const history = new History(team, roster);
+const cursor = new PlotCursor(() => plots.forEach((plot) => plot.draw()), (time) => playback.go(time));
+const plots = [
+  new DistancePlot(find("distance"), find("distance-reading"), history, selection, cursor),
+  new ActionPlot(find("actions"), find("actions-reading"), find("actions-legend"), site.actions, history, selection, cursor),
+];
 const theme = new Theme(find("theme"), () => {
   map.restyle();
   drawPlots();
 });
 const connection = new Connection(take, (up) => header.showLink(up));
-const playback = new PlaybackBar(find("playback"), (request) => connection.send(request));
+const playback = new PlaybackBar(find("playback"), (request) => connection.send(request), (entry) => showAlarm(entryAlarm(entry)));
+const empty = new EmptyTeam(find("empty"));
+let surveyed = false;
 const robotName = (id) => team.robots.get(id)?.name ?? id;
 const operator = new OperatorName(find("operator"));
 const signal = new AlarmSignal(find("sound"), find("notify"));
@@ -54,6 +75,12 @@ const alarms = new AlarmList(find("alarms"), find("alarm-count"), find("acknowle
 });
 const log = new ShiftLog(find("log"), find("open-log"), robotName, (entry) => showAlarm(entryAlarm(entry)));
 setText(find("site"), site.name);
+site.actions.forEach((_action, index) => {
+  const [item, colour] = [element("span", "", LANES[index]), element("i")];
+  colour.style.background = `var(--action-${index})`;
+  item.prepend(colour);
+  find("actions-legend").append(item);
+});
 
 function take(message) {
   if (message.fresh) {
@@ -65,7 +92,15 @@ function take(message) {
   map.changed = true;
   alarms.show(team.alarms, team.source.mayAct);
   log.take(team.log, find("open-log"));
+  if (message.surveyed && !surveyed) survey();
   if (team.source.kind === "live") signal.take(team.alarms, robotName);
+}
+
+// The survey of the recordings is done: their whole history and all their alarms can be had.
+async function survey() {
+  surveyed = true;
+  await Promise.all([history.load(), playback.marks.load()]);
+  drawPlots();
 }
 
 function selected() {
@@ -80,6 +115,7 @@ function selected() {
 
 function showCards() {
   cards.show();
+  empty.show(team);
   const listed = cards.cards.size;
   setText(find("robot-count"), listed === team.ordered.length ? `${listed}` : `${listed} of ${team.ordered.length}`);
   playback.show(team.source);
@@ -115,13 +151,9 @@ function frame() {
 
 for (const span of SPANS) find("span").append(new Option(`last ${duration(span)}`, span, span === 300, span === 300));
 find("span").addEventListener("change", (event) => {
-  for (const plot of plots) plot.span = Number(event.target.value);
+  history.span = Number(event.target.value);
   drawPlots();
 });
-find("zoom-in").addEventListener("click", () => map.zoom(1.4));
-find("zoom-out").addEventListener("click", () => map.zoom(1 / 1.4));
-find("fit").addEventListener("click", fit);
-find("follow").addEventListener("click", () => follow());
 find("help").addEventListener("click", () => find("keys").showModal());
 find("robot-search").addEventListener("input", (event) => {
   roster.words = event.target.value;
@@ -164,23 +196,16 @@ const KEYS = {
   a: () => alarms.acknowledgeFirst(),
   l: () => team.log !== null && log.open(),
   t: () => theme.toggle(),
+  m: () => toolbar.toggleMeasure(),
+  Escape: () => toolbar.stopMeasure(),
   " ": () => playback.toggle(),
   ",": () => playback.skip(-10),
   ".": () => playback.skip(10),
   "?": () => find("keys").showModal(),
 };
 
-document.addEventListener("keydown", (event) => {
-  const control = event.target.closest?.("button, select, input, summary, dialog");
-  if (event.ctrlKey || event.metaKey || event.altKey || (control && event.key === " " && !playback.shown) || (event.target.matches?.("select, input") && event.key !== " ")) return;
-  if (numbers.take(event.key)) return;
-  if (KEYS[event.key]) {
-    event.preventDefault();
-    KEYS[event.key]();
-  }
-});
-
+listenToKeys(KEYS, numbers, () => playback.shown);
 setInterval(showCards, CARDS_MS);
 setInterval(drawPlots, PLOTS_MS);
 requestAnimationFrame(frame);
-window.patrol = { team, figures, map, selection, signal };
+window.patrol = { team, figures, map, selection, signal, roster, history, playback };

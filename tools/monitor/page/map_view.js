@@ -4,6 +4,7 @@ import { colour } from "./palette.js";
 import { Ground } from "./ground.js";
 import { drawIntruder, intruderBox } from "./intruder_mark.js";
 import { MapLabels } from "./map_labels.js";
+import { Measure } from "./measure.js";
 import {
   drawBody, drawCovariance, drawParticles, drawScan, drawTracks, drawTrail, drawVisibility,
 } from "./robot_drawing.js";
@@ -14,7 +15,11 @@ const PAN_STEP = 60; // px per key press
 const PICK_RADIUS = 26; // px
 
 export class MapView {
-  constructor(canvas, site, team, layers, selection) {
+  // onPlace: called with the place under the pointer, m; null when it leaves.
+  constructor(canvas, site, team, layers, selection, onPlace) {
+    this.onPlace = onPlace;
+    this.measure = new Measure();
+    this.place = null; // shown with a mark, m
     this.site = site;
     this.team = team;
     this.layers = layers;
@@ -50,6 +55,12 @@ export class MapView {
   fit() {
     this.viewport.fit(this.ground.bounds(this.team.ordered));
     this.changed = true;
+  }
+
+  // Brings a place to the middle and marks it.
+  show(place) {
+    this.place = place;
+    this.centre(place);
   }
 
   // Brings a pose to the middle; nothing without one.
@@ -106,6 +117,8 @@ export class MapView {
     const taken = sightings.map((alarm) => intruderBox(alarm, viewport));
     if (layers.names) this.labels.draw(context, placed, viewport, { chosen: chosen?.id, trouble, taken });
     for (const alarm of sightings) drawIntruder(context, alarm, viewport, team.wall);
+    this.measure.draw(context, viewport);
+    if (this.place) drawPlace(context, viewport.toPixel(...this.place));
     this.drawScale(context);
     return true;
   }
@@ -127,6 +140,7 @@ export class MapView {
       this.ground.draw(still, viewport, layers, this.team.coverage);
       still.setTransform(ratio, 0, 0, ratio, 0, 0);
       if (layers.zones) this.ground.zones.drawNames(still, viewport);
+      if (layers.grid || !this.site.map) this.ground.drawGridNumbers(still, viewport);
     }
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.drawImage(this.still, 0, 0);
@@ -169,6 +183,7 @@ export class MapView {
     });
     canvas.addEventListener("pointermove", (event) => {
       const before = pointers.get(event.pointerId);
+      this.onPlace(this.viewport.toMap(...place(event)));
       if (!before) return;
       const now = place(event);
       moved += Math.hypot(now[0] - before[0], now[1] - before[1]);
@@ -181,6 +196,7 @@ export class MapView {
     };
     canvas.addEventListener("pointerup", release);
     canvas.addEventListener("pointercancel", release);
+    canvas.addEventListener("pointerleave", () => this.onPlace(null));
     canvas.addEventListener("wheel", (event) => {
       event.preventDefault();
       this.zoom(Math.exp(-event.deltaY * 0.0015), ...place(event));
@@ -201,6 +217,13 @@ export class MapView {
   }
 
   pick(px, py) {
+    this.place = null;
+    this.changed = true;
+    if (this.measure.on) {
+      this.measure.add(...this.viewport.toMap(px, py));
+      this.onPlace(this.viewport.toMap(px, py));
+      return;
+    }
     let [best, nearest] = [null, PICK_RADIUS];
     for (const robot of this.team.ordered) {
       if (!robot.pose) continue;
@@ -211,11 +234,34 @@ export class MapView {
     if (best) this.selection.choose(best.id);
   }
 
+  toggleMeasure() {
+    this.measure.toggle();
+    this.changed = true;
+  }
+
   key(event) {
+    if (event.key === "Enter" && this.measure.on) {
+      event.preventDefault();
+      this.pick(this.viewport.width / 2, this.viewport.height / 2);
+    }
     const steps = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
     const step = steps[event.key];
     if (!step) return;
     event.preventDefault();
     this.drag(step[0] * PAN_STEP, step[1] * PAN_STEP);
+  }
+}
+
+function drawPlace(context, [px, py]) {
+  for (const [style, width] of [["floor", 6], ["accent", 2.5]]) {
+    context.strokeStyle = colour(style);
+    context.lineWidth = width;
+    context.beginPath();
+    context.arc(px, py, 11, 0, 2 * Math.PI);
+    for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
+      context.moveTo(px + 7 * dx, py + 7 * dy);
+      context.lineTo(px + 17 * dx, py + 17 * dy);
+    }
+    context.stroke();
   }
 }

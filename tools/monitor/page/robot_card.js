@@ -45,7 +45,7 @@ export class RobotCard {
     this.brief = element("span", "brief");
     this.why = element("span", "why");
     const title = element("span");
-    title.append(this.badge, this.mark, this.name, this.action);
+    title.append(this.badge, " ", this.mark, " ", this.name, " ", this.action); // spaces are for who listens
     this.button.append(title, this.brief, this.why);
     this.root.append(this.button, this.pin);
     this.body = null;
