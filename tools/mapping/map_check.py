@@ -103,7 +103,7 @@ def _zone_findings(folder: Path, occupancy: OccupancyMap) -> list[Finding]:
     findings += [
         Finding("zone", ok=True, text=f"'{b}' is called '{a}' where both are: first in the file")
         for (a, first), (b, second) in combinations(shapes.items(), 2)
-        if first.intersection(second).area > _OVERLAP_M2
+        if first.intersects(second) and first.intersection(second).area > _OVERLAP_M2
     ]
     return findings
 

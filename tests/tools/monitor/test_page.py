@@ -136,6 +136,8 @@ def test_distances_on_the_page_follow_the_robot(live: LiveTeam) -> None:
 def test_map_plots_and_border_are_drawn(live: LiveTeam) -> None:
     browser = live.browser
     browser.wait(lambda: "average" in browser.text("#idleness"), "idleness of the border")
+    kinds = {alarm.kind for alarm in live.monitor.watch.alarms.alarms()}
+    assert not kinds & {"map", "border", "twin"}, "robots and monitor have the same map"
     for canvas in ("map", "coverage", "distance", "actions"):
         drawn = f"""
             const canvas = document.getElementById("{canvas}");

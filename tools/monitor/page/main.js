@@ -140,6 +140,7 @@ function showAlarm(alarm) {
 }
 
 function drawPlots() {
+  playback.marks.draw();
   coverage.draw();
   for (const plot of plots) plot.draw();
 }

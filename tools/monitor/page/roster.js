@@ -5,9 +5,9 @@ const RANK = { critical: 0, warning: 1, info: 2 };
 
 const FILTERS = {
   all: () => true,
-  trouble: (team, robot) => team.trouble(robot.id) !== "",
-  silent: (team, robot) => robot.silent(team.now),
-  pinned: (team, robot, roster) => roster.pinned.has(robot.id),
+  trouble: (robot, { worst }) => worst.has(robot.id),
+  silent: (robot, { now }) => robot.silent(now),
+  pinned: (robot, { pinned }) => pinned.has(robot.id),
 };
 
 export class Roster {
@@ -21,11 +21,11 @@ export class Roster {
 
   // Returns the robots that match, those in the worst trouble first, else by name.
   listed() {
-    const { team } = this;
-    const rank = (robot) => RANK[team.trouble(robot.id)] ?? 3;
-    const matching = team.ordered.filter((robot) => FILTERS[this.filter](team, robot, this) && this.found(robot));
-    const ranks = new Map(matching.map((robot) => [robot, rank(robot)]));
-    return matching.sort((a, b) => ranks.get(a) - ranks.get(b));
+    const worst = this.team.troubles();
+    const facts = { worst, now: this.team.now, pinned: this.pinned };
+    const rank = (robot) => RANK[worst.get(robot.id)] ?? 3;
+    const matching = this.team.ordered.filter((robot) => FILTERS[this.filter](robot, facts) && this.found(robot));
+    return matching.sort((a, b) => rank(a) - rank(b));
   }
 
   // Returns the pinned robots, or without any the listed ones, by name.

@@ -79,9 +79,9 @@ export class Team {
     if (message.coverage) this.coverage = message.coverage;
   }
 
-  // Returns the active alarms of a robot, or of all, the worst first.
-  active(id) {
-    return this.alarms.filter((alarm) => alarm.cleared === null && (id === undefined || alarm.robot === id));
+  // Returns the active alarms, the worst first.
+  active() {
+    return this.alarms.filter((alarm) => alarm.cleared === null);
   }
 
   // Returns the severity of each robot's worst active alarm, of those that have any.
@@ -89,11 +89,6 @@ export class Team {
     const worst = new Map();
     for (const alarm of this.active()) if (!worst.has(alarm.robot)) worst.set(alarm.robot, alarm.severity);
     return worst;
-  }
-
-  // Returns the severity of a robot's worst active alarm; empty if it has none.
-  trouble(id) {
-    return this.active(id)[0]?.severity ?? "";
   }
 
   // Removes the robots that gave way to others.
