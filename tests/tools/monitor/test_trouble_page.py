@@ -135,6 +135,8 @@ def test_header_list_and_map_tell_the_trouble(page: TroublePage) -> None:
     assert "last seen" in browser.text("#alarms li:first-child .when")
     loaded = "return document.querySelector('#alarms img')?.naturalWidth ?? 0"
     browser.wait(lambda: page.run(loaded) == 120, "the intruder's picture")
+    drawn = "return [...patrol.map.intruders.pictures.values()].map((each) => each.naturalWidth)"
+    browser.wait(lambda: page.run(drawn) == [120], "the picture on the map")
 
 
 def test_names_on_the_map_never_overprint(page: TroublePage) -> None:

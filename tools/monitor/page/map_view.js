@@ -2,7 +2,7 @@
 
 import { colour } from "./palette.js";
 import { Ground } from "./ground.js";
-import { drawIntruder, intruderBox } from "./intruder_mark.js";
+import { IntruderMarks } from "./intruder_marks.js";
 import { MapLabels } from "./map_labels.js";
 import { Measure } from "./measure.js";
 import {
@@ -27,6 +27,7 @@ export class MapView {
     this.following = false;
     this.changed = true;
     this.labels = new MapLabels();
+    this.intruders = new IntruderMarks(() => this.refresh());
     this.viewport = new Viewport();
     this.still = document.createElement("canvas");
     this.stillKey = "";
@@ -114,9 +115,9 @@ export class MapView {
     each("covariance", (robot) => drawCovariance(context, robot, scale));
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     const sightings = layers.tracks ? team.alarms.filter((alarm) => alarm.seen !== null) : [];
-    const taken = sightings.map((alarm) => intruderBox(alarm, viewport));
+    const taken = sightings.map((alarm) => this.intruders.box(alarm, viewport));
     if (layers.names) this.labels.draw(context, placed, viewport, { chosen: chosen?.id, trouble, taken });
-    for (const alarm of sightings) drawIntruder(context, alarm, viewport, team.wall);
+    for (const alarm of sightings) this.intruders.draw(context, alarm, viewport, team.wall);
     this.measure.draw(context, viewport);
     if (this.place) drawPlace(context, viewport.toPixel(...this.place));
     this.drawScale(context);
