@@ -69,7 +69,7 @@ def conditions_of(robot: RobotState, now: float) -> Iterator[Condition]:
         return
     if silence > SILENT_S:
         gone = "" if robot.online else ", connection gone"
-        words = f"nothing received for {silence:.0f} s{gone}"
+        words = f"nothing received for {_coarse(silence)}{gone}"
         yield Condition(robot.id, "silent", Severity.CRITICAL, words)
         return  # all other payloads are stale
     status_age = robot.age("status", now)
@@ -117,6 +117,17 @@ def _of_status(robot: RobotState, status: StatusPayload) -> Iterator[Condition]:
         way = "ahead of" if robot.skew > 0 else "behind"
         words = f"clock is {_long(abs(robot.skew))} {way} this computer's; set it"
         yield Condition(robot.id, "clock", Severity.WARNING, words)
+
+
+def _coarse(seconds: float) -> str:
+    """Return a time that changes less often the longer it is: each change is read to the blind."""
+    if seconds < 10.0:
+        return f"{seconds:.0f} s"
+    if seconds < 60.0:
+        return f"{seconds // 10.0 * 10.0:.0f} s"
+    if seconds < 3600.0:
+        return f"{seconds // 60.0:.0f} min"
+    return f"{seconds // 3600.0:.0f} h"
 
 
 def _long(seconds: float) -> str:

@@ -12,6 +12,7 @@ from tools.monitor.alarm import REMEMBERED_S, Condition, Severity, conditions_of
 from tools.monitor.alarm_board import Alarm, AlarmBoard
 from tools.monitor.coverage import Coverage
 from tools.monitor.history import RobotHistory
+from tools.monitor.intruder_groups import IntruderGroups
 from tools.monitor.robot_state import RobotState
 from tools.monitor.site import Site
 from tools.monitor.site_conditions import site_conditions
@@ -54,6 +55,7 @@ class Watch:
         self.wall = 0.0
         self._own_conditions = own_conditions
         self._visited_at = float("-inf")
+        self._intruders = IntruderGroups()
 
     def advance(self, now: float, wall: float) -> None:
         """Take a snapshot of the team at now (monotonic) and wall (s since 1970); update all."""
@@ -86,13 +88,17 @@ class Watch:
         self.alarms = AlarmBoard(self._on_alarm)
         self.coverage = None
         self._visited_at = float("-inf")
+        self._intruders = IntruderGroups()
 
     def _conditions(self) -> Iterator[Condition]:
+        intruders: list[Condition] = []
         for robot in self.robots:
-            place = robot.poses[-1][1][:2] if robot.poses else None
             for condition in self.made(robot, partial(_listed, robot, self.now, self.site)) or ():
-                text = self.site.words.placed(condition.text, place)
-                yield replace(condition, text=text, place=place)
+                if condition.sighting is None:
+                    yield condition
+                else:
+                    intruders.append(condition)
+        yield from self._intruders.merged(intruders, self.now)
         yield from self._own_conditions()
         hidden = self.team.hidden_since(self.now - REMEMBERED_S)
         if hidden:
@@ -127,4 +133,9 @@ class Watch:
 
 
 def _listed(robot: RobotState, now: float, site: Site) -> list[Condition]:
-    return [*conditions_of(robot, now), *site_conditions(robot, now, site)]
+    """Return a robot's conditions with its place, and with the zones of all places told."""
+    place = robot.poses[-1][1][:2] if robot.poses else None
+    return [
+        replace(each, text=site.words.placed(each.text, place), place=place)
+        for each in (*conditions_of(robot, now), *site_conditions(robot, now, site))
+    ]

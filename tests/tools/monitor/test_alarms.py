@@ -123,6 +123,18 @@ def test_alarm_appears_within_two_seconds_and_clears(kind: str) -> None:
     assert END <= alarm.cleared < END + 3.0
 
 
+@pytest.mark.parametrize(
+    ("silence", "words"),
+    [(2.6, "3 s"), (19.9, "10 s"), (59.0, "50 s"), (150.0, "2 min"), (7300.0, "2 h")],
+)
+def test_silence_is_told_ever_more_coarsely(silence: float, words: str) -> None:
+    team = TeamState()
+    watch = Watch(team, Site(None))
+    team.receive(f"{KEY}/status", encode(status(1.0)), 1.0, 1.0)
+    watch.advance(1.0 + silence, 1.0 + silence)
+    assert watch.alarms.alarms()[0].text == f"nothing received for {words}, connection gone"
+
+
 def test_robot_without_faults_raises_no_alarm() -> None:
     assert alarms_of(without_fault) == []
 

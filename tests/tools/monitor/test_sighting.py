@@ -17,7 +17,9 @@ from tests.tools.monitor.trouble_team import (
     picture,
     team_payloads,
 )
-from tools.monitor.sighting import sighting_of
+from tools.monitor.alarm import Condition, Severity
+from tools.monitor.intruder_groups import IntruderGroups
+from tools.monitor.sighting import Sighting, sighting_of
 from tools.monitor.site import Site
 from tools.monitor.team_state import TeamState
 from tools.monitor.watch import Watch
@@ -53,6 +55,35 @@ def test_one_intruder_told_by_tracks_log_and_report_is_one_alarm() -> None:
             watch.advance(t, START + t)
     found = [(alarm.robot, alarm.kind) for alarm in watch.alarms.alarms()]
     assert found == [(f"north/robot{WITNESS}", "intruder")]
+
+
+def told(robot: str, x: float) -> Condition:
+    seen = Sighting(x, 0.0, START)
+    words = f"intruder at {x:.1f}"
+    return Condition(f"north/{robot}", "intruder", Severity.CRITICAL, words, sighting=seen)
+
+
+def merged(groups: IntruderGroups, now: float, *found: Condition) -> list[tuple[str, str]]:
+    return [(each.robot, each.text) for each in groups.merged(found, now)]
+
+
+def test_one_intruder_that_several_robots_report_is_one_alarm_of_the_first() -> None:
+    groups = IntruderGroups()
+    assert merged(groups, 0.0, told("bob", 5.0)) == [("north/bob", "intruder at 5.0")]
+    both = merged(groups, 1.0, told("anna", 5.6), told("bob", 5.2))
+    assert both == [("north/bob", "intruder at 5.2; seen by anna")]
+    alone = merged(groups, 2.0, told("anna", 6.0))
+    assert alone == [("north/bob", "intruder at 6.0; seen by anna")]
+    walked = merged(groups, 3.0, told("anna", 9.0))
+    assert walked == [("north/bob", "intruder at 9.0; seen by anna")]
+
+
+def test_two_intruders_are_two_alarms_and_a_later_one_is_new() -> None:
+    groups = IntruderGroups()
+    pair = merged(groups, 0.0, told("anna", 0.0), told("bob", 2.0))
+    assert [robot for robot, _ in pair] == ["north/anna", "north/bob"]
+    later = merged(groups, 60.0, told("carl", 0.0))
+    assert later == [("north/carl", "intruder at 0.0")]
 
 
 @pytest.mark.parametrize("text", ["no base64!", base64.b64encode(b"<svg/>").decode(), "ü"])
