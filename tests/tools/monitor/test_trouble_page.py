@@ -186,11 +186,19 @@ def test_click_on_an_alarm_chooses_centres_and_jumps(wide: TroublePage) -> None:
         lambda: abs(page.playback.t - (START + TROUBLE_AT + 1.5)) < 1.5, "the alarm's time"
     )
     assert page.run("return patrol.selection.id") == "north/robot7"
-    place = page.run(
-        "return patrol.team.robots.get('north/robot7').pose.slice(0, 2)"
-        ".map((value, k) => Math.abs(value - [patrol.map.viewport.x, patrol.map.viewport.y][k]))"
+    off = (
+        "const [x, y] = patrol.team.robots.get('north/robot7')?.pose ?? [1e9, 1e9];"
+        "return Math.hypot(x - patrol.map.viewport.x, y - patrol.map.viewport.y)"
     )
-    assert max(place) < 0.6
+    page.browser.wait(lambda: float(page.run(off)) < 0.3, "the robot in the middle")
+
+
+def test_click_on_the_header_shows_the_worst_alarm(wide: TroublePage) -> None:
+    wide.run("document.querySelector('#trouble button').click()")
+    wide.browser.wait(lambda: abs(wide.playback.t - (START + TROUBLE_AT)) < 1.5, "its time")
+    assert wide.run("return patrol.selection.id") == "north/robot2"
+    middle = wide.run("return [patrol.map.viewport.x, patrol.map.viewport.y]")
+    assert middle == pytest.approx(INTRUDER, abs=0.01)
 
 
 def test_survey_marks_the_slider_and_fills_plots_and_log(wide: TroublePage) -> None:

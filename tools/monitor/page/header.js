@@ -6,11 +6,12 @@ import { duration, timeOfDay } from "./format.js";
 const find = (id) => document.getElementById(id);
 
 export class Header {
-  // robotName: of an id.
-  constructor(team, figures, robotName) {
+  // robotName: of an id; go: shows an alarm on the map.
+  constructor(team, figures, robotName, go) {
     this.team = team;
     this.figures = figures;
     this.robotName = robotName;
+    find("trouble").firstElementChild.addEventListener("click", () => go(team.active()[0]));
   }
 
   show() {
@@ -34,7 +35,7 @@ export class Header {
     const name = worst && (worst.robot ? this.robotName(worst.robot) : "monitor");
     const more = active.length > 1 ? ` · ${active.length - 1} more` : "";
     const box = find("trouble");
-    setText(box, worst ? `${name}: ${worst.text}${more}` : "");
+    setText(box.firstElementChild, worst ? `${name}: ${worst.text}${more}` : "");
     box.className = `trouble ${worst?.severity ?? ""}`;
     box.hidden = !worst;
     const title = active.length ? `(${active.length}) Border patrol` : "Border patrol";

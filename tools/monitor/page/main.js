@@ -36,7 +36,7 @@ const find = (id) => document.getElementById(id);
 const site = await (await fetch("/site.json")).json();
 const team = new Team();
 const figures = new Figures();
-const header = new Header(team, figures, (id) => robotName(id));
+const header = new Header(team, figures, (id) => robotName(id), showAlarm);
 const selection = new Selection(() => selected());
 const layers = makeLayers(find("layers").querySelector("div"), () => map.refresh());
 const map = new MapView(find("map"), site, team, layers, selection, (place) => toolbar.tell(place));
