@@ -292,6 +292,7 @@ def test_sound_and_notification_are_switched_off_and_stay_so(wide: TroublePage) 
     assert json.loads(page.run("return JSON.stringify(patrol.signal.on)"))["sound"]
     page.run("document.getElementById('sound').click()")
     page.browser.open(page.url, 1280, 720)
+    page.browser.wait(lambda: page.run("return window.patrol !== undefined"), "the page")
     assert page.run("return patrol.signal.on.sound") is False
     assert page.run("return document.getElementById('sound').getAttribute('aria-pressed')") == (
         "false"
