@@ -43,10 +43,16 @@ class TroublePage:
         self.browser.open(self.url, width, height)
         self.browser.run("localStorage.clear()")
         self.browser.open(self.url, width, height)
-        self.playback.steer(pause=True, speed=None, seek=START + SHOWN_AT)
-        self.browser.wait(lambda: "intruder" in self.browser.text("#trouble"), "the intruder")
-        self.browser.wait(lambda: self.browser.texts("#alarms .over") == [], "alarms of this time")
+        self.browser.wait(lambda: self.run("return window.patrol !== undefined"), "the page")
+        epoch, shown_at = self.playback.epoch, START + SHOWN_AT
+        self.playback.steer(pause=True, speed=None, seek=shown_at)
+        self.browser.wait(
+            lambda: self.playback.epoch > epoch and self.playback.t == shown_at, "the time"
+        )
+        self.browser.open(self.url, width, height)  # nothing of another time is on it
         self.browser.wait(lambda: len(self.alarms()) == 5, "five alarms")
+        self.browser.wait(lambda: "intruder" in self.browser.text("#trouble"), "the intruder")
+        self.browser.wait(lambda: len(self.browser.texts(".card .name")) == 8, "eight robots")
 
     def alarms(self) -> list[str]:
         return self.browser.texts("#alarms .words > span:first-child")

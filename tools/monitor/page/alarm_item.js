@@ -18,6 +18,7 @@ export class AlarmItem {
     this.button.addEventListener("click", acknowledge);
     this.text = element("span");
     this.seen = element("span", "when");
+    this.seen.setAttribute("aria-live", "off"); // it changes every second
     this.when = element("span", "when quiet");
     this.words.append(this.text, this.seen, this.when);
     this.root.append(this.mark, this.words, this.button);
