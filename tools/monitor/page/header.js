@@ -33,9 +33,9 @@ export class Header {
     const active = this.team.active();
     const [worst] = active;
     const name = worst && (worst.robot ? this.robotName(worst.robot) : "monitor");
-    const more = active.length > 1 ? ` · ${active.length - 1} more` : "";
     const box = find("trouble");
-    setText(box.firstElementChild, worst ? `${name}: ${worst.text}${more}` : "");
+    setText(box.firstElementChild, worst ? `${name}: ${worst.text}` : "");
+    setText(box.lastElementChild, active.length > 1 ? ` · ${active.length - 1} more` : "");
     box.className = `trouble ${worst?.severity ?? ""}`;
     box.hidden = !worst;
     const title = active.length ? `(${active.length}) Border patrol` : "Border patrol";
