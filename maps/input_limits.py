@@ -48,6 +48,10 @@ MAX_BORDER_M = 10_000.0
 """Length of a border, m."""
 MAX_BORDER_PIECES = 2000
 """Vertices of a border, and its segments and arcs."""
+MAX_ZONES = 200
+MAX_ZONE_VERTICES = 200
+MAX_ZONE_NAME = 60
+"""Characters of a zone's name: it is shown beside other words."""
 MAX_LOG_BYTES = 96 * 1024 * 1024
 """Text of a log, decompressed; a day of a laser at 5 Hz has less."""
 MAX_RECORD_BYTES = 64 * 1024 * 1024

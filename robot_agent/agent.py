@@ -106,7 +106,7 @@ class Agent:
         self.telemetry = TelemetryBuilder(
             config.robot.name,
             config.robot.team,
-            folder.border,
+            folder,
             self,
             self.health_summary,
             start_wall_ns,

@@ -23,7 +23,7 @@ TICKS = re.compile(r"`([^`\n]+)`")
 PATH = re.compile(r"\.?[\w@.+-]+(?:/[\w@.+-]+)+/?|[\w@+-]+\.(?:py|toml|txt|md)")
 COMMAND = re.compile(r"(?:\bpatrol|\./tools/run) (\w+)\b")
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]*")
-MADE = {"map.yaml", "map.pgm", "map.png", "border.toml"}
+MADE = {"map.yaml", "map.pgm", "map.png", "border.toml", "zones.toml"}
 """Files of a map folder, wherever that is."""
 ELSEWHERE = {"../shared/data", "acschaefer/ple"}
 """Recorded data beside the checkout, and another project."""

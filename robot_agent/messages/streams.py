@@ -181,6 +181,10 @@ class StatusPayload(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=Tru
     health: Annotated[
         Text, Meta(description="ok, or the first thing that keeps it from patrolling")
     ]
+    map_hash: Annotated[Word, Meta(description="of the map's files, shortened; empty: unknown")] = (
+        ""
+    )
+    border_hash: Annotated[Word, Meta(description="of its border, shortened; empty: none")] = ""
     body: BodyPayload | None = None
     battery: Annotated[Number | None, Meta(description="V; absent until the base reports")] = None
     motors_enabled: bool = False

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import platform
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,6 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from maps.map_folder import MapFolder
+from maps.map_identity import identity
 from robot_agent.config import AgentConfig, format_config
 from robot_agent.recording.arithmetic import arithmetic, processor
 
@@ -76,23 +76,6 @@ def header_of_run(
         configuration=format_config(config).encode(),
         map_files=folder.files,
     )
-
-
-def identity(files: Mapping[str, bytes]) -> tuple[str, str]:
-    """Return the hashes of a map folder's map and of its border; empty if missing."""
-    borders = {name: data for name, data in files.items() if name.endswith(".toml")}
-    rest = {name: data for name, data in files.items() if name not in borders}
-    return _hash(rest), _hash(borders)
-
-
-def _hash(files: Mapping[str, bytes]) -> str:
-    if not files:
-        return ""
-    digest = hashlib.sha256()
-    for name, data in sorted(files.items()):
-        digest.update(f"{name} {len(data)}\n".encode())
-        digest.update(data)
-    return digest.hexdigest()
 
 
 def versions() -> str:

@@ -16,7 +16,8 @@ from drivers.p2os.session import SessionState
 from drivers.scan import Scan
 from drivers.scanner import DOWN, STREAMING
 from localization.health import Health
-from maps.border import Border
+from maps.map_folder import MapFolder
+from maps.map_identity import HASH_SHOWN, identity
 from maps.pose import Pose
 from robot_agent.messages.events import LinkName
 from robot_agent.messages.foxglove import (
@@ -106,19 +107,20 @@ class TelemetryBuilder:
         self,
         robot: str,
         team: str,
-        border: Border | None,
+        folder: MapFolder,
         state: AgentState,
         health: HealthSummary,
         start_wall_ns: int,
     ) -> None:
         """Start with all links down.
 
-        robot, team: names in the payloads. border: None on a map without one. start_wall_ns: wall
-        clock at agent time 0, ns since 1970.
+        robot, team: names in the payloads. folder: the map, perhaps without a border.
+        start_wall_ns: wall clock at agent time 0, ns since 1970.
         """
         self._robot = robot
         self._team = team
-        self._border = border
+        self._border = folder.border
+        self._map_hash, self._border_hash = (text[:HASH_SHOWN] for text in identity(folder.files))
         self._state = state
         self._health = health
         self._start_wall_ns = start_wall_ns
@@ -250,6 +252,8 @@ class TelemetryBuilder:
             team=self._team,
             uptime=t,
             health=self._health.health(),
+            map_hash=self._map_hash,
+            border_hash=self._border_hash,
             body=self._body(),
             battery=None if base is None else base.battery,
             motors_enabled=base is not None and base.motors_enabled,

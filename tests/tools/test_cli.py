@@ -148,7 +148,7 @@ def test_a_missing_extra_is_one_line_that_names_it(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delitem(sys.modules, "tools.commands.monitor", raising=False)
-    for module in [name for name in sys.modules if name.startswith("tools.monitor.web_server")]:
+    for module in [name for name in sys.modules if name.startswith("tools.monitor.")]:
         monkeypatch.delitem(sys.modules, module)
     monkeypatch.setitem(sys.modules, "aiohttp", None)
     for words in (("monitor", "--duration", "1"), ("monitor", "--help")):

@@ -12,6 +12,7 @@ from maps.border import Border
 from maps.border_file import BorderEntries, read_border
 from maps.input_limits import MAX_BORDER_PIECES, MAX_COORDINATE_M
 from maps.toml_text import TomlError, read_toml
+from tools.border_editor.kept_file import write_kept
 
 DEFAULT_RADIUS = 1.25
 """m of corners, in a building's corridors; the paper's map has it."""
@@ -84,11 +85,7 @@ def save_draft(draft: BorderDraft, path: Path) -> None:
     Raises BorderError if it is no border, and OSError.
     """
     draft.border()
-    new = path.with_name(path.name + ".new")
-    new.write_text(draft.text(), encoding="utf-8")
-    if path.exists() and path.read_text(encoding="utf-8", errors="replace") != draft.text():
-        path.replace(path.with_name(path.name + ".before"))
-    new.replace(path)
+    write_kept(path, draft.text())
 
 
 def fitting_radius(before: Vertex, corner: Vertex, after: Vertex, most: float) -> float:

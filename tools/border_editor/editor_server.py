@@ -1,4 +1,4 @@
-"""Serves the page on which a border is drawn, judges each draft and saves it.
+"""Serves the page on which a border and zones are drawn, judges each draft and saves it.
 
 The page draws and asks; all geometry is computed here, by the code that robots and ``patrol map
 check`` use. A border file that is there when one is saved is kept beside it.
@@ -16,9 +16,12 @@ from aiohttp import web
 
 from maps.border import BorderError
 from maps.clearance import NEEDED_CLEARANCE
-from maps.occupancy_map import OccupancyMap
+from maps.occupancy_map import MapError, OccupancyMap
+from maps.zone import Zone, ZoneError
+from maps.zone_file import ZONES_FILE, ZoneEntries, load_zones, read_zones, zones_text
 from tools.border_editor.border_draft import BorderDraft, read_draft, save_draft
 from tools.border_editor.draft_judgement import judge
+from tools.border_editor.kept_file import write_kept
 from tools.border_editor.roomy_places import RoomyPlaces
 from tools.border_editor.suggested_loop import suggest_loop
 from tools.monitor.page_files import add_file, add_page
@@ -27,7 +30,7 @@ from tools.monitor.site import page_extent, page_picture
 from tools.monitor.web_server import PAGE_FOLDER as MONITOR_PAGE
 
 PAGE_FOLDER = Path(__file__).parent / "page"
-_REQUEST_LIMIT = 400_000  # bytes; the longest border
+_REQUEST_LIMIT = 900_000  # bytes; the longest border, or as many zones as a file may hold
 
 _T = TypeVar("_T")
 
@@ -91,6 +94,7 @@ class EditorServer:
         application.router.add_post("/snap", self._snap)
         application.router.add_post("/suggest", self._suggest)
         application.router.add_post("/save", self._save)
+        application.router.add_post("/zones", self._save_zones)
 
     @web.middleware
     async def _guard(
@@ -104,6 +108,11 @@ class EditorServer:
 
     async def _send_site(self, _request: web.Request) -> web.Response:
         draft, trouble = read_draft(self.file)
+        zones: tuple[Zone, ...] = ()
+        try:
+            zones = load_zones(self.file.parent)
+        except (MapError, ZoneError) as error:
+            trouble = trouble or f"{error}; saving zones replaces it"
         return _answer(
             {
                 "name": self.file.parent.resolve().name,
@@ -111,6 +120,7 @@ class EditorServer:
                 "map": page_extent(self._map),
                 "needed": NEEDED_CLEARANCE,
                 "draft": draft,
+                "zones": [{"name": zone.name, "polygon": zone.polygon} for zone in zones],
                 "trouble": trouble,
             }
         )
@@ -141,6 +151,19 @@ class EditorServer:
             return _answer({"saved": False, "why": str(error).removeprefix("this border: ")})
         except OSError as error:
             return _answer({"saved": False, "why": f"{self.file}: {error.strerror}"})
+        return _answer({"saved": True, "why": ""})
+
+    async def _save_zones(self, request: web.Request) -> web.Response:
+        entries = await _content(request, ZoneEntries)
+        path = self.file.with_name(ZONES_FILE)
+        try:
+            text = zones_text([Zone(each.name, tuple(each.polygon)) for each in entries.zone])
+            read_zones(text.encode(), "zones")
+            write_kept(path, text)
+        except ZoneError as error:
+            return _answer({"saved": False, "why": str(error).removeprefix("zones: ")})
+        except OSError as error:
+            return _answer({"saved": False, "why": f"{path}: {error.strerror}"})
         return _answer({"saved": True, "why": ""})
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from maps.border import BorderError
 from maps.map_folder import load_map_folder
+from maps.zone_file import load_zones
 from robot_agent.config import find_map
 from robot_agent.recording.run_files import refuse_existing
 from tools.commands.settings_option import add_set_option, chosen_config
@@ -74,7 +75,8 @@ def run(options: argparse.Namespace) -> int:
             )
         )
         http = options.http or (None if options.headless else "127.0.0.1:0")
-        healthy = demo.watch(options.duration, Site(folder), http=http, headless=options.headless)
+        site = Site(folder, load_zones(path))
+        healthy = demo.watch(options.duration, site, http=http, headless=options.headless)
         recordings = {robot.name: demo.recording_path(robot.name) for robot in demo.robots}
         runs, contacts = read_runs(demo.truth_path, recordings)
         print_summary(folder.border, runs, contacts)

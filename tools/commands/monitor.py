@@ -9,19 +9,19 @@ from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
-from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from robot_agent.recording.run_files import refuse_existing
 from tools.monitor.monitor import Monitor, MonitorOptions, PeriodicCall, until, while_sound
 from tools.monitor.playback import Playback
-from tools.monitor.site import Site
+from tools.monitor.playback_page import playback_page
+from tools.monitor.site import Site, load_site
 from tools.monitor.team_state import TeamState
 from tools.monitor.text_view import show_team
 from tools.monitor.watch import Watch
-from tools.monitor.web_server import WebServer
 from tools.number_range import positive
 
 POLL_S = 0.2
+LOG_FILE = "shift_log.sqlite"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -45,6 +45,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--text", action="store_true", help="a table in the terminal, no page")
     parser.add_argument(
         "--record", type=Path, metavar="OUT.mcap", help="record every payload received"
+    )
+    parser.add_argument(
+        "--log",
+        type=Path,
+        metavar="FILE.sqlite",
+        help=f"keep the shift log in a file; with --record the default is {LOG_FILE} beside it",
     )
     parser.add_argument(
         "--forward", metavar="ENDPOINT", help="head office's monitor that gets every payload too"
@@ -82,6 +88,7 @@ def run(options: argparse.Namespace) -> int:
         http,
         site,
         record=options.record,
+        log=log_file(options.log, options.record),
         border=options.border,
         keys=options.keys,
         forward=options.forward,
@@ -99,6 +106,11 @@ def run(options: argparse.Namespace) -> int:
     return 0
 
 
+def log_file(named: Path | None, record: Path | None) -> Path | None:
+    """Return the shift log's file: as named, else beside the recording; None without either."""
+    return named if named is not None or record is None else record.with_name(LOG_FILE)
+
+
 def play(options: argparse.Namespace, going_on: Callable[[], bool]) -> int:
     """Play recordings until interrupted or ``going_on`` returns False; return 0.
 
@@ -106,13 +118,13 @@ def play(options: argparse.Namespace, going_on: Callable[[], bool]) -> int:
     """
     playback = Playback(options.play)
     chosen = chosen_site(options.map, options.border)
-    site = chosen if chosen.folder else Site(playback.site_folder())
-    watch = Watch(TeamState(), site)
+    site = chosen if chosen.folder else playback.site()
     if options.text:
+        watch = Watch(TeamState(), site)
         with closing(PeriodicCall(lambda: playback.advance(watch))) as caller:
             show_team(watch, while_sound(going_on, caller.check))
         return 0
-    with closing(WebServer(watch, playback, options.http)) as server:
+    with playback_page(playback, site, options.http) as server:
         print(f"patrol monitor: {server.link} plays {len(options.play)} files", file=sys.stderr)
         going_on = while_sound(going_on, server.check)
         while going_on():
@@ -124,4 +136,4 @@ def chosen_site(name: str | None, border: str) -> Site:
     """Return the site of a map folder's name or path; a site without map for None."""
     if name is None:
         return Site(None)
-    return Site(load_map_folder(find_map(name, Path.cwd()), border))
+    return load_site(find_map(name, Path.cwd()), border)

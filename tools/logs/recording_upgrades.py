@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from robot_agent.recording.run_header import SCHEMA_VERSION, identity
+from maps.map_identity import identity
+from robot_agent.recording.run_header import SCHEMA_VERSION
 
 Fields = dict[str, str]
 

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
+from shapely import Polygon, box
 
 from maps.border import Border, BorderError
 from maps.clearance import NEEDED_CLEARANCE, border_clearance
 from maps.map_folder import DEFAULT_BORDER, MapFolder, load_map_folder
 from maps.occupancy_map import OCCUPIED, UNKNOWN, MapError, OccupancyMap
+from maps.zone import ZoneError
+from maps.zone_file import load_zones
 from robot_agent.patrol.settings import PatrolSettings
 
 _MIN_TURNING_RADIUS = PatrolSettings().turning_radius  # m
 _MIN_KNOWN_SHARE = 0.05  # of a map's cells
+_OVERLAP_M2 = 0.2  # of two zones; less is how people draw edges
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +63,7 @@ def check_map(
     except (MapError, BorderError) as error:
         subject = "map" if isinstance(error, MapError) else "border"
         return MapReport((Finding(subject, ok=False, text=str(error)),))
-    findings = _map_findings(content.map)
+    findings = [*_map_findings(content.map), *_zone_findings(folder, content.map)]
     if content.border is None:
         missing = f"{folder / border}.toml is missing, draw one: patrol map border {folder}"
         return MapReport((*findings, Finding("border", ok=False, text=missing)), content)
@@ -75,6 +80,32 @@ def _map_findings(occupancy: OccupancyMap) -> list[Finding]:
         Finding("known cells", known >= _MIN_KNOWN_SHARE, f"{100.0 * known:.1f} %"),
         Finding("occupied cells", walls > 0, f"{walls}, a robot finds its place by them"),
     ]
+
+
+def _zone_findings(folder: Path, occupancy: OccupancyMap) -> list[Finding]:
+    """Return the findings on the names of places; none without a zone file."""
+    try:
+        zones = load_zones(folder)
+    except (MapError, ZoneError) as error:
+        return [Finding("zones", ok=False, text=str(error))]
+    if not zones:
+        return []
+    width, height = occupancy.size
+    x, y = occupancy.origin.x, occupancy.origin.y
+    on_map = box(x, y, x + width, y + height)
+    shapes = {zone.name: Polygon(zone.polygon) for zone in zones}
+    findings = [Finding("zones", ok=True, text=", ".join(shapes))]
+    findings += [
+        Finding("zone", ok=False, text=f"'{name}' lies outside the map")
+        for name, shape in shapes.items()
+        if not shape.intersects(on_map)
+    ]
+    findings += [
+        Finding("zone", ok=True, text=f"'{b}' is called '{a}' where both are: first in the file")
+        for (a, first), (b, second) in combinations(shapes.items(), 2)
+        if first.intersects(second) and first.intersection(second).area > _OVERLAP_M2
+    ]
+    return findings
 
 
 def _border_findings(occupancy: OccupancyMap, border: Border, needed: float) -> list[Finding]:

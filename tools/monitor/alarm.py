@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 from robot_agent.messages.log_level import LogLevel
-from robot_agent.messages.streams import DeviceStatus, StatusPayload
+from robot_agent.messages.streams import DeviceStatus, IntruderPayload, StatusPayload
 from tools.monitor.reason import held_by_gate, why
 from tools.monitor.robot_state import RobotState
+from tools.monitor.sighting import Sighting
 
 SILENT_S = 1.5
 """Time without payload after which a robot is silent: three of its statuses, 2 Hz, are missing."""
@@ -53,6 +54,8 @@ class Condition:
     severity: Severity
     text: str
     delay: float = 0.0  # s it must last before it is an alarm (debounce)
+    place: tuple[float, float] | None = None  # of the robot, m, map frame
+    sighting: Sighting | None = None  # of an intruder
 
 
 def conditions_of(robot: RobotState, now: float) -> Iterator[Condition]:
@@ -66,7 +69,7 @@ def conditions_of(robot: RobotState, now: float) -> Iterator[Condition]:
         return
     if silence > SILENT_S:
         gone = "" if robot.online else ", connection gone"
-        words = f"nothing received for {silence:.0f} s{gone}"
+        words = f"nothing received for {_coarse(silence)}{gone}"
         yield Condition(robot.id, "silent", Severity.CRITICAL, words)
         return  # all other payloads are stale
     status_age = robot.age("status", now)
@@ -116,6 +119,17 @@ def _of_status(robot: RobotState, status: StatusPayload) -> Iterator[Condition]:
         yield Condition(robot.id, "clock", Severity.WARNING, words)
 
 
+def _coarse(seconds: float) -> str:
+    """Return a time that changes less often the longer it is: each change is read to the blind."""
+    if seconds < 10.0:
+        return f"{seconds:.0f} s"
+    if seconds < 60.0:
+        return f"{seconds // 10.0 * 10.0:.0f} s"
+    if seconds < 3600.0:
+        return f"{seconds // 60.0:.0f} min"
+    return f"{seconds // 3600.0:.0f} h"
+
+
 def _long(seconds: float) -> str:
     """Return a time in the largest unit of which there are two."""
     for unit, size in (("years", 365.25 * 86400.0), ("days", 86400.0), ("hours", 3600.0)):
@@ -145,23 +159,47 @@ def _of_decision(robot: RobotState, now: float) -> Iterator[Condition]:
 
 
 def _of_sightings(robot: RobotState, now: float) -> Iterator[Condition]:
-    """Yield intruders and blockages from the tracks' kind and from the robot's log."""
+    """Yield the intruder, by the best that tells of one, and a blockage."""
+    intruder = _told(robot, now) or _tracked(robot, now) or _logged(robot, now, "intruder")
+    if intruder is not None:
+        yield replace(intruder, kind="intruder", severity=Severity.CRITICAL)
+    blocked = _logged(robot, now, "patrol")
+    if blocked is not None:
+        yield replace(blocked, kind="blocked")
+
+
+def _told(robot: RobotState, now: float) -> Condition | None:
+    """Return the intruder that the robot reports with its place, None if it reports none now."""
+    age, payload = robot.age("intruder", now), robot.payloads.get("intruder")
+    if age is None or age > REMEMBERED_S or not isinstance(payload, IntruderPayload):
+        return None
+    words = (
+        f"intruder at {payload.x:.1f}, {payload.y:.1f} m, {payload.distance:.1f} m from the border "
+        f"at s = {payload.abscissa:.1f} m"
+    )
+    sighting = robot.intruders.get(payload.number)
+    return Condition(robot.id, "intruder", Severity.CRITICAL, words, sighting=sighting)
+
+
+def _tracked(robot: RobotState, now: float) -> Condition | None:
+    """Return the intruder among the robot's tracks, None without one."""
     tracks_age = robot.age("tracks", now)
-    if robot.tracks is not None and tracks_age is not None and tracks_age < _FRESH_S:
-        for entity in robot.tracks.entities:
-            if any((pair.key, pair.value) == ("kind", "intruder") for pair in entity.metadata):
-                at = entity.cylinders[0].pose.position if entity.cylinders else None
-                place = "" if at is None else f" at {at.x:.1f}, {at.y:.1f} m"
-                yield Condition(robot.id, "intruder", Severity.CRITICAL, f"intruder{place}")
-                break
-    for kind, part, severity in (
-        ("intruder", "intruder", Severity.CRITICAL),
-        ("blocked", "patrol", Severity.WARNING),
-    ):
-        event = next((e for e in reversed(robot.events) if e.log.name == part), None)
-        if event is None or now - event.t > REMEMBERED_S or event.log.level < LogLevel.WARNING:
-            continue
-        yield Condition(robot.id, kind, severity, event.log.message[:200])
+    if robot.tracks is None or tracks_age is None or tracks_age > _FRESH_S:
+        return None
+    for entity in robot.tracks.entities:
+        if any((pair.key, pair.value) == ("kind", "intruder") for pair in entity.metadata):
+            at = entity.cylinders[0].pose.position if entity.cylinders else None
+            place = "" if at is None else f" at {at.x:.1f}, {at.y:.1f} m"
+            return Condition(robot.id, "intruder", Severity.CRITICAL, f"intruder{place}")
+    return None
+
+
+def _logged(robot: RobotState, now: float, part: str) -> Condition | None:
+    """Return the newest warning of a part of the robot's log, None if it is old or none."""
+    event = next((e for e in reversed(robot.events) if e.log.name == part), None)
+    if event is None or now - event.t > REMEMBERED_S or event.log.level < LogLevel.WARNING:
+        return None
+    return Condition(robot.id, part, Severity.WARNING, event.log.message[:200])
 
 
 def _of_missing_inputs(robot: RobotState) -> Iterator[Condition]:

@@ -5,10 +5,11 @@ Acknowledgements stay on this computer: nothing is sent to a robot.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 from tools.monitor.alarm import Condition, Severity
+from tools.monitor.sighting import Sighting
 
 CLEAR_S = 1.0
 """Time for which a condition must be absent before its alarm clears (debounce)."""
@@ -30,6 +31,11 @@ class Alarm:
     raised_wall: float
     cleared: float | None = None
     acknowledged: bool = False
+    acknowledged_by: str = ""  # as given on the page; empty: not told
+    acknowledged_wall: float | None = None
+    cleared_wall: float | None = None
+    place: tuple[float, float] | None = None  # of the robot when it was raised, m, map frame
+    sighting: Sighting | None = None  # the last, of an intruder
 
     @property
     def active(self) -> bool:
@@ -49,7 +55,9 @@ class _Ongoing:
 class AlarmBoard:
     """Turns conditions over time into alarms; pure: reads no clock, times are arguments."""
 
-    def __init__(self) -> None:
+    def __init__(self, on_change: Callable[[Alarm], object] = bool) -> None:
+        """on_change: called with each alarm that is new or has changed."""
+        self._on_change = on_change
         self.version = 0
         """Incremented by every change of the list."""
         self._alarms: dict[int, Alarm] = {}
@@ -67,8 +75,8 @@ class AlarmBoard:
         for key, ongoing in list(self._ongoing.items()):
             if now - ongoing.last > CLEAR_S:
                 del self._ongoing[key]
-                self._clear(key, now)
-            elif now - ongoing.since >= ongoing.condition.delay:
+                self._clear(key, now, wall)
+            elif ongoing.last == now and now - ongoing.since >= ongoing.condition.delay:
                 self._raise(key, ongoing.condition, now, wall)
         self._drop_old(now)
 
@@ -94,24 +102,35 @@ class AlarmBoard:
                     condition.text,
                     now,
                     wall,
+                    place=condition.place,
+                    sighting=condition.sighting,
                 )
             )
             return
-        alarm = self._alarms[number]
-        if (alarm.severity, alarm.text) != (condition.severity, condition.text):
-            # A higher severity must be acknowledged again.
-            seen = alarm.acknowledged and condition.severity <= alarm.severity
-            changed = replace(alarm, severity=condition.severity, text=condition.text)
-            self._put(replace(changed, acknowledged=seen))
+        self._change(self._alarms[number], condition)
 
-    def _clear(self, key: tuple[str, str], now: float) -> None:
+    def _change(self, alarm: Alarm, condition: Condition) -> None:
+        """Bring an active alarm up to date; a higher severity must be acknowledged again."""
+        told = (condition.severity, condition.text)
+        news = condition.sighting is not None and condition.sighting.news_after(alarm.sighting)
+        if told == (alarm.severity, alarm.text) and not news:
+            return
+        changed = replace(alarm, severity=condition.severity, text=condition.text)
+        if condition.sighting is not None:
+            changed = replace(changed, sighting=condition.sighting.after(alarm.sighting))
+        if condition.severity > alarm.severity:
+            changed = replace(changed, acknowledged=False, acknowledged_by="")
+        self._put(changed)
+
+    def _clear(self, key: tuple[str, str], now: float, wall: float) -> None:
         number = self._active.pop(key, None)
         if number is not None:
-            self._put(replace(self._alarms[number], cleared=now))
+            self._put(replace(self._alarms[number], cleared=now, cleared_wall=wall))
 
     def _put(self, alarm: Alarm) -> None:
         self._alarms[alarm.number] = alarm
         self.version += 1
+        self._on_change(alarm)
 
     def _drop_old(self, now: float) -> None:
         """Drop acknowledged alarms cleared long ago and, beyond MAX_ALARMS, the oldest cleared."""
@@ -123,15 +142,24 @@ class AlarmBoard:
                 del self._alarms[alarm.number]
                 self.version += 1
 
-    def acknowledge(self, number: int) -> None:
-        """Mark an alarm as acknowledged; an unknown number is ignored."""
+    def acknowledge(self, number: int, by: str = "", wall: float | None = None) -> None:
+        """Mark an alarm as acknowledged by a person at wall, s since 1970; ignore others."""
         alarm = self._alarms.get(number)
         if alarm is not None and not alarm.acknowledged:
-            self._put(replace(alarm, acknowledged=True))
+            by = by if by.isprintable() else ""
+            self._put(replace(alarm, acknowledged=True, acknowledged_by=by, acknowledged_wall=wall))
+
+    def alarm(self, number: int) -> Alarm | None:
+        """Return the alarm of a number, None if there is none any more."""
+        return self._alarms.get(number)
 
     def alarms(self) -> list[Alarm]:
-        """Return all alarms: active first, then most severe, then unacknowledged, then newest."""
-        return sorted(
-            self._alarms.values(),
-            key=lambda a: (not a.active, -a.severity, a.acknowledged, -a.raised, -a.number),
-        )
+        """Return all alarms: active first, then most severe, intruders, unacknowledged, newest."""
+        return sorted(self._alarms.values(), key=_rank)
+
+
+def _rank(alarm: Alarm) -> tuple[bool, int, bool, bool, float, int]:
+    """Return what an alarm's place in the list goes by; intruders are what a patrol is for."""
+    other = alarm.kind != "intruder"
+    seen = alarm.acknowledged
+    return not alarm.active, -alarm.severity, other, seen, -alarm.raised, -alarm.number

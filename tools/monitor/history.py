@@ -1,4 +1,4 @@
-"""Samples of a robot over the last hour, one per second, for plots and trails."""
+"""Samples of a robot, one per second for an hour, for plots and trails."""
 
 from __future__ import annotations
 
@@ -26,7 +26,9 @@ class HistorySample(NamedTuple):
 class RobotHistory:
     """The samples of one robot."""
 
-    def __init__(self) -> None:
+    def __init__(self, period: float = PERIOD_S) -> None:
+        """period: s between two samples."""
+        self._period = period
         self.count = 0
         """Number of samples ever taken, more than are kept."""
         self._samples: deque[HistorySample] = deque(maxlen=SAMPLES_KEPT)
@@ -39,7 +41,7 @@ class RobotHistory:
         age = robot.age("decision", now)
         if robot.decision is None or age is None or age > _FRESH_S:
             return
-        if self._samples and 0.0 <= wall - self._samples[-1].wall < PERIOD_S:
+        if self._samples and 0.0 <= wall - self._samples[-1].wall < self._period:
             return
         decision = robot.decision
         pose = decision.pose

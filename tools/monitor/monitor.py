@@ -17,6 +17,7 @@ from tools.monitor.forwarder import Forwarder
 from tools.monitor.foxglove_server import FoxgloveServer
 from tools.monitor.lasting_thread import LastingThread
 from tools.monitor.operator import Operator, Tap
+from tools.monitor.shift_log import ShiftLog
 from tools.monitor.site import Site
 from tools.monitor.source import LiveSource
 from tools.monitor.team_recorder import TeamRecorder
@@ -43,6 +44,8 @@ class MonitorOptions:
     """Zenoh endpoint of a head office that every payload is forwarded to; None: none."""
     forward_keys: Path | None = None
     """This site's folder of the office's ``patrol keys``, for a tls office; None: no TLS."""
+    log: Path | None = None
+    """File of the shift log; None: kept in memory until the monitor ends."""
     foxglove: str | None = None
     """Address for Foxglove viewers, host:port; None: none."""
 
@@ -58,6 +61,7 @@ class Monitor:
             WebError: an address of page or viewers is invalid or taken.
             ForwardError: the office's endpoint is invalid.
             KeysError, CertificateError: the keys cannot be read.
+            ShiftLogError: the shift log's file cannot be used.
         """
         self.options = options
         self.url: str | None = None
@@ -67,6 +71,8 @@ class Monitor:
         self._recorder: TeamRecorder | None = None
         self._forwarder: Forwarder | None = None
         with ExitStack() as stack:
+            self.log = ShiftLog(options.log)
+            stack.callback(self.log.close)
             taps = list(self._open_taps(stack))
             self.operator = Operator(self.options.listen, taps, self.options.keys)
             stack.callback(self.operator.close)
@@ -74,14 +80,14 @@ class Monitor:
                 CertificateWatch(options.keys),
                 CertificateWatch(options.forward_keys, consequence="the office hears nothing"),
             )
-            self.watch = Watch(self.operator.team, self.options.site, self.conditions)
-            source = LiveSource()
+            self.watch = Watch(self.operator.team, self.options.site, self.conditions, self.log.put)
+            source = LiveSource(options.listen)
             if self.options.http is None:
                 caller = PeriodicCall(lambda: source.advance(self.watch))
                 stack.callback(caller.close)
                 self.check = caller.check
             else:
-                server = WebServer(self.watch, source, self.options.http)
+                server = WebServer(self.watch, source, self.options.http, self.log)
                 stack.callback(server.close)
                 self.url = server.link
                 self.check = server.check
@@ -95,7 +101,8 @@ class Monitor:
         """Yield the functions that get every payload: recording, office, viewers."""
         options = self.options
         if options.record is not None:
-            self._recorder = TeamRecorder(options.record, options.site.folder, options.border)
+            site = options.site
+            self._recorder = TeamRecorder(options.record, site.folder, options.border, site.zones)
             stack.callback(self._recorder.close)
             yield self._recorder.on_payload
         if options.forward is not None:
@@ -113,6 +120,8 @@ class Monitor:
             yield from certificates.conditions()
         if self._forwarder is not None and (trouble := self._forwarder.trouble):
             yield Condition("", "office", Severity.WARNING, trouble)
+        if self.log.failed:
+            yield Condition("", "shift log", Severity.CRITICAL, self.log.failed)
         recorder = self._recorder
         if recorder is not None and (recorder.failed or recorder.lost):
             words = recorder.failed or f"{recorder.lost} payloads not recorded, the disk is slow"

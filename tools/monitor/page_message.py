@@ -6,7 +6,7 @@ network is cut to ``TEXT_SHOWN`` here, and the page sets it as text only, never 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -16,6 +16,8 @@ import numpy as np
 from robot_agent.messages.foxglove import LaserScan, PosesInFrame, SceneEntity, planar_pose
 from robot_agent.messages.streams import ACTIONS, DecisionPayload, DeviceStatus, StatusPayload
 from tools.monitor.alarm_board import Alarm
+from tools.monitor.history import HistorySample
+from tools.monitor.place_words import PlaceWords
 from tools.monitor.reason import turn_words, why
 from tools.monitor.robot_state import RobotState
 from tools.monitor.watch import Watch
@@ -42,19 +44,24 @@ def robot_message(watch: Watch, robot: RobotState, since: int) -> dict[str, Any]
         "online": robot.online,
         "heard": robot.last_heard,
         "malformed": robot.malformed,
-        "why": _text(watch.made(robot, partial(why, robot, now)) or ""),
+        "why": _text(watch.site.words.explained(watch.made(robot, partial(why, robot, now)) or "")),
         "turned": _text(watch.made(robot, partial(turn_words, robot, now)) or ""),
     }
     for stream, make in _PARTS.items():
         if robot.versions.get(stream, 0) > since and stream in robot.payloads:
-            part = watch.made(robot, partial(_encoded, make, robot))
+            part = watch.made(robot, partial(_encoded, make, robot, watch.site.words))
             if part is not None:
                 message[stream] = part
     return message
 
 
-def _encoded(make: Callable[[RobotState], Any], robot: RobotState) -> msgspec.Raw:
-    return msgspec.Raw(msgspec.json.encode(make(robot)))
+def _encoded(
+    make: Callable[[RobotState], Any], robot: RobotState, words: PlaceWords
+) -> msgspec.Raw:
+    part = make(robot)
+    if make is _events:
+        part = [[*entry[:3], words.explained(entry[3])] for entry in part]
+    return msgspec.Raw(msgspec.json.encode(part))
 
 
 def _text(words: str) -> str:
@@ -231,12 +238,10 @@ _PARTS: dict[str, Callable[[RobotState], Any]] = {
 }
 
 
-def alarm_message(alarm: Alarm, now: float, wall: float) -> dict[str, Any]:
-    """Return one alarm for the page, times in s since 1970.
-
-    now, wall: the present on the board's clock and in s since 1970.
-    """
-    cleared = alarm.cleared
+def alarm_message(alarm: Alarm) -> dict[str, Any]:
+    """Return one alarm for the page, times in s since 1970, places in m in the map frame."""
+    sighting = alarm.sighting
+    place = alarm.place if sighting is None else sighting.place
     return {
         "number": alarm.number,
         "robot": alarm.robot,
@@ -244,9 +249,21 @@ def alarm_message(alarm: Alarm, now: float, wall: float) -> dict[str, Any]:
         "severity": alarm.severity.name.lower(),
         "text": _text(alarm.text),
         "raised": round(alarm.raised_wall, 1),
-        "cleared": None if cleared is None else round(wall - (now - cleared), 1),
+        "cleared": None if alarm.cleared_wall is None else round(alarm.cleared_wall, 1),
         "acknowledged": alarm.acknowledged,
+        "by": alarm.acknowledged_by,
+        "place": None if place is None else [round(at, 2) for at in place],
+        "seen": None if sighting is None else round(sighting.wall, 1),
+        "picture": 0 if sighting is None else len(sighting.picture),
     }
+
+
+def page_samples(samples: Sequence[HistorySample]) -> list[list[float]]:
+    """Return a robot's samples for the page: wall time, x, y, distance, action."""
+    return [
+        [round(s.wall, 1), round(s.x, 2), round(s.y, 2), round(s.distance, 3), s.action]
+        for s in samples
+    ]
 
 
 class PageFeed:
@@ -288,9 +305,7 @@ class PageFeed:
         board = watch.alarms
         if self._alarms != (id(board), board.version):
             self._alarms = (id(board), board.version)
-            message["alarms"] = [
-                alarm_message(alarm, watch.now, watch.wall) for alarm in board.alarms()
-            ]
+            message["alarms"] = [alarm_message(alarm) for alarm in board.alarms()]
         coverage = watch.coverage
         if coverage is not None and watch.now - self._covered_at >= 1.0:
             self._covered_at = watch.now
@@ -309,7 +324,4 @@ class PageFeed:
         limit = _FIRST_SAMPLES // max(len(self._watch.robots), 1)
         samples = history.since(self._samples.get(robot, 0), limit)
         self._samples[robot] = history.count
-        return [
-            [round(s.wall, 1), round(s.x, 2), round(s.y, 2), round(s.distance, 3), s.action]
-            for s in samples
-        ]
+        return page_samples(samples)

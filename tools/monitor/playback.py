@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import heapq
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from maps.map_folder import DEFAULT_BORDER, MapFolder, map_folder_from_files
+from maps.map_folder import DEFAULT_BORDER, map_folder_from_files
+from maps.zone_file import ZONES_FILE, read_zones
 from robot_agent.recording.recording_writer import CONFIGURATION_ATTACHMENT, RUN_METADATA
 from tools.logs.recorded_config import parse_old_config
-from tools.monitor.recorded_payloads import RecordedPayload, RecordedPayloads
+from tools.monitor.payload_stream import PayloadStream
+from tools.monitor.recorded_payloads import RecordedPayloads
+from tools.monitor.site import Site
 from tools.monitor.team_recorder import TEAM_METADATA
 from tools.monitor.watch import Watch
 
 PREROLL_S = 300.0
 """Time before a seek target that is played fast, to fill plots, trails and coverage."""
 _PREROLL_STEP_S = 1.0  # short enough that a patrolling robot visits every border point
-_PREROLL_STREAMS = ("pose", "decision", "status", "event")
 _LAST_S = 2.0  # all streams are read this long before the target: each has occurred by then
 _BUDGET_S = 0.05
 """Real time per step of the fast playback: pages are served in between."""
@@ -37,9 +38,10 @@ class Playback:
             RecordingError: a file is no recording, or holds no telemetry.
         """
         self.files = [RecordedPayloads(path) for path in paths]
-        self.start = min(file.start for file in self.files)
-        self.end = max(file.end for file in self.files)
+        self._stream = PayloadStream(self.files)
+        self.start, self.end = self._stream.start, self._stream.end
         self.epoch = 0
+        self.listen = ""
         self.t = self.start
         self.speed = 1.0
         self.paused = False
@@ -47,16 +49,15 @@ class Playback:
         self._last = clock()
         self._seek_target: float | None = None
         self._catch_up_target: float | None = None  # target of the fast playback
-        self._rest = self._payloads(self.start)
-        self._next: RecordedPayload | None = next(self._rest, None)
 
-    def site_folder(self) -> MapFolder | None:
-        """Return the map folder of the first recording that holds one; None if none does."""
+    def site(self) -> Site:
+        """Return the site of the first recording that holds one; without a map if none does."""
         for file in self.files:
             if file.map_files:
                 name, border = _map_of(file)
-                return map_folder_from_files(name, file.map_files, border)
-        return None
+                folder = map_folder_from_files(name, file.map_files, border)
+                return Site(folder, read_zones(file.map_files.get(ZONES_FILE, b""), name))
+        return Site(None)
 
     def description(self) -> dict[str, Any]:
         """Return start, end and present time (s since 1970), speed and pause, for the page."""
@@ -94,54 +95,27 @@ class Playback:
             self._catch_up(watch, self._catch_up_target, now + _BUDGET_S)
         elif not self.paused:
             self.t = min(self.t + elapsed * self.speed, self.end)
-            self._feed(watch, self.t)
+            self._stream.feed(watch.team, self.t)
             self.paused = self.t >= self.end
         watch.advance(self.t, self.t)
-
-    def _payloads(self, since: float) -> Iterator[RecordedPayload]:
-        return heapq.merge(
-            *(file.payloads(since) for file in self.files), key=lambda payload: payload.t
-        )
 
     def _restart_before(self, watch: Watch, t: float) -> None:
         """Reset the watch and start ``PREROLL_S`` before t."""
         self.epoch += 1
         watch.restart()
         self.t = max(self.start, t - PREROLL_S)
-        self._rest = self._payloads(self.t)
-        self._next = next(self._rest, None)
+        self._stream.restart(self.t)
 
     def _catch_up(self, watch: Watch, goal: float, until: float) -> None:
         """Play fast towards the goal until real time ``until``."""
         while self.t < goal:
             self.t = min(self.t + _PREROLL_STEP_S, goal)
-            self._feed_newest(watch, self.t, all_streams=goal - self.t < _LAST_S)
+            last = goal - self.t < _LAST_S
+            self._stream.feed_newest(watch.team, self.t, all_streams=last)
             watch.advance(self.t, self.t)
             if self._clock() >= until:
                 return
         self._catch_up_target = None
-
-    def _feed(self, watch: Watch, t: float) -> None:
-        """Pass the payloads up to t to the watch."""
-        for payload in self._up_to(t):
-            watch.team.receive(payload.key, payload.data, payload.t, payload.t)
-
-    def _feed_newest(self, watch: Watch, t: float, *, all_streams: bool) -> None:
-        """Pass the events up to t to the watch, and the newest payload of each other stream."""
-        newest: dict[str, RecordedPayload] = {}
-        for payload in self._up_to(t):
-            stream = payload.key.rpartition("/")[2]
-            if stream == "event":
-                watch.team.receive(payload.key, payload.data, payload.t, payload.t)
-            elif all_streams or stream in _PREROLL_STREAMS:
-                newest[payload.key] = payload
-        for payload in newest.values():
-            watch.team.receive(payload.key, payload.data, payload.t, payload.t)
-
-    def _up_to(self, t: float) -> Iterator[RecordedPayload]:
-        while self._next is not None and self._next.t <= t:
-            payload, self._next = self._next, next(self._rest, None)
-            yield payload
 
 
 def _map_of(file: RecordedPayloads) -> tuple[str, str]:

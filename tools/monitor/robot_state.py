@@ -16,11 +16,19 @@ from robot_agent.messages.foxglove import (
     Timestamp,
     planar_pose,
 )
-from robot_agent.messages.streams import DecisionPayload, Payload, ProcessPayload, StatusPayload
+from robot_agent.messages.streams import (
+    DecisionPayload,
+    IntruderPayload,
+    Payload,
+    ProcessPayload,
+    StatusPayload,
+)
+from tools.monitor.sighting import Sighting, sighting_of
 
 POSES_KEPT = 30
 """About 3 s of poses: a scan is drawn at the robot's pose when it was measured."""
 EVENTS_KEPT = 20
+_INTRUDERS_KEPT = 4
 _SOURCE_KEPT_S = 10.0
 """A source that was heard this long ago is still there: robots report many times a second."""
 _SOURCES_KEPT = 4
@@ -60,6 +68,8 @@ class RobotState:
     last_turn: tuple[float, str] | None = None
     """Time and cause (``turn`` of the decision) of its last turn; None: no turn received."""
     events: tuple[HeardEvent, ...] = ()  # newest last
+    intruders: Mapping[int, Sighting] = field(default_factory=lambda: MappingProxyType({}))
+    """Last sighting of each intruder by its number, the newest last."""
     source: str | None = None  # the session its last payload came from; None: none yet
     sources: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
     """Last time of each session of late."""
@@ -171,10 +181,18 @@ class RobotState:
             return replace(updated, poses=(*self.poses[-POSES_KEPT + 1 :], at))
         if isinstance(payload, DecisionPayload) and payload.turn is not None:
             return replace(updated, last_turn=(t, payload.turn))
+        if isinstance(payload, IntruderPayload):
+            return replace(updated, intruders=self._with_intruder(payload, wall))
         if isinstance(payload, Log):
             event = HeardEvent(t, wall, payload)
             return replace(updated, events=(*self.events[-EVENTS_KEPT + 1 :], event))
         return updated
+
+    def _with_intruder(self, payload: IntruderPayload, wall: float) -> Mapping[int, Sighting]:
+        known = dict(self.intruders)
+        before = known.pop(payload.number, None)
+        known[payload.number] = sighting_of(payload, wall).after(before)
+        return dict(list(known.items())[-_INTRUDERS_KEPT:])
 
 
 def seconds(stamp: Timestamp) -> float:

@@ -24,11 +24,19 @@ class Source(Protocol):
     def description(self) -> dict[str, Any]:
         """Return the source's state for the page."""
 
+    @property
+    def listen(self) -> str:
+        """The Zenoh endpoint that robots dial; empty where none can."""
+
 
 class LiveSource:
     """The present time; the operator's session feeds the team."""
 
     epoch = 0
+
+    def __init__(self, listen: str = "") -> None:
+        """listen: the Zenoh endpoint of the operator's session."""
+        self.listen = listen
 
     def advance(self, watch: Watch) -> None:
         """Advance the watch to now."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import threading
 from collections import deque
+from collections.abc import Sequence
 from pathlib import Path
 from typing import BinaryIO
 
@@ -19,6 +20,8 @@ from mcap.writer import Writer
 
 from maps.input_limits import MAX_RECORDER_QUEUE_BYTES
 from maps.map_folder import MapFolder
+from maps.zone import Zone
+from maps.zone_file import ZONES_FILE, zones_text
 from robot_agent.messages.streams import STREAMS
 from robot_agent.recording.recording_writer import CHUNK_BYTES, MAP_ATTACHMENT_PREFIX, OCTET_STREAM
 from robot_agent.recording.run_files import OneFile
@@ -39,13 +42,16 @@ class TeamRecorder:
     recorded. ``lost`` counts payloads that were not recorded.
     """
 
-    def __init__(self, path: Path, folder: MapFolder | None, border: str) -> None:
-        """Start writing a new file; folder and border: the monitored site, folder None: no map."""
+    def __init__(
+        self, path: Path, folder: MapFolder | None, border: str, zones: Sequence[Zone] = ()
+    ) -> None:
+        """Start writing a new file; the others: the monitored site, folder None: no map."""
         self.path = path
         self.failed = ""
         self.lost = 0
         self._folder = folder
         self._border = border
+        self._zones = zones
         self._queue: deque[tuple[str, bytes, float]] = deque()
         self._queued_bytes = 0
         self._lock = threading.Lock()
@@ -101,7 +107,8 @@ class TeamRecorder:
         name = "" if self._folder is None else self._folder.name
         writer.add_metadata(TEAM_METADATA, {"map": name, "border": self._border})
         if self._folder is not None:
-            for name, data in self._folder.files.items():
+            zones = {ZONES_FILE: zones_text(self._zones).encode()} if self._zones else {}
+            for name, data in {**self._folder.files, **zones}.items():
                 writer.add_attachment(0, 0, MAP_ATTACHMENT_PREFIX + name, OCTET_STREAM, data)
 
     def _drain(self, writer: Writer, channels: dict[str, int]) -> None:

@@ -16,7 +16,7 @@ def detail_lines(watch: Watch) -> Iterator[str]:
     for robot in watch.robots:
         parts = watch.made(robot, partial(_parts, robot, watch.now))
         if parts:
-            yield f"{robot.id}: " + "; ".join(parts)
+            yield watch.site.words.explained(f"{robot.id}: " + "; ".join(parts))
     if watch.coverage is not None:
         average, worst = watch.coverage.average(watch.now), watch.coverage.worst(watch.now)
         yield f"border unseen for {average:.0f} s on average, {worst:.0f} s at worst"

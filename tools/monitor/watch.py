@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from functools import partial
 from typing import TypeVar
 
 from maps.input_limits import BAD_DATA
 from tools.monitor.alarm import REMEMBERED_S, Condition, Severity, conditions_of
-from tools.monitor.alarm_board import AlarmBoard
+from tools.monitor.alarm_board import Alarm, AlarmBoard
 from tools.monitor.coverage import Coverage
 from tools.monitor.history import RobotHistory
+from tools.monitor.intruder_groups import IntruderGroups
 from tools.monitor.robot_state import RobotState
 from tools.monitor.site import Site
+from tools.monitor.site_conditions import site_conditions
 from tools.monitor.team_state import MAX_ROBOTS, TeamState
 
 T = TypeVar("T")
@@ -34,11 +37,17 @@ class Watch:
         team: TeamState,
         site: Site,
         own_conditions: Callable[[], Iterable[Condition]] = tuple,
+        on_alarm: Callable[[Alarm], object] = bool,
     ) -> None:
-        """Watch a team at a site; own_conditions: returns the conditions of the monitor itself."""
+        """Watch a team at a site.
+
+        own_conditions: returns the conditions of the monitor itself. on_alarm: called with each
+        alarm that is new or has changed.
+        """
         self.team = team
         self.site = site
-        self.alarms = AlarmBoard()
+        self._on_alarm = on_alarm
+        self.alarms = AlarmBoard(on_alarm)
         self.histories: dict[str, RobotHistory] = {}
         self.coverage: Coverage | None = None
         self.robots: list[RobotState] = []
@@ -46,6 +55,7 @@ class Watch:
         self.wall = 0.0
         self._own_conditions = own_conditions
         self._visited_at = float("-inf")
+        self._intruders = IntruderGroups()
 
     def advance(self, now: float, wall: float) -> None:
         """Take a snapshot of the team at now (monotonic) and wall (s since 1970); update all."""
@@ -75,13 +85,20 @@ class Watch:
         """Discard everything but the site, for playback from another time."""
         self.team.clear()
         self.histories.clear()
-        self.alarms = AlarmBoard()
+        self.alarms = AlarmBoard(self._on_alarm)
         self.coverage = None
         self._visited_at = float("-inf")
+        self._intruders = IntruderGroups()
 
     def _conditions(self) -> Iterator[Condition]:
+        intruders: list[Condition] = []
         for robot in self.robots:
-            yield from self.made(robot, partial(_listed, robot, self.now)) or ()
+            for condition in self.made(robot, partial(_listed, robot, self.now, self.site)) or ():
+                if condition.sighting is None:
+                    yield condition
+                else:
+                    intruders.append(condition)
+        yield from self._intruders.merged(intruders, self.now)
         yield from self._own_conditions()
         hidden = self.team.hidden_since(self.now - REMEMBERED_S)
         if hidden:
@@ -115,5 +132,10 @@ class Watch:
             self.coverage.visit(places, self.now)
 
 
-def _listed(robot: RobotState, now: float) -> list[Condition]:
-    return list(conditions_of(robot, now))
+def _listed(robot: RobotState, now: float, site: Site) -> list[Condition]:
+    """Return a robot's conditions with its place, and with the zones of all places told."""
+    place = robot.poses[-1][1][:2] if robot.poses else None
+    return [
+        replace(each, text=site.words.placed(each.text, place), place=place)
+        for each in (*conditions_of(robot, now), *site_conditions(robot, now, site))
+    ]

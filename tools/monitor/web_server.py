@@ -8,15 +8,19 @@ from __future__ import annotations
 
 import asyncio
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
 from aiohttp import WSCloseCode, WSMessage, WSMsgType, web
 
+from tools.monitor.dial_address import dial_endpoints, reaches_this_computer_only
+from tools.monitor.log_routes import LogRoutes
 from tools.monitor.page_files import add_page
-from tools.monitor.page_message import PageFeed
+from tools.monitor.page_message import PageFeed, page_samples
 from tools.monitor.page_server import PageServer
+from tools.monitor.shift_log import ShiftLog
 from tools.monitor.source import Source
+from tools.monitor.survey import Survey
 from tools.monitor.watch import Watch
 
 PAGE_FOLDER = Path(__file__).parent / "page"
@@ -30,6 +34,7 @@ class Request(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     seen: int | None = None  # number of messages the page has drawn
     acknowledge: int | None = None  # the number of an alarm
+    by: Annotated[str, msgspec.Meta(max_length=40)] = ""  # who acknowledges it
     pause: bool | None = None
     speed: float | None = None  # of a playback, times real time
     seek: float | None = None  # s since 1970
@@ -54,14 +59,25 @@ class _FlowControl:
 class WebServer:
     """Serves one watch at one address until closed."""
 
-    def __init__(self, watch: Watch, source: Source, address: str) -> None:
+    def __init__(
+        self,
+        watch: Watch,
+        source: Source,
+        address: str,
+        log: ShiftLog | None = None,
+        survey: Survey | None = None,
+    ) -> None:
         """Listen on an address such as ``127.0.0.1:8080`` (port 0: any free one).
+
+        log: of the alarms, for the page; None: it offers none. survey: of the recordings played.
 
         Raises:
             WebError: the address is invalid or taken.
         """
         self.watch = watch
         self.source = source
+        self._log = log
+        self._survey = survey
         self._ticked = asyncio.Event()
         self._picture = watch.site.picture()
         self._site = msgspec.json.encode(watch.site.description())
@@ -111,7 +127,12 @@ class WebServer:
         add_page(application, PAGE_FOLDER)
         application.router.add_get("/site.json", self._send_site)
         application.router.add_get("/map.png", self._send_picture)
+        application.router.add_get(r"/intruder/{number:\d{1,9}}", self._send_intruder)
         application.router.add_get("/live", self._feed_page)
+        application.router.add_get("/history", self._send_history)
+        application.router.add_get("/dial.json", self._send_dial)
+        if self._log is not None:
+            LogRoutes(self._log).add_to(application)
 
     async def _send_site(self, _request: web.Request) -> web.Response:
         return web.Response(body=self._site, content_type="application/json")
@@ -120,6 +141,26 @@ class WebServer:
         if self._picture is None:
             raise web.HTTPNotFound
         return web.Response(body=self._picture, content_type="image/png")
+
+    async def _send_dial(self, _request: web.Request) -> web.Response:
+        """Send what robots dial; the computer's address may change with its network."""
+        listen = self.source.listen
+        endpoints = await asyncio.to_thread(dial_endpoints, listen) if listen else []
+        body = {"endpoints": endpoints, "onlyHere": reaches_this_computer_only(listen)}
+        return web.Response(body=msgspec.json.encode(body), content_type="application/json")
+
+    async def _send_history(self, _request: web.Request) -> web.Response:
+        """Send the surveyed samples of every robot, as the page gets those of the present."""
+        histories = {} if self._survey is None else self._survey.histories
+        body = {robot: page_samples(samples) for robot, samples in histories.items()}
+        return web.Response(body=msgspec.json.encode(body), content_type="application/json")
+
+    async def _send_intruder(self, request: web.Request) -> web.Response:
+        """Send the picture of an alarm's intruder."""
+        alarm = self.watch.alarms.alarm(int(request.match_info["number"]))
+        if alarm is None or alarm.sighting is None or not alarm.sighting.picture:
+            raise web.HTTPNotFound
+        return web.Response(body=alarm.sighting.picture, content_type="image/jpeg")
 
     async def _feed_page(self, request: web.Request) -> web.WebSocketResponse:
         """Send one page its updates until it disconnects; a slow page gets fewer, not older ones.
@@ -149,7 +190,10 @@ class WebServer:
             if epoch != self.source.epoch:
                 feed, epoch, fresh = PageFeed(self.watch), self.source.epoch, True
             source = {**self.source.description(), "mayAct": may_act}
-            extra: dict[str, Any] = {"source": source, "fresh": fresh}
+            log = None if self._log is None else self._log.version
+            surveyed = self._survey is not None and self._survey.done
+            extra: dict[str, Any] = {"source": source, "fresh": fresh, "log": log}
+            extra["surveyed"] = surveyed
             await socket.send_str(feed.message(extra).decode())
             flow.sent += 1
             fresh = False
@@ -170,7 +214,7 @@ class WebServer:
             if not may_act:
                 continue
             if request.acknowledge is not None:
-                self.watch.alarms.acknowledge(request.acknowledge)
+                self.watch.alarms.acknowledge(request.acknowledge, request.by, self.watch.wall)
             self.source.steer(pause=request.pause, speed=request.speed, seek=request.seek)
 
 

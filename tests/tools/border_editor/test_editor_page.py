@@ -16,6 +16,7 @@ from selenium.webdriver import ActionChains
 from selenium.webdriver.common.by import By
 
 from maps.map_folder import load_map_folder
+from maps.zone_file import load_zones
 from robot_agent.config import find_map
 from tests.tools.monitor.browser import Browser, chromium
 from tools.bench.ideal_fleet import IdealFleet, run_ideal_bench
@@ -145,6 +146,36 @@ def test_a_suggested_loop_is_changed_undone_and_saved(
     page.click("#save")
     browser.wait(lambda: browser.text("#saved") == "saved", "saved")
     assert check_map(lab).ok
+
+
+def test_zones_are_drawn_named_and_saved_beside_the_border(
+    browser: Browser, editor: EditorServer, lab: Path
+) -> None:
+    page = Page(browser, editor.link)
+    canvas = browser.driver.find_element(By.ID, "map")
+    for name, corners in (("south hall", [(0, -20), (9, -20), (9, -17), (0, -17)]), ("", [(0, 0)])):
+        page.click("#zone")
+        for at, place in enumerate(corners):
+            chain = ActionChains(browser.driver)
+            chain.move_to_element_with_offset(canvas, *page._from_middle(*place)).click().perform()
+            drawn = "return window.editor.zones.corners.length"
+            browser.wait(lambda count=at + 1, script=drawn: browser.run(script) == count, "corner")
+        page.click("#zone")  # closes it; of one corner: gives it up
+        if name:
+            ActionChains(browser.driver).send_keys(name).perform()
+    assert page.corners() == 0
+    page.click("#save")
+    browser.wait(lambda: browser.text("#saved") == "zones saved", "saved")
+    assert not (lab / "border.toml").exists()
+    (zone,) = load_zones(lab)
+    assert zone.name == "south hall"
+    assert zone.contains(4.0, -18.0)
+    assert not zone.contains(4.0, -15.0)
+    browser.run("window.editor.zones.zones[0].name = ' '")
+    page.click("#save")
+    browser.wait(lambda: "zones not saved: the name" in browser.text("#saved"), "why not")
+    browser.run("window.editor.zones.zones[0].name = 'south hall'")
+    assert not browser.console_messages()
 
 
 def post(url: str, content: object, headers: dict[str, str] | None = None) -> object:

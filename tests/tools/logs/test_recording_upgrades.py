@@ -6,9 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from maps.map_identity import identity
 from robot_agent.config import ConfigError
 from robot_agent.messages.events import BytesReceived
-from robot_agent.recording.run_header import SCHEMA_VERSION, identity
+from robot_agent.recording.run_header import SCHEMA_VERSION
 from tools.logs.recorded_config import changed_config, parse_old_config, recorded_config
 from tools.logs.recording import read_recording
 from tools.logs.recording_upgrades import UPGRADES

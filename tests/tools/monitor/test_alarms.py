@@ -9,6 +9,8 @@ import msgspec
 import numpy as np
 import pytest
 
+from robot_agent.agent import Agent
+from robot_agent.config import AgentConfig
 from robot_agent.messages.foxglove import Log, SceneUpdate, timestamp_at, track_entity
 from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.streams import (
@@ -16,6 +18,7 @@ from robot_agent.messages.streams import (
     LocalizationStatus,
     Payload,
     ProcessPayload,
+    StatusPayload,
     Twist,
     encode,
 )
@@ -24,6 +27,7 @@ from robot_agent.motion.obstacle_points import ObstacleSource
 from robot_agent.patrol.modifier import OverrideReason
 from robot_agent.patrol.turn_log import TurnCause
 from robot_agent.report.notices import TURN_WORDS
+from tests.tools.monitor.agent_recordings import FOLDER
 from tests.tools.monitor.reports import decision, device, status
 from tools.monitor.alarm import Condition, Severity
 from tools.monitor.alarm_board import MAX_ALARMS, Alarm, AlarmBoard
@@ -119,6 +123,18 @@ def test_alarm_appears_within_two_seconds_and_clears(kind: str) -> None:
     assert END <= alarm.cleared < END + 3.0
 
 
+@pytest.mark.parametrize(
+    ("silence", "words"),
+    [(2.6, "3 s"), (19.9, "10 s"), (59.0, "50 s"), (150.0, "2 min"), (7300.0, "2 h")],
+)
+def test_silence_is_told_ever_more_coarsely(silence: float, words: str) -> None:
+    team = TeamState()
+    watch = Watch(team, Site(None))
+    team.receive(f"{KEY}/status", encode(status(1.0)), 1.0, 1.0)
+    watch.advance(1.0 + silence, 1.0 + silence)
+    assert watch.alarms.alarms()[0].text == f"nothing received for {words}, connection gone"
+
+
 def test_robot_without_faults_raises_no_alarm() -> None:
     assert alarms_of(without_fault) == []
 
@@ -189,6 +205,15 @@ def test_an_unplugged_laser_is_one_alarm() -> None:
     assert [alarm.text for alarm in alarms_of(unplugged)] == ["laser: unplugged"]
 
 
+def test_consequence_told_before_its_cause_is_no_alarm_of_its_own() -> None:
+    board = AlarmBoard()
+    early = Condition("north/anna", "trust.laser", Severity.CRITICAL, "none for 0.4 s", 0.8)
+    cause = Condition("north/anna", "link laser", Severity.CRITICAL, "laser: unplugged")
+    for step in range(60):
+        board.update([early] if step < 5 else [cause], 0.1 * step, 0.0)
+    assert [alarm.kind for alarm in board.alarms()] == ["link laser"]
+
+
 def test_failing_recorder_of_a_robot_is_an_alarm() -> None:
     def failing(t: float) -> dict[str, Payload]:
         process = ProcessPayload(
@@ -211,6 +236,43 @@ def condition(kind: str = "battery", severity: Severity = Severity.WARNING) -> C
     return Condition("north/anna", kind, severity, f"{kind} {severity.name}")
 
 
+@pytest.mark.parametrize(
+    ("changes", "kind"),
+    [
+        ({}, None),
+        ({"map_hash": ""}, None),
+        ({"map_hash": "other"}, "map"),
+        ({"map_hash": "other", "border_hash": "other"}, "map"),
+        ({"border_hash": "other"}, "border"),
+    ],
+)
+def test_map_or_border_that_is_not_the_monitors_is_one_alarm(
+    changes: dict[str, str], kind: str | None
+) -> None:
+    team, site = TeamState(), Site(FOLDER)
+    watch = Watch(team, site)
+    map_hash, border_hash = site.hashes
+    told = {"map_hash": map_hash, "border_hash": border_hash, **changes}
+    team.receive(f"{KEY}/status", encode(status(1.0, **told)), 1.0, 1.0)
+    watch.advance(1.1, 1.1)
+    assert [alarm.kind for alarm in watch.alarms.alarms()] == ([] if kind is None else [kind])
+
+
+def test_agents_tell_the_hashes_that_the_monitor_compares() -> None:
+    agent = Agent(AgentConfig(), FOLDER)
+    payloads = dict(agent.telemetry.on_time(0.0))
+    told = payloads["status"]
+    assert isinstance(told, StatusPayload)
+    assert (told.map_hash, told.border_hash) == Site(FOLDER).hashes
+
+
+def test_intruder_comes_before_other_critical_alarms() -> None:
+    board = AlarmBoard()
+    board.update([condition("intruder", Severity.CRITICAL)], 0.0, 0.0)
+    board.update([condition(kind, Severity.CRITICAL) for kind in ("intruder", "lost")], 0.5, 0.0)
+    assert [alarm.kind for alarm in board.alarms()] == ["intruder", "lost"]
+
+
 def test_flickering_condition_is_one_alarm() -> None:
     board = AlarmBoard()
     for step in range(100):
@@ -223,9 +285,10 @@ def test_acknowledged_alarm_is_unacknowledged_when_its_severity_rises() -> None:
     board = AlarmBoard()
     board.update([condition()], 0.0, 0.0)
     (alarm,) = board.alarms()
-    board.acknowledge(alarm.number)
+    board.acknowledge(alarm.number, "Mia", 17.0)
     board.acknowledge(999)
-    assert board.alarms()[0].acknowledged
+    (seen,) = board.alarms()
+    assert (seen.acknowledged, seen.acknowledged_by, seen.acknowledged_wall) == (True, "Mia", 17.0)
     board.update([condition(severity=Severity.CRITICAL)], 0.1, 0.0)
     (alarm,) = board.alarms()
     assert (alarm.severity, alarm.acknowledged) == (Severity.CRITICAL, False)

@@ -15,6 +15,7 @@ from maps.pose import Pose
 from robot_agent.messages.foxglove import Log, PosesInFrame, laser_scan, pose3, timestamp_at
 from robot_agent.messages.streams import STREAMS, encode
 from tests.tools.monitor.reports import decision, pose, status
+from tests.tools.monitor.trouble_team import intruder
 from tools.monitor.page_message import PageFeed
 from tools.monitor.site import Site
 from tools.monitor.team_state import MAX_PAYLOAD_BYTES, MAX_ROBOTS, TeamState
@@ -34,6 +35,7 @@ def samples() -> dict[str, bytes]:
         timestamp=timestamp_at(1.0), frame_id="map", poses=[pose3(Pose(1.0, 2.0, 0.5))] * 5
     )
     payloads = {"scan": scan, "event": log, "particles": cloud}
+    payloads["intruder"] = intruder(1.0)
     payloads |= {"status": status(1.0), "decision": decision(1.0), "pose": pose(1.0)}
     return {stream: encode(payload) for stream, payload in payloads.items()}
 

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from contextlib import closing
 from pathlib import Path
 
 from tests.tools.monitor.agent_recordings import START, agent_recording
 from tests.tools.monitor.browser import Browser
 from tools.monitor.playback import Playback
-from tools.monitor.site import Site
-from tools.monitor.team_state import TeamState
-from tools.monitor.watch import Watch
-from tools.monitor.web_server import WebServer
+from tools.monitor.playback_page import playback_page
 
 
 def test_recordings_play_pause_and_seek(browser: Browser, tmp_path: Path) -> None:
@@ -20,8 +16,7 @@ def test_recordings_play_pause_and_seek(browser: Browser, tmp_path: Path) -> Non
         agent_recording("bob", tmp_path / "bob.mcap", START, 60.0),
     ]
     playback = Playback(paths)
-    watch = Watch(TeamState(), Site(playback.site_folder()))
-    with closing(WebServer(watch, playback, "127.0.0.1:0")) as server:
+    with playback_page(playback, playback.site(), "127.0.0.1:0") as server:
         browser.open(server.url)
         browser.wait(lambda: browser.texts(".card .name") == ["anna", "bob"], "both robots")
         assert browser.text("#link") == "playback"

@@ -129,10 +129,10 @@ def played(tmp_path: Path) -> tuple[Playback, Watch, Clock]:
     ]
     clock = Clock()
     playback = Playback(paths, clock)
-    folder = playback.site_folder()
-    assert folder is not None
-    assert folder.name == "paper_lab"
-    return playback, Watch(TeamState(), Site(folder)), clock
+    site = playback.site()
+    assert site.folder is not None
+    assert site.folder.name == "paper_lab"
+    return playback, Watch(TeamState(), site), clock
 
 
 def run(source: Source, watch: Watch, clock: Clock, seconds: float) -> None:

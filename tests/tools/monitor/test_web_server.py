@@ -4,6 +4,7 @@ import asyncio
 import json
 import re
 import socket
+import time
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import closing
 from typing import Any
@@ -12,9 +13,12 @@ import aiohttp
 import pytest
 
 from robot_agent.messages.streams import encode
+from tests.tools.monitor.agent_recordings import START
 from tests.tools.monitor.reports import decision, pose, status
+from tests.tools.monitor.trouble_team import intruder
 from tools.monitor.alarm import Condition, Severity
 from tools.monitor.page_server import WebError
+from tools.monitor.shift_log import ShiftLog
 from tools.monitor.site import Site
 from tools.monitor.source import LiveSource
 from tools.monitor.team_state import TeamState
@@ -32,10 +36,10 @@ def server() -> Iterator[WebServer]:
         yield started
 
 
-def get(url: str, **headers: str) -> tuple[int, dict[str, str], str]:
+def get(url: str, encoding: str | None = None, **headers: str) -> tuple[int, dict[str, str], str]:
     async def fetch() -> tuple[int, dict[str, str], str]:
         async with aiohttp.ClientSession() as session, session.get(url, headers=headers) as answer:
-            return answer.status, dict(answer.headers), await answer.text()
+            return answer.status, dict(answer.headers), await answer.text(encoding)
 
     return asyncio.run(fetch())
 
@@ -147,6 +151,41 @@ def on_a_page(server: WebServer, act: Callable[[Page], Awaitable[None]], query: 
             await act(Page(socket))
 
     asyncio.run(connected())
+
+
+def test_picture_of_an_intruder_is_served_as_a_picture_only(server: WebServer) -> None:
+    assert get(server.url + "intruder/1")[0] == 404
+    server.watch.team.receive(f"{KEY}/intruder", encode(intruder(1.0)), server.watch.now, START)
+    deadline = time.monotonic() + 10.0
+    while not (found := [a.number for a in server.watch.alarms.alarms() if a.sighting]):
+        assert time.monotonic() < deadline, "no alarm"
+        time.sleep(0.02)
+    status, headers, _ = get(f"{server.url}intruder/{found[0]}", encoding="latin-1")
+    assert (status, headers["Content-Type"]) == (200, "image/jpeg")
+    assert headers["X-Content-Type-Options"] == "nosniff"
+    assert get(server.url + "intruder/999")[0] == 404
+    assert get(server.url + "intruder/x")[0] == 404
+
+
+def test_shift_log_is_served_filtered_and_as_files() -> None:
+    with closing(ShiftLog(None)) as log:
+        watch = Watch(TeamState(), Site(None), lambda: [TROUBLE], log.put)
+        with closing(WebServer(watch, LiveSource(), "127.0.0.1:0", log)) as server:
+            deadline = time.monotonic() + 10.0
+            while not json.loads(get(server.url + "log")[2]):
+                assert time.monotonic() < deadline, "no entry"
+                time.sleep(0.02)
+            assert json.loads(get(server.url + "log?least=critical")[2]) == []
+            assert json.loads(get(server.url + "log?robot=north/anna&words=BATT")[2]) != []
+            _, headers, text = get(server.url + "log.csv")
+            assert headers["Content-Disposition"] == 'attachment; filename="shift_log.csv"'
+            assert text.splitlines()[1].split(",")[2:6] == [
+                *("warning", "north/anna", "battery", "battery at 11.2 V")
+            ]
+            assert json.loads(get(server.url + "log.json")[2])[0]["text"] == "battery at 11.2 V"
+            for query in ("least=worst", "since=nan", "until=noon"):
+                assert get(f"{server.url}log?{query}")[0] == 400, query
+            assert get(server.url + "log/1.jpg")[0] == 404
 
 
 def test_messages_hold_only_changed_streams(server: WebServer) -> None:

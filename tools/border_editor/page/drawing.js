@@ -1,4 +1,4 @@
-// Draws map, border and corners.
+// Draws map, zones, border and corners.
 
 export class Drawing {
   constructor(canvas, view) {
@@ -30,7 +30,7 @@ export class Drawing {
     this.ground = ground;
   }
 
-  draw(draft, judgement) {
+  draw(draft, judgement, zones) {
     const ratio = window.devicePixelRatio || 1;
     const { clientWidth, clientHeight } = this.canvas;
     [this.canvas.width, this.canvas.height] = [clientWidth * ratio, clientHeight * ratio];
@@ -40,6 +40,7 @@ export class Drawing {
     context.fillStyle = this.colour("unknown");
     context.fillRect(0, 0, clientWidth, clientHeight);
     this.#drawMap(context);
+    this.#drawZones(context, zones);
     this.#drawLines(context, draft);
     for (const stretch of judgement?.line ?? []) this.#drawStretch(context, stretch);
     this.#drawCorners(context, draft);
@@ -51,6 +52,24 @@ export class Drawing {
     const [right, bottom] = this.view.toPixel(x + columns * resolution, y);
     context.imageSmoothingEnabled = false;
     context.drawImage(this.ground, left, top, right - left, bottom - top);
+  }
+
+  // The one being drawn last, with its corners.
+  #drawZones(context, { zones, corners }) {
+    context.strokeStyle = context.fillStyle = this.colour("main");
+    context.font = "12px system-ui, sans-serif";
+    for (const { name, polygon } of zones) {
+      context.globalAlpha = 0.12;
+      this.#line(context, polygon);
+      context.fill();
+      context.globalAlpha = 0.8;
+      this.#line(context, [...polygon, polygon[0]]);
+      context.globalAlpha = 1;
+      const [x, y] = this.view.toPixel(...polygon[0]);
+      context.fillText(name, x + 5, y - 5);
+    }
+    this.#line(context, corners ?? []);
+    for (const corner of corners ?? []) context.fillRect(...this.view.toPixel(...corner).map((at) => at - 3), 6, 6);
   }
 
   #drawLines(context, draft) {

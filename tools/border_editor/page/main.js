@@ -4,6 +4,7 @@ import { Draft } from "./draft.js";
 import { Drawing } from "./drawing.js";
 import { ask, site } from "./server.js";
 import { Viewport } from "./viewport.js";
+import { ZonePanel } from "./zone_panel.js";
 
 const NEAR = 10; // px from the pointer to a corner, a handle or the line
 const element = (id) => document.getElementById(id);
@@ -17,13 +18,17 @@ let judgement = null;
 let asked = 0; // number of the last judgement asked for
 let drag = null; // what the pointer holds
 let saved = "";
+let zones; // the panel of the zones
+let savedZones = "";
 
 async function start() {
-  const { name, file, map, draft: content, trouble } = await site();
+  const { name, file, map, draft: content, zones: named, trouble } = await site();
   element("name").textContent = name;
   element("saved").textContent = trouble || file;
   draft = new Draft(content);
   saved = JSON.stringify(content);
+  savedZones = JSON.stringify(named);
+  zones = new ZonePanel(named, { button: element("zone"), list: element("zones") }, redraw);
   const image = new Image();
   image.src = "/map.png";
   await image.decode();
@@ -31,7 +36,7 @@ async function start() {
   redraw();
   fit();
   changed();
-  window.editor = { draft, view, get judgement() { return judgement; } };
+  window.editor = { draft, view, zones, get judgement() { return judgement; } };
 }
 
 function fit() {
@@ -41,7 +46,7 @@ function fit() {
 }
 
 function redraw() {
-  if (drawing.ground) drawing.draw(draft, judgement);
+  if (drawing.ground) drawing.draw(draft, judgement, zones);
 }
 
 // Shows the draft and asks for its judgement; an answer that a later change has overtaken is dropped.
@@ -109,6 +114,10 @@ function pressed(event) {
   canvas.focus();
   canvas.setPointerCapture(event.pointerId);
   const at = pixel(event);
+  if (zones.drawing) {
+    drag = { kind: "floor", at, moved: false };
+    return;
+  }
   if (event.button === 2) {
     draft.remove(cornerAt(at));
     changed();
@@ -146,7 +155,9 @@ async function released(event) {
   const { kind, moved: hasMoved } = drag;
   drag = null;
   const at = pixel(event);
-  if (kind === "floor" && !hasMoved) {
+  if (zones.drawing) {
+    if (!hasMoved) zones.add(...view.toMap(...at));
+  } else if (kind === "floor" && !hasMoved) {
     const between = lineAt(at);
     draft.remember();
     draft.insert(between < 0 ? draft.vertices.length : between, ...view.toMap(...at));
@@ -188,10 +199,21 @@ async function suggest() {
   changed();
 }
 
+// Saves the border, unless it is as it was and zones are not.
 async function save() {
-  const { saved: done, why } = await ask("save", draft.content);
-  if (done) saved = JSON.stringify(draft.content);
-  element("saved").textContent = done ? "saved" : `not saved: ${why}`;
+  const told = [];
+  const zonesChanged = JSON.stringify(zones.zones) !== savedZones;
+  if (!zonesChanged || JSON.stringify(draft.content) !== saved) {
+    const { saved: done, why } = await ask("save", draft.content);
+    if (done) saved = JSON.stringify(draft.content);
+    told.push(done ? "saved" : `not saved: ${why}`);
+  }
+  if (zonesChanged) {
+    const { saved: done, why } = await ask("zones", { zone: zones.zones });
+    if (done) savedZones = JSON.stringify(zones.zones);
+    told.push(done ? "zones saved" : `zones not saved: ${why}`);
+  }
+  element("saved").textContent = told.join("; ");
 }
 
 function change(apply) {
@@ -220,13 +242,19 @@ element("own-radius").addEventListener("change", (event) => {
 element("remove").addEventListener("click", () => { draft.remove(draft.chosen); changed(); });
 window.addEventListener("keydown", (event) => {
   if (event.target instanceof HTMLInputElement) return;
+  if (zones.drawing) {
+    const acts = { Enter: () => zones.finish(), Escape: () => zones.cancel(), Backspace: () => zones.removeLast() };
+    if (event.key in acts && !(event.target instanceof HTMLButtonElement)) acts[event.key]();
+    return;
+  }
   if (event.key === "Delete" || event.key === "Backspace") { draft.remove(draft.chosen); changed(); }
   else if (event.key === "z" && event.ctrlKey) undo();
   else if (event.key === "0") fit();
 });
 window.addEventListener("resize", redraw);
 window.addEventListener("beforeunload", (event) => {
-  if (draft && JSON.stringify(draft.content) !== saved) event.preventDefault();
+  const border = draft && JSON.stringify(draft.content) !== saved;
+  if (border || (zones && JSON.stringify(zones.zones) !== savedZones)) event.preventDefault();
 });
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => { drawing.recolour(); redraw(); });
 

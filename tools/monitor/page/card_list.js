@@ -1,12 +1,13 @@
-// The cards of robots in trouble first, else in the order of their names; the selected one is open, or all.
+// The cards of the listed robots; the selected one is open, or all.
 
 import { RobotCard } from "./robot_card.js";
 
 export class CardList {
-  constructor(box, team, actions, selection) {
+  constructor(box, team, actions, roster, selection) {
     this.box = box;
     this.team = team;
     this.actions = actions;
+    this.roster = roster;
     this.selection = selection;
     this.cards = new Map();
     this.all = false;
@@ -18,28 +19,36 @@ export class CardList {
   }
 
   show() {
+    const order = this.roster.listed();
+    const listed = new Set(order.map((robot) => robot.id));
     for (const [id, card] of this.cards) {
-      if (this.team.robots.has(id)) continue;
+      if (this.team.robots.has(id) && listed.has(id)) continue;
       card.root.remove();
       this.cards.delete(id);
     }
-    const rank = { critical: 0, warning: 1, info: 2 };
-    const worst = new Map(this.team.ordered.map((robot) => [robot.id, this.team.trouble(robot.id)]));
-    const order = [...this.team.ordered].sort((a, b) => (rank[worst.get(a.id)] ?? 3) - (rank[worst.get(b.id)] ?? 3));
+    const worst = this.team.troubles();
     for (const robot of order) {
       const card = this.card(robot);
       const chosen = this.selection.id === robot.id;
       if (card.open !== (this.all || chosen)) card.setOpen(this.all || chosen);
-      card.update(this.team.now, chosen, worst.get(robot.id));
+      card.update(this.team.now, { chosen, trouble: worst.get(robot.id) ?? "", pinned: this.roster.pinned.has(robot.id) });
     }
     this.arrange(order);
+  }
+
+  onPin(id, wanted) {
+    this.roster.pin(id, wanted);
+    this.show();
   }
 
   card(robot) {
     const known = this.cards.get(robot.id);
     if (known?.robot === robot) return known;
     known?.root.remove();
-    const card = new RobotCard(robot, this.actions, () => this.selection.toggle(robot.id));
+    const card = new RobotCard(robot, this.actions, this.roster.zones, {
+      choose: () => this.selection.toggle(robot.id),
+      pin: (wanted) => this.onPin(robot.id, wanted),
+    });
     card.setOpen(false);
     this.cards.set(robot.id, card);
     this.box.append(card.root);

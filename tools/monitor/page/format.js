@@ -34,6 +34,13 @@ export function timeOfDay(wall) {
   return new Date(wall * 1000).toTimeString().slice(0, 8);
 }
 
+// In local time; what is exported tells its zone.
+export function dateAndTime(wall) {
+  const date = new Date(wall * 1000);
+  const two = (value) => String(value).padStart(2, "0");
+  return `${date.getFullYear()}-${two(date.getMonth() + 1)}-${two(date.getDate())} ${timeOfDay(wall)}`;
+}
+
 export function duration(seconds) {
   if (seconds < 90) return `${Math.round(seconds)} s`;
   if (seconds < 5400) return `${Math.round(seconds / 60)} min`;

@@ -1,6 +1,7 @@
 // The static part of the map: walls, grid and border, painted once per theme and view.
 
 import { colour, idleColour, parts } from "./palette.js";
+import { Zones } from "./zones.js";
 
 const FREE = 0;
 const UNKNOWN = 128;
@@ -8,6 +9,7 @@ const UNKNOWN = 128;
 export class Ground {
   constructor(site, onReady) {
     this.site = site;
+    this.zones = new Zones(site.zones);
     this.cells = null;
     this.picture = null;
     if (site.map) this.load(onReady);
@@ -61,6 +63,7 @@ export class Ground {
 
   draw(context, viewport, layers, coverage) {
     if (this.picture && layers.map) this.drawMap(context, viewport);
+    if (layers.zones) this.zones.drawAreas(context, viewport.scale);
     if (layers.grid || !this.site.map) this.drawGrid(context, viewport);
     if (this.site.border && layers.border) this.drawBorder(context, viewport, layers.idleness ? coverage : null);
   }
@@ -75,8 +78,24 @@ export class Ground {
     context.restore();
   }
 
+  // The coordinates of the grid's lines at the left and lower edges; the context is in pixels.
+  drawGridNumbers(context, viewport) {
+    const step = gridStep(viewport);
+    const [left, top] = viewport.toMap(0, 0);
+    const [right, bottom] = viewport.toMap(viewport.width, viewport.height);
+    context.font = "10.5px system-ui, 'DejaVu Sans', sans-serif";
+    context.fillStyle = colour("quiet");
+    context.textAlign = "left";
+    for (let x = Math.ceil(left / step) * step; x < right; x += step) {
+      context.fillText(`${x}`, viewport.toPixel(x, 0)[0] + 3, viewport.height - 4);
+    }
+    for (let y = Math.ceil(bottom / step) * step; y < top; y += step) {
+      context.fillText(`${y}`, 3, viewport.toPixel(0, y)[1] - 3);
+    }
+  }
+
   drawGrid(context, viewport) {
-    const step = viewport.scale > 60 ? 1 : viewport.scale > 12 ? 5 : 10;
+    const step = gridStep(viewport);
     const [left, top] = viewport.toMap(0, 0);
     const [right, bottom] = viewport.toMap(viewport.width, viewport.height);
     context.beginPath();
@@ -119,4 +138,9 @@ export class Ground {
     line(0, points.length - 1);
     context.setLineDash([]);
   }
+}
+
+// m between two lines of the grid.
+function gridStep(viewport) {
+  return viewport.scale > 60 ? 1 : viewport.scale > 12 ? 5 : 10;
 }

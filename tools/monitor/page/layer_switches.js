@@ -3,6 +3,7 @@
 const LAYERS = {
   map: ["Walls", true],
   grid: ["Grid", false],
+  zones: ["Zones", true],
   border: ["Border", true],
   idleness: ["Time since last visit", false],
   trail: ["Trails", true],

@@ -2,8 +2,11 @@
 
 import { colour } from "./palette.js";
 import { Ground } from "./ground.js";
+import { IntruderMarks } from "./intruder_marks.js";
+import { MapLabels } from "./map_labels.js";
+import { Measure } from "./measure.js";
 import {
-  drawBody, drawCovariance, drawName, drawParticles, drawScan, drawTracks, drawTrail, drawVisibility,
+  drawBody, drawCovariance, drawParticles, drawScan, drawTracks, drawTrail, drawVisibility,
 } from "./robot_drawing.js";
 import { Surface } from "./surface.js";
 import { Viewport } from "./viewport.js";
@@ -12,13 +15,19 @@ const PAN_STEP = 60; // px per key press
 const PICK_RADIUS = 26; // px
 
 export class MapView {
-  constructor(canvas, site, team, layers, selection) {
+  // onPlace: called with the place under the pointer, m; null when it leaves.
+  constructor(canvas, site, team, layers, selection, onPlace) {
+    this.onPlace = onPlace;
+    this.measure = new Measure();
+    this.place = null; // shown with a mark, m
     this.site = site;
     this.team = team;
     this.layers = layers;
     this.selection = selection;
     this.following = false;
     this.changed = true;
+    this.labels = new MapLabels();
+    this.intruders = new IntruderMarks(() => this.refresh());
     this.viewport = new Viewport();
     this.still = document.createElement("canvas");
     this.stillKey = "";
@@ -47,6 +56,12 @@ export class MapView {
   fit() {
     this.viewport.fit(this.ground.bounds(this.team.ordered));
     this.changed = true;
+  }
+
+  // Brings a place to the middle and marks it.
+  show(place) {
+    this.place = place;
+    this.centre(place);
   }
 
   // Brings a pose to the middle; nothing without one.
@@ -86,17 +101,25 @@ export class MapView {
     const placed = team.ordered.filter((robot) => robot.pose);
     const each = (layer, paint) => layers[layer] && placed.forEach(paint);
     const { scale } = viewport;
+    const worst = team.troubles();
+    const trouble = (id) => worst.get(id) ?? "";
     each("trail", (robot) => drawTrail(context, robot, scale));
     each("visibility", (robot) => drawVisibility(context, robot, site, scale));
     each("scan", (robot) => drawScan(context, robot, site, scale, team.now));
     each("tracks", (robot) => drawTracks(context, robot, scale, team.now));
     for (const robot of placed) {
-      drawBody(context, robot, site, scale, { chosen: robot === chosen, silent: robot.silent(team.now) });
+      const looks = { chosen: robot === chosen, silent: robot.silent(team.now), trouble: trouble(robot.id) };
+      drawBody(context, robot, site, scale, looks);
     }
     each("particles", (robot) => drawParticles(context, robot, scale));
     each("covariance", (robot) => drawCovariance(context, robot, scale));
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    each("names", (robot) => drawName(context, robot, viewport, robot.name));
+    const sightings = layers.tracks ? team.alarms.filter((alarm) => alarm.seen !== null) : [];
+    const taken = sightings.map((alarm) => this.intruders.box(alarm, viewport));
+    if (layers.names) this.labels.draw(context, placed, viewport, { chosen: chosen?.id, trouble, taken });
+    for (const alarm of sightings) this.intruders.draw(context, alarm, viewport, team.wall);
+    this.measure.draw(context, viewport);
+    if (this.place) drawPlace(context, viewport.toPixel(...this.place));
     this.drawScale(context);
     return true;
   }
@@ -106,7 +129,7 @@ export class MapView {
     const { viewport, layers } = this;
     const { width, height } = this.surface.canvas;
     const covered = layers.idleness ? Math.floor(this.team.now / 2) : 0;
-    const key = [width, height, viewport.x, viewport.y, viewport.scale, covered, layers.map, layers.border, layers.grid, layers.idleness].join();
+    const key = [width, height, viewport.x, viewport.y, viewport.scale, covered, layers.map, layers.border, layers.grid, layers.zones, layers.idleness].join();
     if (key !== this.stillKey) {
       this.stillKey = key;
       this.still.width = width;
@@ -116,6 +139,9 @@ export class MapView {
       still.fillRect(0, 0, width, height);
       viewport.apply(still, ratio);
       this.ground.draw(still, viewport, layers, this.team.coverage);
+      still.setTransform(ratio, 0, 0, ratio, 0, 0);
+      if (layers.zones) this.ground.zones.drawNames(still, viewport);
+      if (layers.grid || !this.site.map) this.ground.drawGridNumbers(still, viewport);
     }
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.drawImage(this.still, 0, 0);
@@ -158,6 +184,7 @@ export class MapView {
     });
     canvas.addEventListener("pointermove", (event) => {
       const before = pointers.get(event.pointerId);
+      this.onPlace(this.viewport.toMap(...place(event)));
       if (!before) return;
       const now = place(event);
       moved += Math.hypot(now[0] - before[0], now[1] - before[1]);
@@ -170,6 +197,7 @@ export class MapView {
     };
     canvas.addEventListener("pointerup", release);
     canvas.addEventListener("pointercancel", release);
+    canvas.addEventListener("pointerleave", () => this.onPlace(null));
     canvas.addEventListener("wheel", (event) => {
       event.preventDefault();
       this.zoom(Math.exp(-event.deltaY * 0.0015), ...place(event));
@@ -190,6 +218,13 @@ export class MapView {
   }
 
   pick(px, py) {
+    this.place = null;
+    this.changed = true;
+    if (this.measure.on) {
+      this.measure.add(...this.viewport.toMap(px, py));
+      this.onPlace(this.viewport.toMap(px, py));
+      return;
+    }
     let [best, nearest] = [null, PICK_RADIUS];
     for (const robot of this.team.ordered) {
       if (!robot.pose) continue;
@@ -200,11 +235,34 @@ export class MapView {
     if (best) this.selection.choose(best.id);
   }
 
+  toggleMeasure() {
+    this.measure.toggle();
+    this.changed = true;
+  }
+
   key(event) {
+    if (event.key === "Enter" && this.measure.on) {
+      event.preventDefault();
+      this.pick(this.viewport.width / 2, this.viewport.height / 2);
+    }
     const steps = { ArrowLeft: [1, 0], ArrowRight: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
     const step = steps[event.key];
     if (!step) return;
     event.preventDefault();
     this.drag(step[0] * PAN_STEP, step[1] * PAN_STEP);
+  }
+}
+
+function drawPlace(context, [px, py]) {
+  for (const [style, width] of [["floor", 6], ["accent", 2.5]]) {
+    context.strokeStyle = colour(style);
+    context.lineWidth = width;
+    context.beginPath();
+    context.arc(px, py, 11, 0, 2 * Math.PI);
+    for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
+      context.moveTo(px + 7 * dx, py + 7 * dy);
+      context.lineTo(px + 17 * dx, py + 17 * dy);
+    }
+    context.stroke();
   }
 }

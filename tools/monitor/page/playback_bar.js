@@ -2,11 +2,13 @@
 
 import { element, setText } from "./element.js";
 import { duration, timeOfDay } from "./format.js";
+import { SliderMarks } from "./slider_marks.js";
 
 const SPEEDS = [0.5, 1, 2, 5, 10, 30];
 
 export class PlaybackBar {
-  constructor(box, send) {
+  // go: called with an alarm of the log whose mark was clicked.
+  constructor(box, send, go) {
     this.box = box;
     this.send = send;
     this.source = null;
@@ -30,7 +32,12 @@ export class PlaybackBar {
     this.speed.setAttribute("aria-label", "speed");
     for (const value of SPEEDS) this.speed.append(new Option(`${value}×`, value, value === 1, value === 1));
     this.speed.addEventListener("change", () => this.send({ speed: Number(this.speed.value) }));
-    box.append(this.button, this.slider, this.time, this.speed);
+    const canvas = element("canvas", "marks");
+    canvas.setAttribute("role", "img");
+    this.marks = new SliderMarks(canvas, () => this.source ?? { start: 0, end: 1 }, go);
+    const track = element("div", "track");
+    track.append(canvas, this.slider);
+    box.append(this.button, track, this.time, this.speed);
   }
 
   get shown() {
@@ -38,11 +45,17 @@ export class PlaybackBar {
   }
 
   toggle() {
-    if (this.source) this.send({ pause: !this.source.paused });
+    if (!this.source) return;
+    this.send({ pause: !this.source.paused });
+    this.source = { ...this.source, paused: !this.source.paused }; // until the monitor says so itself
   }
 
   skip(seconds) {
     if (this.source) this.send({ seek: this.source.t + seconds });
+  }
+
+  go(time) {
+    if (this.source) this.send({ seek: time });
   }
 
   show(source) {
@@ -54,6 +67,7 @@ export class PlaybackBar {
     this.slider.min = source.start;
     this.slider.max = source.end;
     if (!this.dragging) this.slider.value = source.t;
+    this.slider.setAttribute("aria-valuetext", timeOfDay(source.t));
     setText(this.time, `${timeOfDay(source.t)} · ${duration(source.t - source.start)} of ${duration(source.end - source.start)}`);
     if (document.activeElement !== this.speed) this.speed.value = String(source.speed);
   }

@@ -10,6 +10,7 @@ const LEVEL_CLASS = { 3: "worry", 4: "bad", 5: "bad" };
 const FACTS = [
   ["border", "from border"], ["neighbor", "nearest"],
   ["abscissa", "along border"], ["gamma", "neighbor state"],
+  ["zone", "in", "wide"],
   ["requested", "asked for", "wide"], ["command", "after gate", "wide"], ["gate", "gate", "wide"],
   ["override", "beyond the rules", "wide"], ["turned", "turned last", "wide"],
   ["localization", "localization", "wide"],
@@ -21,25 +22,32 @@ const FACTS = [
 ];
 
 export class RobotCard {
-  constructor(robot, actions, onChoose) {
+  // zones: the site's named places.
+  constructor(robot, actions, zones, { choose, pin }) {
     this.robot = robot;
+    this.zones = zones;
     this.actions = actions;
     this.root = element("article", "card");
     this.root.dataset.robot = robot.id;
     this.root.style.setProperty("--robot", robotVariable(robot.number));
-    this.button = element("button");
+    this.button = element("button", "row");
     this.button.type = "button";
-    this.button.addEventListener("click", onChoose);
+    this.button.addEventListener("click", choose);
+    this.pin = element("button", "pin", "Plot");
+    this.pin.type = "button";
+    this.pin.title = "plot only the robots chosen so";
+    this.pin.addEventListener("click", () => pin(this.pin.getAttribute("aria-pressed") !== "true"));
+    this.mark = element("span", "mark", robot.mark);
     this.badge = element("span", "badge");
-    this.badge.setAttribute("aria-label", "has an alarm");
+    this.badge.setAttribute("role", "img");
     this.name = element("span", "name");
     this.action = element("span", "action");
     this.brief = element("span", "brief");
     this.why = element("span", "why");
     const title = element("span");
-    title.append(this.badge, this.name, this.action);
+    title.append(this.badge, " ", this.mark, " ", this.name, " ", this.action); // spaces are for who listens
     this.button.append(title, this.brief, this.why);
-    this.root.append(this.button);
+    this.root.append(this.button, this.pin);
     this.body = null;
     this.open = false;
   }
@@ -87,15 +95,19 @@ export class RobotCard {
     return list;
   }
 
-  // trouble: severity of its worst active alarm, empty without one.
-  update(now, chosen, trouble) {
+  // trouble: severity of its worst active alarm, empty without one; pinned: chosen for the plots.
+  update(now, { chosen, trouble, pinned }) {
     const { robot } = this;
     const silent = robot.silent(now);
     setClass(this.root, "chosen", chosen);
     setClass(this.root, "silent", silent);
     for (const severity of ["critical", "warning"]) setClass(this.root, severity, trouble === severity);
-    setText(this.badge, trouble === "critical" ? "▲" : "◆");
+    setText(this.badge, trouble === "critical" ? "▲" : trouble === "warning" ? "◆" : "");
+    this.badge.setAttribute("aria-label", trouble ? `${trouble} alarm` : "no alarm");
+    this.badge.hidden = !trouble || trouble === "info";
     setText(this.name, robot.name);
+    this.pin.setAttribute("aria-label", `Plot ${robot.name}`);
+    this.pin.setAttribute("aria-pressed", String(pinned));
     const current = robot.decision && robot.age("decision", now) < 1.5;
     setText(this.action, silent ? "silent" : current ? actionName(robot.decision.action) : "no decision");
     setText(this.why, robot.why);
@@ -109,6 +121,12 @@ export class RobotCard {
       return robot.heard === null || robot.heard === undefined ? "never heard" : `${Math.round(now - robot.heard)} s ago`;
     }
     return `${quantity(robot.decision?.border, "m")} · ${quantity(robot.status?.battery, "V", 1)}`;
+  }
+
+  // The name of the zone that it is in; empty without a pose.
+  zone() {
+    const { pose } = this.robot;
+    return pose ? this.zones.nameAt(pose[0], pose[1]) : "";
   }
 
   updateBody() {
@@ -141,6 +159,7 @@ export class RobotCard {
     setText(facts.neighbor, quantity(decision?.neighbor, "m"));
     setText(facts.gamma, quantity(decision?.gamma, ""));
     setText(facts.abscissa, decision ? `${quantity(decision.abscissa, "m", 1)} ${decision.direction > 0 ? "cw" : "ccw"}` : ABSENT);
+    setText(facts.zone, this.zone() || ABSENT);
     setText(facts.requested, twist(decision?.requested));
     setText(facts.command, twist(decision?.command));
     setText(facts.gate, decision ? (decision.gate ?? "lets all through") : ABSENT);

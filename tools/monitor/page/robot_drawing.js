@@ -135,7 +135,8 @@ export function drawTracks(context, robot, scale, now) {
   }
 }
 
-export function drawBody(context, robot, site, scale, { chosen, silent }) {
+// trouble: severity of its worst alarm, a ring in that colour; a silent robot is hollow.
+export function drawBody(context, robot, site, scale, { chosen, silent, trouble }) {
   const { front, rear, halfWidth } = robot.status?.body ?? site.robot;
   const [x, y, theta] = robot.pose;
   context.save();
@@ -149,7 +150,7 @@ export function drawBody(context, robot, site, scale, { chosen, silent }) {
   context.roundRect(-rear, -halfWidth, front + rear, 2 * halfWidth, 0.07);
   context.fillStyle = silent ? colour("panel") : robotColour(robot.number);
   context.strokeStyle = silent ? robotColour(robot.number) : colour("ground");
-  context.lineWidth = 1.5 * pixel;
+  context.lineWidth = (silent ? 2.2 : 1.5) * pixel;
   context.fill();
   context.stroke();
   context.beginPath();
@@ -160,25 +161,14 @@ export function drawBody(context, robot, site, scale, { chosen, silent }) {
   context.fillStyle = silent ? robotColour(robot.number) : colour("ground");
   context.fill();
   context.restore();
-  if (chosen) {
-    context.beginPath();
-    context.arc(x, y, Math.max(0.42, 15 / scale), 0, 2 * Math.PI);
-    context.strokeStyle = colour("text");
-    context.lineWidth = 1.5 / scale;
-    context.stroke();
-  }
+  if (trouble && trouble !== "info") drawRing(context, [x, y], Math.max(0.36, 13 / scale), colour(trouble), 2.5 / scale);
+  if (chosen) drawRing(context, [x, y], Math.max(0.46, 17 / scale), colour("text"), 1.5 / scale);
 }
 
-// The name beside the robot, in pixels so that it stays upright and readable.
-export function drawName(context, robot, viewport, words) {
-  const [px, py] = viewport.toPixel(robot.pose[0], robot.pose[1]);
-  const above = Math.max(0.4 * viewport.scale, 14) + 6;
-  context.font = "600 12px system-ui, 'DejaVu Sans', sans-serif";
-  context.textAlign = "center";
-  context.lineWidth = 3.5;
-  context.lineJoin = "round";
-  context.strokeStyle = colour("floor");
-  context.fillStyle = robotColour(robot.number);
-  context.strokeText(words, px, py - above);
-  context.fillText(words, px, py - above);
+function drawRing(context, [x, y], radius, style, width) {
+  context.beginPath();
+  context.arc(x, y, radius, 0, 2 * Math.PI);
+  context.strokeStyle = style;
+  context.lineWidth = width;
+  context.stroke();
 }

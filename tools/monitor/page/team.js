@@ -7,6 +7,7 @@ class Robot {
   constructor(id, number) {
     this.id = id;
     this.number = number;
+    this.mark = String(number + 1); // beside its colour, which others may share; the key that chooses it
     this.name = id;
     this.samples = [];
     this.at = {}; // part -> monitor time of its arrival
@@ -35,6 +36,11 @@ class Robot {
     if (this.samples.length > SAMPLES) this.samples.shift();
   }
 
+  // The words beside it on the map: its name, with the number if that does not end in it.
+  get label() {
+    return this.name.endsWith(this.mark) ? this.name : `${this.mark} ${this.name}`;
+  }
+
   // Returns the age of a part, s; infinite if none was received.
   age(part, now) {
     return part in this.at ? now - this.at[part] : Infinity;
@@ -55,6 +61,7 @@ export class Team {
     this.ordered = [];
     this.alarms = [];
     this.coverage = null;
+    this.log = null;
     this.source = { kind: "live" };
     this.now = 0;
     this.wall = 0;
@@ -65,20 +72,23 @@ export class Team {
     this.now = message.now;
     this.wall = message.wall;
     this.source = message.source;
+    this.log = message.log ?? null;
     if (message.shown) this.keep(new Set(message.shown));
     for (const part of message.robots) this.robot(part.id).take(part, message.now);
     if (message.alarms) this.alarms = message.alarms;
     if (message.coverage) this.coverage = message.coverage;
   }
 
-  // Returns the active alarms of a robot, or of all, the worst first.
-  active(id) {
-    return this.alarms.filter((alarm) => alarm.cleared === null && (id === undefined || alarm.robot === id));
+  // Returns the active alarms, the worst first.
+  active() {
+    return this.alarms.filter((alarm) => alarm.cleared === null);
   }
 
-  // Returns the severity of a robot's worst active alarm; empty if it has none.
-  trouble(id) {
-    return this.active(id)[0]?.severity ?? "";
+  // Returns the severity of each robot's worst active alarm, of those that have any.
+  troubles() {
+    const worst = new Map();
+    for (const alarm of this.active()) if (!worst.has(alarm.robot)) worst.set(alarm.robot, alarm.severity);
+    return worst;
   }
 
   // Removes the robots that gave way to others.
