@@ -17,7 +17,7 @@ from robot_agent.motion.footprint import Footprint
 _OWN_MARGIN = 0.03  # m beyond the own corners' reach in a turn in place
 _STEPS = 16
 _ANGLES = np.arange(_STEPS) * (math.tau / _STEPS)
-_CIRCLE = np.column_stack((np.cos(_ANGLES), np.sin(_ANGLES)))
+CIRCLE = np.column_stack((np.cos(_ANGLES), np.sin(_ANGLES)))
 
 
 class TeammateKeepOut:
@@ -27,7 +27,8 @@ class TeammateKeepOut:
         reach = footprint.corner_reach
         self.radius = _whole_centimetres(reach + footprint.middle_offset)
         """m round the middle of a teammate: its corners' reach from its axle, wherever that is."""
-        self._own = _whole_centimetres(reach) + _OWN_MARGIN
+        self.own = _whole_centimetres(reach) + _OWN_MARGIN
+        """m round the own axle within which no point is kept."""
 
     def around(self, middles: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return points (m, 2) on the circles round robots' middles (n, 2), m, all in base_link.
@@ -35,8 +36,8 @@ class TeammateKeepOut:
         Points within this robot's own circle are left out, so that the keep-out zone stops robots
         from driving into it but never from turning away.
         """
-        points = (middles[:, None, :] + self.radius * _CIRCLE).reshape(-1, 2)
-        return points[np.hypot(points[:, 0], points[:, 1]) > self._own]
+        points = (middles[:, None, :] + self.radius * CIRCLE).reshape(-1, 2)
+        return points[np.hypot(points[:, 0], points[:, 1]) > self.own]
 
 
 def _whole_centimetres(metres: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Literal
 
 import numpy as np
@@ -29,6 +30,11 @@ class RandomReversal:
         self._rng = rng
         self._distribution = distribution
         self._next: float | None = None
+
+    @property
+    def next_at(self) -> float:
+        """The next scheduled time, s; minus infinity before the first step."""
+        return -math.inf if self._next is None else self._next
 
     def due(self, t: float, *, permitted: bool) -> bool:
         """Return whether to turn back at t. A scheduled time that passes unpermitted is lost."""
