@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Literal
 
 import numpy as np
@@ -31,11 +30,6 @@ class RandomReversal:
         self._distribution = distribution
         self._next: float | None = None
 
-    @property
-    def next_at(self) -> float:
-        """The next scheduled time, s; minus infinity before the first step."""
-        return -math.inf if self._next is None else self._next
-
     def due(self, t: float, *, permitted: bool) -> bool:
         """Return whether to turn back at t. A scheduled time that passes unpermitted is lost."""
         if self._next is None:
@@ -43,15 +37,16 @@ class RandomReversal:
         if t < self._next:
             return False
         while self._next <= t:
-            self._next += self._interval()
+            self._next += interval(self._period, self._distribution, self._rng)
         return permitted and float(self._rng.random()) < self._probability
 
-    def _interval(self) -> float:
-        """Draw the time from one scheduled time to the next, s."""
-        match self._distribution:
-            case "fixed":
-                return self._period
-            case "uniform":
-                return float(self._rng.uniform(0.0, 2.0 * self._period))
-            case "exponential":
-                return float(self._rng.exponential(self._period))
+
+def interval(period: float, distribution: Distribution, rng: np.random.Generator) -> float:
+    """Draw the time from one scheduled time to the next, s; its mean is the period, s."""
+    match distribution:
+        case "fixed":
+            return period
+        case "uniform":
+            return float(rng.uniform(0.0, 2.0 * period))
+        case "exponential":
+            return float(rng.exponential(period))

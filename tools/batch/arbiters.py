@@ -9,7 +9,7 @@ import numpy as np
 
 from robot_agent.patrol.action_dwell import EQUAL as SAME_TIME
 from robot_agent.patrol.supervisor import EQUAL, SAFEST_LEFT, SAFEST_RIGHT
-from tools.batch.arrays import Codes, Flags, Indices, Reals
+from tools.batch.arrays import Codes, Flags, Indices, Reals, pick
 from tools.batch.fuzzy_arrays import FuzzyArrays
 from tools.batch.situations import ACTIONS, NONE, Act, Situations
 
@@ -89,6 +89,10 @@ class Arbiters:
         raw = _best(degrees, at.gamma[some] <= 0.0, self.action[some])
         self._update(at.t, raw, neighbor, some)
         return self.action[some]
+
+    def pick(self, robots: Indices) -> None:
+        """Keep some robots, as ``arrays.pick`` does."""
+        pick(self, ("action", "since"), robots)
 
     def _degrees(self, at: Situations, some: Indices, neighbor: Reals) -> Reals:
         values = {

@@ -7,6 +7,7 @@ the same arithmetic but for rounding. Runs differ by seed and faults; map and se
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import deepcopy
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.motion.gate_settings import gate_limits
-from tools.batch.arrays import Reals
+from tools.batch.arrays import Flags, Reals, pick
 from tools.batch.bodies import REACH, STEP_WAY, Bodies
 from tools.batch.border_feet import BorderFeet
 from tools.batch.gates import SafetyGates
@@ -84,6 +85,30 @@ class Batch:
         self.decisions: Decisions | None = None
         """Of the last step; those of a dead robot mean nothing."""
 
+    def branched(self, copies: int, seed: int) -> Batch:
+        """Return a batch with ``copies`` of each run as it is now, but other chances from now on.
+
+        The copies of a run follow each other; their generators come from ``seed``.
+        """
+        walls = self.bodies.shared
+        shared = (self.folder, self.config, self._obstacles, *walls, *self.patrols.shared)
+        memo = {id(thing): thing for thing in shared}
+        twin = deepcopy(self, memo)
+        runs = np.repeat(np.arange(len(self.seeds)), copies)
+        robots = (runs[:, None] * self.robots + np.arange(self.robots)).ravel()
+        twin.seeds = tuple(self.seeds[run] for run in runs.tolist())
+        twin.faults = [self.faults[run] for run in runs.tolist()]
+        twin.n = len(robots)
+        twin.patrols.pick(
+            robots, [np.random.default_rng((seed, number)) for number in range(twin.n)]
+        )
+        for part in (twin.bodies, twin._sights, twin._loops, twin._unpinnings, twin._gates):
+            part.pick(robots)
+        pick(twin, ("dead", "_stuck"), robots)
+        if twin.decisions is not None:
+            pick(twin.decisions, Decisions.__slots__, robots)
+        return twin
+
     @property
     def order(self) -> tuple[Reals, Reals]:
         """The permitted commands (v, w) of all robots, m/s and rad/s."""
@@ -143,7 +168,7 @@ class Batch:
                 of_kind = self.dead if fault.kind is FaultKind.DEAD else self._stuck
                 of_kind[robot] = fault.holds(self.t)
 
-    def _near_walls(self) -> np.ndarray:
+    def _near_walls(self) -> Flags:
         """Return (n,) which robots can touch a wall in a step."""
         x, y, made = self.bodies.x, self.bodies.y, self.decisions
         reach = REACH + STEP_WAY
@@ -154,7 +179,7 @@ class Batch:
         near[some] = ~self._obstacles.free(x[some], y[some], reach)
         return near
 
-    def _look(self) -> tuple[np.ndarray, Reals, Reals]:
+    def _look(self) -> tuple[Flags, Reals, Reals]:
         bodies = self.bodies
         middle = Outline().middle
         base, heading = (bodies.x, bodies.y), (bodies.cos, bodies.sin)

@@ -17,6 +17,10 @@ class Blockages:
     def __init__(self, n: int) -> None:
         self._held = HeldPlaces(n, blockage.MOVED, blockage.PAUSE)
 
+    def pick(self, robots: Indices) -> None:
+        """Keep some robots, as ``arrays.pick`` does."""
+        self._held.pick(robots)
+
     def propose(
         self,
         at: Situations,

@@ -9,7 +9,7 @@ import numpy as np
 from drivers.p2os.set_up import ACCELERATION, DECELERATION, TURN_ACCELERATION, TURN_DECELERATION
 from maps.pose import Pose
 from tools.batch.angles import remainders
-from tools.batch.arrays import Flags, Reals
+from tools.batch.arrays import Flags, Indices, Reals, pick
 from tools.simulation.robot_body import Outline
 from tools.simulation.world import World
 
@@ -32,6 +32,11 @@ class Bodies:
         self._walls = world
         self._worlds: dict[int, World] = {}
         self._turned()
+
+    @property
+    def shared(self) -> tuple[object, ...]:
+        """What copies need not copy: it never changes, or is made again."""
+        return self._walls, self._worlds
 
     def roll(self, order: tuple[Reals, Reals], stuck: Flags, dt: float) -> tuple[Reals, Reals]:
         """Advance the ramps by dt, s, to ordered (v, w); return ways, m, and rotations, rad.
@@ -66,6 +71,11 @@ class Bodies:
             self._move_by_world(run, own.tolist(), way, rotation)
         self._turned()
 
+    def pick(self, robots: Indices) -> None:
+        """Keep some robots, as ``arrays.pick`` does; contacts are counted anew."""
+        pick(self, ("x", "y", "theta", "v", "w", "cos", "sin"), robots)
+        self._worlds = {}
+
     def contacts(self, run: int) -> int:
         """Return the number of contacts in a run so far."""
         world = self._worlds.get(run)
@@ -78,11 +88,15 @@ class Bodies:
     def _turned(self) -> None:
         self.cos, self.sin = np.cos(self.theta), np.sin(self.theta)
 
+    def world(self, run: int) -> World:
+        """Return the world of a run's robots, which keeps their contacts."""
+        if run not in self._worlds:
+            self._worlds[run] = self._populated(run)
+        return self._worlds[run]
+
     def _move_by_world(self, run: int, robots: list[int], way: Reals, rotation: Reals) -> None:
         """Move some robots of a run, in order, as the world lets them."""
-        world = self._worlds.get(run)
-        if world is None:
-            world = self._worlds[run] = self._populated(run)
+        world = self.world(run)
         first = run * self._count
         for robot, body in enumerate(world.bodies, first):
             body.pose = self.pose(robot)

@@ -12,7 +12,7 @@ from robot_agent.patrol import closing_in
 from robot_agent.patrol.modifier import OverrideReason
 from robot_agent.patrol.turn_log import TurnCause, TurnLog
 from tools.batch.arbiters import Arbiters, Choices
-from tools.batch.arrays import Codes, Flags, Indices
+from tools.batch.arrays import Codes, Flags, Indices, pick
 from tools.batch.situations import SETS_DIRECTION, Act, Overrides, Situations
 
 
@@ -60,6 +60,11 @@ class ClosingsIn:
             standing = waits.nonzero()[0]
             found.put(standing, OverrideReason.WAIT, action=winner[standing], speed_limit=0.0)
         return changed
+
+    def pick(self, robots: Indices) -> None:
+        """Keep some robots, as ``arrays.pick`` does."""
+        pick(self, ("_diverged", "_closing_in", "_wait_until"), robots)
+        self._rules.pick(robots)
 
     def _winner(self, at: Situations, choices: Choices, closes: Flags) -> Codes:
         some = self._diverged.nonzero()[0]

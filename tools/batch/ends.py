@@ -23,6 +23,9 @@ def ways_out(at: Situations, choices: Choices) -> Codes:
 class HoldsAtEnds:
     """Modifier ``hold_at_end``: stops robots while both directions are activated at once."""
 
+    def pick(self, robots: Indices) -> None:
+        """Keep some robots: there is no state."""
+
     def propose(
         self,
         at: Situations,

@@ -12,12 +12,32 @@ from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
 from robot_agent.patrol.modifier import OverrideReason
 from robot_agent.patrol.turn_log import TurnCause
 from tools.batch.arbiters import Choices
-from tools.batch.arrays import Codes, Flags, Indices, Reals
+from tools.batch.arrays import Codes, Flags, Indices, Reals, pick
 from tools.batch.border_feet import BorderFeet
 from tools.batch.situations import PATROLS, Act, Overrides, Situations
 from tools.batch.turn_logs import TurnLogs
 
 _UNKNOWN = 0  # robots in the team, while counting
+_STATE = (
+    "_counting_laps",
+    "_begun",
+    "_t",
+    "_abscissa",
+    "_direction",
+    "_legs",
+    "_leg_begun",
+    "_sent_back",
+    "_ahead",
+    "_counting",
+    "team",
+    "_probes",
+    "_since",
+    "_check_at",
+    "_probe_at",
+    "_progress",
+    "_time",
+    "_met",
+)
 
 
 class EvenGapsOfMany:
@@ -70,6 +90,10 @@ class EvenGapsOfMany:
         found.put(some[no_chance], OverrideReason.EVEN_GAPS, may_turn=False)
         found.put(some[turns], OverrideReason.EVEN_GAPS, turn=TurnCause.EVEN_GAPS)
         return np.asarray(some[turns | no_chance])
+
+    def pick(self, robots: Indices) -> None:
+        """Keep some robots, as ``arrays.pick`` does."""
+        pick(self, _STATE, robots)
 
     def _turn_back(
         self, some: Indices, t: float, s: Reals, direction: Codes, keeps: Flags

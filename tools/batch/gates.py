@@ -16,7 +16,7 @@ from robot_agent.motion.swept_footprint import (
     SHARES,
 )
 from robot_agent.motion.unpinning import EDGING_SPEED
-from tools.batch.arrays import Flags, Indices, Reals
+from tools.batch.arrays import Flags, Indices, Reals, pick
 from tools.batch.obstacle_points import ObstaclePoints
 
 
@@ -59,6 +59,10 @@ class SafetyGates:
         self.stops += self._obstacle & ~self._stops & counted
         self._stops = self._obstacle.copy()
         self.v, self.w = v, w
+
+    def pick(self, robots: Indices) -> None:
+        """Keep some robots, as ``arrays.pick`` does."""
+        pick(self, ("v", "w", "_acceleration", "_obstacle", "_stops", "stops"), robots)
 
     def held(self) -> Flags:
         """Return which robots an obstacle stops, or nearly (``held_by_obstacle``)."""

@@ -19,7 +19,7 @@ from robot_agent.motion.heading_loop import (
     TURN_BRAKING,
 )
 from tools.batch.angles import wrapped
-from tools.batch.arrays import Codes, Flags, Reals
+from tools.batch.arrays import Codes, Flags, Indices, Reals, pick
 
 
 class HeadingLoops:
@@ -54,6 +54,10 @@ class HeadingLoops:
         self.v = self.v + np.minimum(np.maximum(v - self.v, -change), change)
         self.w = self.w + np.minimum(np.maximum(w - self.w, -turn), turn)
         return self.v, self.w
+
+    def pick(self, robots: Indices) -> None:
+        """Keep some robots, as ``arrays.pick`` does."""
+        pick(self, ("v", "w", "side", "aligned"), robots)
 
     def _targets(self, vx: Reals, vy: Reals, theta: Reals, curvature: Reals) -> tuple[Reals, Reals]:
         speed = np.hypot(vx, vy)
@@ -104,6 +108,10 @@ class Unpinnings:
         for robot in (~free).nonzero()[0].tolist():
             side[robot] = self._next_side(robot, t, float(loops.w[robot])) or side[robot]
         return side, ~np.isnan(self._edges_until)
+
+    def pick(self, robots: Indices) -> None:
+        """Keep some robots, as ``arrays.pick`` does."""
+        pick(self, ("_since", "_pins", "_edges_until"), robots)
 
     def _next_side(self, robot: int, t: float, turn_rate: float) -> int:
         if math.isnan(self._since[robot]):

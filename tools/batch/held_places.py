@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from tools.batch.arrays import Indices, Reals
+from tools.batch.arrays import Indices, Reals, pick
 
 
 class HeldPlaces:
@@ -31,6 +31,10 @@ class HeldPlaces:
         new = some[moved]
         self.restart(new, t, x, y)
         return np.asarray(t - self._since[some])
+
+    def pick(self, robots: Indices) -> None:
+        """Keep some robots, as ``arrays.pick`` does."""
+        pick(self, ("_x", "_y", "_since", "_latest"), robots)
 
     def restart(self, some: Indices, t: float, x: Reals, y: Reals) -> None:
         """Start timers at t, which may lie in the future, at the robots' positions."""

@@ -14,7 +14,7 @@ from robot_agent.patrol.neighbor_state import (
     SAME_PLACE,
 )
 from robot_agent.patrol.settings import PatrolSettings
-from tools.batch.arrays import Flags, Reals
+from tools.batch.arrays import Flags, Indices, Reals, pick
 from tools.batch.border_feet import BorderFeet
 
 
@@ -53,6 +53,10 @@ class NeighborStates:
         distance[some] = apart
         gamma[some] = np.where(elsewhere, 0.0, closeness * side)
         return distance, gamma
+
+    def pick(self, robots: Indices) -> None:
+        """Keep some robots, as ``arrays.pick`` does."""
+        pick(self, ("_side",), robots)
 
     def _outer_side(self, place: tuple[float, float, float], mate: tuple[float, float]) -> int:
         """Return the side by which of two robots at one abscissa is the outer one.

@@ -14,7 +14,6 @@ from maps.border import Border
 from robot_agent.patrol.action_dwell import MINIMUM_DWELL
 from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
 from robot_agent.patrol.patrol import REVERSAL_END_DISTANCE, rules_of
-from robot_agent.patrol.reversal import RandomReversal
 from robot_agent.patrol.settings import (
     AROUND_WALLS,
     BLOCKAGE,
@@ -28,7 +27,7 @@ from robot_agent.patrol.settings import (
 from robot_agent.patrol.turn_log import Turn, TurnCause
 from tools.batch.approaches import Approaches
 from tools.batch.arbiters import Arbiters, Choices
-from tools.batch.arrays import Codes, Flags, Indices, Reals
+from tools.batch.arrays import Codes, Flags, Indices, Reals, pick
 from tools.batch.blockages import Blockages
 from tools.batch.border_feet import BorderFeet
 from tools.batch.closings_in import ClosingsIn
@@ -36,6 +35,7 @@ from tools.batch.ends import HoldsAtEnds
 from tools.batch.even_gaps import EvenGapsOfMany
 from tools.batch.fuzzy_arrays import FuzzyArrays
 from tools.batch.neighbor_states import NeighborStates
+from tools.batch.reversals import Reversals
 from tools.batch.situations import (
     CAUSES,
     NONE,
@@ -81,6 +81,9 @@ class ManyModifiers(Protocol):
     def propose(self, at: Situations, choices: Choices, action: Codes, found: Overrides) -> Indices:
         """Put overrides into ``found``; return the numbers of their robots."""
 
+    def pick(self, robots: Indices) -> None:
+        """Keep some robots, as ``arrays.pick`` does."""
+
 
 class Patrols:
     """The paper's control structure of n robots, with the modifiers that the settings name."""
@@ -100,27 +103,18 @@ class Patrols:
         _require_known(settings)
         n = len(rngs)
         self._settings = settings
-        self._feet = feet
-        self._rngs = rngs
+        self._feet, self._border = feet, border
+        self._rngs = list(rngs)
         self._approaches: Approaches | None = None
         if AROUND_WALLS in settings.modifiers and approach_field is not None:
             self._approaches = Approaches(approach_field)
-        system = FuzzyArrays(rules_of(settings, border))
+        self._system = FuzzyArrays(rules_of(settings, border))
         dwell = MINIMUM_DWELL if DWELL in settings.modifiers else 0.0
-        self._arbiters = Arbiters(system, dwell, n)
+        self._arbiters = Arbiters(self._system, dwell, n)
         self._neighbors = NeighborStates(settings, feet, n)
         self.turns = TurnLogs(n)
-        self._reversals = [
-            RandomReversal(
-                settings.reversal_period,
-                settings.reversal_probability,
-                rng,
-                settings.reversal_distribution,
-            )
-            for rng in rngs
-        ]
-        self._reversal_at = np.full(n, -math.inf)
-        self._last_to_first = self._modifiers(border, system, dwell)[::-1]
+        self._reversals = Reversals(settings, self._rngs)
+        self._last_to_first = self._modifiers(dwell)[::-1]
         self._abscissa = np.full(n, math.nan)
         self.direction = np.zeros(n, dtype=np.int8)
         """Of the last patrol; 0 before the first."""
@@ -148,6 +142,20 @@ class Patrols:
         return Decisions(
             action, direction, vx, vy, curvature, at.distance, at.s, overrides.reason, turn
         )
+
+    @property
+    def shared(self) -> tuple[object, ...]:
+        """What copies need not copy, as it never changes."""
+        return self._settings, self._feet, self._border, self._approaches, self._system
+
+    def pick(self, robots: Indices, rngs: Sequence[np.random.Generator]) -> None:
+        """Keep some robots, as ``arrays.pick`` does, with generators of their own."""
+        self._rngs[:] = rngs
+        pick(self, ("_abscissa", "direction"), robots)
+        for part in (self._arbiters, self._neighbors, self.turns, self._reversals):
+            part.pick(robots)
+        for modifier in self._last_to_first:
+            modifier.pick(robots)
 
     # ---- 1. situation -------------------------------------------------------------------------
 
@@ -225,16 +233,12 @@ class Patrols:
         """Return the causes of reversals during Keep Going: a modifier, or chance; else NONE."""
         keeps = (action == Act.KEEP_GOING) & (at.direction != 0)
         chosen = np.where(keeps, overrides.turn, NONE).astype(np.int8)
-        due = (at.t >= self._reversal_at).nonzero()[0]
-        if due.size:
-            permitted = keeps[due] & overrides.may_turn[due]
-            permitted &= np.minimum(at.left[due], at.right[due]) >= REVERSAL_END_DISTANCE
-            for robot, may in zip(due.tolist(), permitted.tolist(), strict=True):
-                reversal = self._reversals[robot]
-                turns = reversal.due(at.t, permitted=may)
-                self._reversal_at[robot] = reversal.next_at
-                if turns and chosen[robot] == NONE:
-                    chosen[robot] = _CHANCE
+        may = keeps & overrides.may_turn
+        if not at.closed:
+            may &= np.minimum(at.left, at.right) >= REVERSAL_END_DISTANCE
+        turning = self._reversals.due(at.t, may)
+        turning = turning[chosen[turning] == NONE]
+        chosen[turning] = _CHANCE
         return chosen
 
     # ---- 5. velocity --------------------------------------------------------------------------
@@ -248,7 +252,7 @@ class Patrols:
         vx[stopped] = vy[stopped] = 0.0
         return vx, vy
 
-    def _modifiers(self, border: Border, system: FuzzyArrays, dwell: float) -> list[ManyModifiers]:
+    def _modifiers(self, dwell: float) -> list[ManyModifiers]:
         """Return the modifiers that the settings name, in that order."""
         n, settings = len(self._rngs), self._settings
 
@@ -261,12 +265,12 @@ class Patrols:
                 case "blockage":
                     return Blockages(n)
                 case "closing_in":
-                    rules = Arbiters(system, dwell, n)
-                    return ClosingsIn(border, self._arbiters, rules, self.turns, self._rngs)
+                    rules = Arbiters(self._system, dwell, n)
+                    return ClosingsIn(self._border, self._arbiters, rules, self.turns, self._rngs)
                 case _:
                     return EvenGapsOfMany(self._feet, settings.patrol_speed, self.turns, self._rngs)
 
-        without = {AROUND_WALLS, DWELL, HOLD_AT_END if border.closed else EVEN_GAPS}
+        without = {AROUND_WALLS, DWELL, HOLD_AT_END if self._border.closed else EVEN_GAPS}
         return [make(name) for name in settings.modifiers if name not in without]
 
 

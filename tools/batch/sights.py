@@ -40,12 +40,9 @@ class Sights:
         self._last_seen = np.full((n, count), -math.inf)
         self._place_x, self._place_y, self._velocity_x, self._velocity_y = np.zeros((4, n, count))
         self._in_range = np.zeros((n, count), dtype=np.bool_)
-        self._itself = np.tile(np.diag(np.full(count, math.inf)), (runs, 1))
-        self._first = np.repeat(np.arange(runs) * count, count)  # of the run of each robot
         self.apart = np.full((n, count), math.inf)
         """Distances (n, count), m, to the robots of the same run; infinite to itself."""
-        self.closest = np.full(n, math.inf)
-        """Distance (n,), m, to the closest of them."""
+        self._arrange()
 
     def look(
         self,
@@ -78,6 +75,21 @@ class Sights:
             self._velocity_x[one, other] = speed[target] * heading[0][target]
             self._velocity_y[one, other] = speed[target] * heading[1][target]
         return self._closest(t, base)
+
+    def pick(self, robots: Indices) -> None:
+        """Keep the robots of some runs, all of each run, as ``arrays.pick`` does."""
+        for name in ("_last_seen", "_place_x", "_place_y", "_velocity_x", "_velocity_y"):
+            setattr(self, name, getattr(self, name)[robots])
+        self._in_range, self.apart = self._in_range[robots], self.apart[robots]
+        self._runs = len(robots) // self._count
+        self._arrange()
+
+    def _arrange(self) -> None:
+        count = self._count
+        self._itself = np.tile(np.diag(np.full(count, math.inf)), (self._runs, 1))
+        self._first = np.repeat(np.arange(self._runs) * count, count)  # of each robot's run
+        self.closest = self.apart.min(axis=1)
+        """Distance (n,), m, of each robot to the closest of its run."""
 
     def _measure(self, base: tuple[Reals, Reals]) -> None:
         """Update the distances between the robots of each run."""

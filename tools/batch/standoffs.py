@@ -9,7 +9,7 @@ import numpy as np
 from robot_agent.patrol import standoff
 from robot_agent.patrol.modifier import OverrideReason
 from tools.batch.arbiters import Choices
-from tools.batch.arrays import Codes, Indices
+from tools.batch.arrays import Codes, Indices, pick
 from tools.batch.ends import ways_out
 from tools.batch.held_places import HeldPlaces
 from tools.batch.situations import NONE, Act, Overrides, Situations
@@ -47,6 +47,11 @@ class Standoffs:
         if active.size:
             self._override(active, found)
         return active
+
+    def pick(self, robots: Indices) -> None:
+        """Keep some robots, as ``arrays.pick`` does."""
+        pick(self, ("_avoiding_since", "_active_until", "_on_border", "_way_out"), robots)
+        self._held.pick(robots)
 
     def _end_if_done(self, at: Situations, action: Codes) -> None:
         on_border = at.way < standoff.ON_BORDER

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from copy import deepcopy
 
 import numpy as np
 
 from robot_agent.patrol.turn_log import Turn, TurnLog
+from tools.batch.arrays import Indices
 
 
 class TurnLogs(Sequence[TurnLog]):
@@ -21,6 +23,11 @@ class TurnLogs(Sequence[TurnLog]):
         """Append a turn of a robot."""
         self._logs[robot].add(turn)
         self.times[robot] += 1
+
+    def pick(self, robots: Indices) -> None:
+        """Keep some robots, as ``arrays.pick`` does."""
+        self._logs = [deepcopy(self._logs[robot]) for robot in robots.tolist()]
+        self.times = self.times[robots]
 
     def __len__(self) -> int:
         return len(self._logs)

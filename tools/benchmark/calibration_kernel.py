@@ -11,9 +11,10 @@ import time
 
 import numpy as np
 
-REFERENCE_S = 0.0313
-"""Processor time, s, of the kernel where the limits of the figures were set: a core on which the
-ideal bench of 20 robots ran 108 times real time (tools/bench/README.md)."""
+REFERENCE_S = 0.0206
+"""Processor time, s, of the kernel where the limits of the figures were set: the core of the table
+in tools/bench/README.md. Not measured there: a core that needs 0.033 s ran the three benches of
+that table 1.59 to 1.62 times slower."""
 _PASSES = 5
 
 
