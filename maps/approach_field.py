@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import NamedTuple
 
 import cv2
@@ -16,8 +17,9 @@ from maps.shortest_paths import NOWHERE, shortest_paths
 _TURNING_MARGIN_CM = 3  # beyond the reach of a body that turns on the spot
 _PASSING_MARGIN_CM = 8  # beside a body that drives straight
 _NARROW_COST = 3.0  # cost factor of the narrowest cells, so that wider paths are preferred
-_BESIDE = 0.30  # m; nearer to the border no wall can be between: it keeps 0.45 m from all walls
+BESIDE = 0.30  # m; nearer to the border no wall can be between: it keeps 0.45 m from all walls
 _LOOK_AHEAD = 0.8  # m along the path to the point steered for
+_CELL_SLACK = 1.5  # cells: half a diagonal each, of a point's cell and of the nearest tight one
 _SNAP = 0.6  # m to the nearest cell with a path, for a robot outside all of them
 
 
@@ -86,7 +88,7 @@ class ApproachField:
 
         foot: the border's point nearest to (x, y). All in m in the map frame.
         """
-        if math.dist((x, y), foot) < _BESIDE or self._is_passable(x, y, *foot):
+        if math.dist((x, y), foot) < BESIDE or self._is_passable(x, y, *foot):
             return None
         cell = self._cell_with_path(x, y)
         if cell == NOWHERE:
@@ -142,6 +144,34 @@ class ApproachField:
         room = self._clearance_along(x, y, to_x, to_y)
         needed = min(self._body.turning_clearance, float(room[0]), float(room[-1]))
         return bool(room.min() >= max(needed, self._occupancy.resolution / 2))
+
+    def are_passable(
+        self,
+        x: NDArray[np.float64],
+        y: NDArray[np.float64],
+        to_x: NDArray[np.float64],
+        to_y: NDArray[np.float64],
+    ) -> NDArray[np.bool_]:
+        """Return (n,) whether each of many lines, m, is surely passable for ``around_walls``.
+
+        Found by the clearance round the points that divide it into quarters: False where only the
+        whole line would tell.
+        """
+        resolution = self._occupancy.resolution
+        eighth = np.hypot(to_x - x, to_y - y) / 8.0 / resolution + _CELL_SLACK
+        passable = np.ones(len(x), dtype=np.bool_)
+        for share in (0.125, 0.375, 0.625, 0.875):
+            points = np.array((x + share * (to_x - x), y + share * (to_y - y)))
+            cells = np.floor((points - self._corner) / resolution) + 1.0
+            col, row = np.minimum(np.maximum(cells, 0.0), self._last_cell).astype(np.intp)
+            passable &= self._roominess.take(row * self._padded.shape[1] + col) > eighth
+        return passable
+
+    @cached_property
+    def _roominess(self) -> NDArray[np.float32]:
+        """Cells from each cell of the padded map to the nearest one too tight to turn in."""
+        roomy = (self._padded >= self._body.turning_clearance).astype(np.uint8)
+        return np.asarray(cv2.distanceTransform(roomy, cv2.DIST_L2, cv2.DIST_MASK_PRECISE))
 
     def _line_of_sight(self, x: float, y: float, to_x: float, to_y: float) -> bool:
         """Whether a line keeps the clearance to pass, or the clearance of its start if less."""

@@ -25,9 +25,9 @@ from maps.pose import wrap_angle
 
 _GAP_TOLERANCE = 1e-3  # m between the end of a primitive and the start of the next
 _KINK_TOLERANCE = 0.02  # rad between their headings
-_BRANCH_MARGIN = 0.02  # m by which another branch must be nearer to be chosen
-_BRANCH_REACH = 0.5  # m of abscissa around the previous projection that count as its branch
-_CELL = 0.5  # m; side of the cells that cache the near pieces
+BRANCH_MARGIN = 0.02  # m by which another branch must be nearer to be chosen
+BRANCH_REACH = 0.5  # m of abscissa around the previous projection that count as its branch
+CELL = 0.5  # m; side of the cells that cache the near pieces
 _DRAWING_STEP = 0.02  # m, for the area and the crossing check
 
 
@@ -76,10 +76,10 @@ class Border:
         self.closed = closed
         lengths = [primitive.length for primitive in primitives]
         self.length = math.fsum(lengths)
-        self._starts = [math.fsum(lengths[:index]) for index in range(len(lengths))]
-        self._feet = tuple(
+        self.starts = [math.fsum(lengths[:index]) for index in range(len(lengths))]
+        self.feet = tuple(
             SegmentFoot(piece, s) if isinstance(piece, Segment) else ArcFoot(piece, s)
-            for piece, s in zip(self.primitives, self._starts, strict=True)
+            for piece, s in zip(self.primitives, self.starts, strict=True)
         )
         self._feet_of_cell: dict[tuple[float, float], tuple[SegmentFoot | ArcFoot, ...]] = {}
 
@@ -90,7 +90,7 @@ class Border:
 
     def require_radius(self, radius: float) -> None:
         """Raise BorderError, naming the place, if an arc is tighter than a turning radius, m."""
-        for index, (primitive, s) in enumerate(zip(self.primitives, self._starts, strict=True)):
+        for index, (primitive, s) in enumerate(zip(self.primitives, self.starts, strict=True)):
             if isinstance(primitive, Arc) and primitive.radius < radius:
                 raise BorderError(
                     f"{describe(index, primitive)} at s = {s:.2f} m has the radius "
@@ -110,7 +110,7 @@ class Border:
 
     def nearest(self, x: float, y: float, near: float | None = None) -> tuple[float, float]:
         """Return only (distance, abscissa), m, of ``project``, which is faster."""
-        feet = self._feet_near(x, y)
+        feet = self.feet_near(x, y)
         if len(feet) == 1:
             distance, s = feet[0].nearest(x, y)
         else:
@@ -132,27 +132,27 @@ class Border:
             if (
                 near is not None
                 and distance < kept_distance
-                and abs(self.difference(s, near)) <= _BRANCH_REACH
+                and abs(self.difference(s, near)) <= BRANCH_REACH
             ):
                 kept_distance, kept_s = distance, s
-        if kept_distance <= best_distance + _BRANCH_MARGIN:
+        if kept_distance <= best_distance + BRANCH_MARGIN:
             return kept_distance, kept_s
         return best_distance, best_s
 
-    def _feet_near(self, x: float, y: float) -> tuple[SegmentFoot | ArcFoot, ...]:
+    def feet_near(self, x: float, y: float) -> tuple[SegmentFoot | ArcFoot, ...]:
         """Return the pieces that can be nearest to any point in the cell of (x, y).
 
         Cached by cell: within it a distance differs from the centre's by at most half the diagonal.
         """
-        cell = (x // _CELL, y // _CELL)
+        cell = (x // CELL, y // CELL)
         feet = self._feet_of_cell.get(cell)
         if feet is None:
-            middle = ((cell[0] + 0.5) * _CELL, (cell[1] + 0.5) * _CELL)
-            distances = [foot.nearest(*middle)[0] for foot in self._feet]
-            farthest = min(distances) + math.sqrt(2.0) * _CELL + 2.0 * _BRANCH_MARGIN
+            middle = ((cell[0] + 0.5) * CELL, (cell[1] + 0.5) * CELL)
+            distances = [foot.nearest(*middle)[0] for foot in self.feet]
+            farthest = min(distances) + math.sqrt(2.0) * CELL + 2.0 * BRANCH_MARGIN
             feet = tuple(
                 foot
-                for foot, distance in zip(self._feet, distances, strict=True)
+                for foot, distance in zip(self.feet, distances, strict=True)
                 if not distance > farthest  # written so that nan keeps every piece
             )
             self._feet_of_cell[cell] = feet
@@ -163,7 +163,7 @@ class Border:
         xy = np.asarray(points, dtype=np.float64).reshape(-1, 2)
         distances = np.full(len(xy), np.inf)
         abscissae = np.zeros(len(xy))
-        for foot in self._feet:
+        for foot in self.feet:
             distance, s = foot.nearest_many(xy)
             nearer = distance < distances
             distances[nearer] = distance[nearer]
@@ -174,8 +174,8 @@ class Border:
     def at(self, s: float) -> BorderPoint:
         """Return the border's point at abscissa s, m: wrapped if closed, clamped if open."""
         s = s % self.length if self.closed else min(max(s, 0.0), self.length)
-        index = bisect_right(self._starts, s) - 1
-        return self._feet[index].at(s)
+        index = bisect_right(self.starts, s) - 1
+        return self.feet[index].at(s)
 
     def difference(self, s_to: float, s_from: float) -> float:
         """Return s_to - s_from along the border, m; on a closed one in [-length/2, length/2)."""
@@ -191,11 +191,11 @@ class Border:
         Of a closed border the last point repeats the first.
         """
         s = np.linspace(0.0, self.length, math.ceil(self.length / step) + 1)
-        piece = np.searchsorted(self._starts, s, side="right") - 1
+        piece = np.searchsorted(self.starts, s, side="right") - 1
         points = np.empty((len(s), 2))
         for index, primitive in enumerate(self.primitives):
             mine = piece == index
-            points[mine] = primitive.points(s[mine] - self._starts[index])
+            points[mine] = primitive.points(s[mine] - self.starts[index])
         return points
 
 

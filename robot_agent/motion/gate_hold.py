@@ -5,8 +5,8 @@ from __future__ import annotations
 from robot_agent.motion.gate import GateDecision
 from robot_agent.motion.gate_reason import DENIALS, STANDING, GateReason
 
-_CRAWL = 0.05  # m/s; a robot permitted less before an obstacle counts as held by it
-_CREEPING_TURN = 0.03  # rad/s; likewise for a turn
+CRAWL = 0.05  # m/s; a robot permitted less before an obstacle counts as held by it
+CREEPING_TURN = 0.03  # rad/s; likewise for a turn
 
 STOPPING = DENIALS - {GateReason.MOTORS_OFF, GateReason.BACKING} | STANDING
 """Reasons by which the robot is held, not merely limited."""
@@ -19,9 +19,9 @@ def begins_hold(before: GateDecision | None, gate: GateDecision) -> bool:
 
 def held_by_obstacle(gate: GateDecision | None) -> bool:
     """Return whether the decision stops the robot, or nearly, before an obstacle; None: no."""
-    return gate is not None and gate.reason is GateReason.OBSTACLE and gate.v < _CRAWL
+    return gate is not None and gate.reason is GateReason.OBSTACLE and gate.v < CRAWL
 
 
 def pinned_by_obstacle(gate: GateDecision | None) -> bool:
     """Return whether an obstacle permits the robot neither to drive nor to turn as requested."""
-    return gate is not None and held_by_obstacle(gate) and abs(gate.w) < _CREEPING_TURN
+    return gate is not None and held_by_obstacle(gate) and abs(gate.w) < CREEPING_TURN

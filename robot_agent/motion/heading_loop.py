@@ -13,15 +13,15 @@ import math
 from maps.pose import wrap_angle
 from robot_agent.motion.unpinning import EDGING_SPEED, NO_UNPINNING, Turn, Unpinning
 
-_GAIN = 4.0  # 1/s, k
-_TURN_ANGLE = math.radians(60.0)  # rad of error beyond which to turn in place
-_RESUME_ANGLE = math.radians(15.0)  # rad of error below which to drive on
-_ROLLING_SPEED = 0.05  # m/s; above it the robot brakes before it turns in place
-_STANDSTILL_SPEED = 0.005  # m/s; a slower velocity means stand still
-_MAX_TURN_RATE = 1.2  # rad/s
-_MAX_ACCELERATION = 0.3  # m/s2, up and down
-_MAX_TURN_ACCELERATION = 2.0  # rad/s2
-_TURN_BRAKING = 1.0  # rad/s2 assumed in the approach to a heading; below the limit
+GAIN = 4.0  # 1/s, k
+TURN_ANGLE = math.radians(60.0)  # rad of error beyond which to turn in place
+RESUME_ANGLE = math.radians(15.0)  # rad of error below which to drive on
+ROLLING_SPEED = 0.05  # m/s; above it the robot brakes before it turns in place
+STANDSTILL_SPEED = 0.005  # m/s; a slower velocity means stand still
+MAX_TURN_RATE = 1.2  # rad/s
+MAX_ACCELERATION = 0.3  # m/s2, up and down
+MAX_TURN_ACCELERATION = 2.0  # rad/s2
+TURN_BRAKING = 1.0  # rad/s2 assumed in the approach to a heading; below the limit
 
 
 class HeadingLoop:
@@ -66,7 +66,7 @@ class HeadingLoop:
         self, velocity: tuple[float, float], theta: float, curvature: float
     ) -> tuple[float, float]:
         speed = math.hypot(*velocity)
-        if speed < _STANDSTILL_SPEED:
+        if speed < STANDSTILL_SPEED:
             self._turn_side, self._aligned = 0, False
             return 0.0, 0.0
         error = wrap_angle(math.atan2(velocity[1], velocity[0]) - theta)
@@ -74,7 +74,7 @@ class HeadingLoop:
         if not self._turn_side:
             v = speed * max(math.cos(error), 0.0)
             return v, self._turn_rate(error) + self._v * curvature
-        if self._v > _ROLLING_SPEED:
+        if self._v > ROLLING_SPEED:
             # Turning while rolling would carry the robot off its path: brake along it first.
             back_along = -1.0 if abs(error) > math.pi / 2.0 else 1.0
             return 0.0, back_along * self._v * curvature
@@ -82,23 +82,23 @@ class HeadingLoop:
 
     def _choose_turn_side(self, error: float) -> None:
         """Start a turn in place beyond one angle, end it below another, to one side throughout."""
-        if abs(error) < _RESUME_ANGLE:
+        if abs(error) < RESUME_ANGLE:
             self._turn_side, self._aligned = 0, True
             return
         self._aligned = False
-        if self._turn_side == 0 and abs(error) > _TURN_ANGLE:
+        if self._turn_side == 0 and abs(error) > TURN_ANGLE:
             self._turn_side = 1 if error > 0.0 else -1
 
     def _turn_rate(self, error: float) -> float:
         """Return k e, rad/s, limited to what can be braked before the error, rad, is zero."""
-        braking = math.sqrt(2.0 * _TURN_BRAKING * abs(error))
-        rate = min(_GAIN * abs(error), braking, _MAX_TURN_RATE)
+        braking = math.sqrt(2.0 * TURN_BRAKING * abs(error))
+        rate = min(GAIN * abs(error), braking, MAX_TURN_RATE)
         return math.copysign(rate, error)
 
     def _ramp(self, v: float, w: float, dt: float) -> None:
-        change = _MAX_ACCELERATION * dt
-        turn = _MAX_TURN_ACCELERATION * dt
-        w = _within(w, -_MAX_TURN_RATE, _MAX_TURN_RATE)
+        change = MAX_ACCELERATION * dt
+        turn = MAX_TURN_ACCELERATION * dt
+        w = _within(w, -MAX_TURN_RATE, MAX_TURN_RATE)
         self._v += _within(v - self._v, -change, change)
         self._w += _within(w - self._w, -turn, turn)
 

@@ -11,11 +11,11 @@ from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.stopping import stopping_way
 from robot_agent.motion.unpinning import EDGING_SPEED
 
-_POSES = 12  # per stopping way: at most 0.05 m apart at top speed, less than the margin
-_SHARES = np.arange(1, _POSES + 1) / _POSES
-_EDGING_SHARE = 1.135  # of EDGING_SPEED: a base rolls slightly faster than commanded
-_SEEN_INSIDE = 0.02  # m by which noise shifts points at the side into the footprint
-_FREE_SHARES = np.arange(_POSES) / _POSES  # free up to the pose before the first collision
+POSES = 12  # per stopping way: at most 0.05 m apart at top speed, less than the margin
+SHARES = np.arange(1, POSES + 1) / POSES
+EDGING_SHARE = 1.135  # of EDGING_SPEED: a base rolls slightly faster than commanded
+SEEN_INSIDE = 0.02  # m by which noise shifts points at the side into the footprint
+FREE_SHARES = np.arange(POSES) / POSES  # free up to the pose before the first collision
 
 
 class SweptFootprint:
@@ -25,7 +25,7 @@ class SweptFootprint:
         self._settings = settings
         self._front = settings.front + settings.front_margin
         self._side = settings.half_width + settings.margin
-        speed = _EDGING_SHARE * EDGING_SPEED
+        speed = EDGING_SHARE * EDGING_SPEED
         self._edging_way = stopping_way(speed, settings.braking, settings.reaction_delay)
 
     def free_share(self, way: float, turn: float, obstacles: NDArray[np.float64]) -> float:
@@ -47,10 +47,10 @@ class SweptFootprint:
         else:
             front = settings.front + settings.turn_margin
             side = settings.half_width + settings.turn_margin
-        x, y = _seen_along_arc(way * _SHARES, turn * _SHARES, near)
+        x, y = _seen_along_arc(way * SHARES, turn * SHARES, near)
         rear = settings.rear + settings.turn_margin
         hit = ((x < front) & (x > -rear) & (np.abs(y) < side)).any(axis=1)
-        return float(_FREE_SHARES[hit.argmax()]) if hit.any() else 1.0
+        return float(FREE_SHARES[hit.argmax()]) if hit.any() else 1.0
 
     def front_edge(self, way: float, turn: float) -> list[tuple[float, float]]:
         """Return the front edge's left end, middle and right end, margins included, after an arc.
@@ -71,7 +71,7 @@ class SweptFootprint:
 
         Points slightly inside its sides, as noise shifts them, count as outside.
         """
-        outside = np.abs(near[:, 1]) >= self._settings.half_width - _SEEN_INSIDE
+        outside = np.abs(near[:, 1]) >= self._settings.half_width - SEEN_INSIDE
         return (near[:, 0] < self._settings.front) & outside
 
     def _side_margin(self, near: NDArray[np.float64]) -> float:

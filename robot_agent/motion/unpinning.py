@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 EDGING_SPEED = 0.1
 """m/s; up to slightly more than this the gate permits driving close past points at the side."""
-_TIMEOUT = 1.0  # s that an obstacle pins the robot until it turns the other way
-_EDGING_TIME = 1.5  # s
-_PINS_BEFORE_EDGING = 3  # one side, the other, and the first again
+TIMEOUT = 1.0  # s that an obstacle pins the robot until it turns the other way
+EDGING_TIME = 1.5  # s
+PINS_BEFORE_EDGING = 3  # one side, the other, and the first again
 
 
 class Unpinning(NamedTuple):
@@ -79,12 +79,12 @@ class UnpinningManoeuvre:
         if self._pinned_since is None:
             self._pinned_since = t
             return 0
-        if t - self._pinned_since < _TIMEOUT:
+        if t - self._pinned_since < TIMEOUT:
             return 0
         self._pinned_since = None
         self._pins += 1
-        if self._pins < _PINS_BEFORE_EDGING:
+        if self._pins < PINS_BEFORE_EDGING:
             return -1 if turn_rate > 0.0 else 1
         self._pins = 0
-        self._edges_until = t + _EDGING_TIME
+        self._edges_until = t + EDGING_TIME
         return 0

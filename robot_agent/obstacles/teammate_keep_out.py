@@ -17,7 +17,7 @@ from robot_agent.motion.footprint import Footprint
 _OWN_MARGIN = 0.03  # m beyond the own corners' reach in a turn in place
 _STEPS = 16
 _ANGLES = np.arange(_STEPS) * (math.tau / _STEPS)
-_CIRCLE = np.column_stack((np.cos(_ANGLES), np.sin(_ANGLES)))
+CIRCLE = np.column_stack((np.cos(_ANGLES), np.sin(_ANGLES)))
 
 
 class TeammateKeepOut:
@@ -28,22 +28,24 @@ class TeammateKeepOut:
         reach = footprint.corner_reach
         self.radius = _whole_centimetres(reach + footprint.middle_offset)
         """m round the middle of a teammate: its corners' reach from its axle, wherever that is."""
-        self._own = _whole_centimetres(reach) + _OWN_MARGIN
+        self.own = _whole_centimetres(reach) + _OWN_MARGIN
+        """m round the own axle within which no point is kept."""
 
     def around(
-        self, middles: NDArray[np.float64], passing: NDArray[np.bool_]
+        self, middles: NDArray[np.float64], passing: NDArray[np.bool_] | None = None
     ) -> NDArray[np.float64]:
         """Return points (m, 2) on the circles round robots' middles (n, 2), m, all in base_link.
 
         Points within this robot's own circle are left out, so that the keep-out zone stops robots
-        from driving into it but never from turning away; of robots that are ``passing`` (n,) only
-        those within the footprint: a turn can wait until they have passed.
+        from driving into it but never from turning away; of robots that are ``passing`` (n,), None
+        for none, only those within the footprint: a turn can wait until they have passed.
         """
-        points = middles[:, None, :] + self.radius * _CIRCLE
-        outside = np.hypot(points[..., 0], points[..., 1]) > self._own
+        points = middles[:, None, :] + self.radius * CIRCLE
         flat = points.reshape(-1, 2)
-        beside = ~self._footprint.covers(flat).reshape(outside.shape)
-        return flat[(outside | (passing[:, None] & beside)).ravel()]
+        kept = np.hypot(flat[:, 0], flat[:, 1]) > self.own
+        if passing is not None:
+            kept |= passing.repeat(_STEPS) & ~self._footprint.covers(flat)
+        return flat[kept]
 
 
 def _whole_centimetres(metres: float) -> float:

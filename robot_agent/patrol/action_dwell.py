@@ -8,7 +8,7 @@ from robot_agent.patrol.actions import Action
 
 MINIMUM_DWELL = 0.5
 """s for which an action is kept, unless Avoid Teammate is selected."""
-_EQUAL = 1e-9  # s
+EQUAL = 1e-9  # s
 
 
 class ActionDwell:
@@ -47,4 +47,4 @@ class ActionDwell:
             return True
         if self.action is Action.AVOID_TEAMMATE and distance_from_neighbor == math.inf:
             return True
-        return t - self._since >= self._minimum_dwell - _EQUAL
+        return t - self._since >= self._minimum_dwell - EQUAL

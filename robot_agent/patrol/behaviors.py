@@ -19,7 +19,7 @@ if TYPE_CHECKING:  # importing it takes SciPy
 CLOCKWISE = 1  # growing abscissa
 COUNTER_CLOCKWISE = -1
 
-_COINCIDENT = 1e-3  # m; the direction between points nearer than this is undefined
+COINCIDENT = 1e-3  # m; the direction between points nearer than this is undefined
 
 Vector = tuple[float, float]
 
@@ -56,7 +56,7 @@ def reach_frontier(
     """
     away = (position[0] - foot.x, position[1] - foot.y)
     distance = math.hypot(*away)
-    if distance < _COINCIDENT:
+    if distance < COINCIDENT:
         away, distance = foot.normal, 0.0
     else:
         away = (away[0] / distance, away[1] / distance)
@@ -98,6 +98,6 @@ def teammate_avoidance(
     """
     away = (position[0] - teammate[0], position[1] - teammate[1])
     distance = math.hypot(*away)
-    away = fallback if distance < _COINCIDENT else (away[0] / distance, away[1] / distance)
+    away = fallback if distance < COINCIDENT else (away[0] / distance, away[1] / distance)
     speed = min(max(gain * (safety_distance - distance), 0.0), speed_limit)
     return Task((speed * away[0], speed * away[1]), (away,))

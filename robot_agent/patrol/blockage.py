@@ -12,17 +12,17 @@ from robot_agent.patrol.situation import Situation
 from robot_agent.patrol.supervisor import Choice
 from robot_agent.patrol.turn_log import TurnCause
 
-_TIMEOUT = 10.0  # s an object may hold the robot before it turns back
-_MOVED = 0.15  # m; a robot that has moved farther is not held at one place
-_PAUSE = 1.0  # s without being held that reset the timeout; the gate flickers for less
-_TEAMMATE_NEAR = 1.0  # m; a teammate within this distance may be the object: wait
+TIMEOUT = 10.0  # s an object may hold the robot before it turns back
+MOVED = 0.15  # m; a robot that has moved farther is not held at one place
+PAUSE = 1.0  # s without being held that reset the timeout; the gate flickers for less
+TEAMMATE_NEAR = 1.0  # m; a teammate within this distance may be the object: wait
 
 
 class Blockage:
     """Turns the robot back once an object has held it at one place for the timeout."""
 
     def __init__(self) -> None:
-        self._held = HeldAtPlace(_MOVED, _PAUSE)
+        self._held = HeldAtPlace(MOVED, PAUSE)
 
     def propose(
         self,
@@ -31,12 +31,12 @@ class Blockage:
         action: Action,  # noqa: ARG002
     ) -> Override | None:
         """Return a turn once the timeout has passed (it then starts again), else None."""
-        if situation.neighbor.distance < _TEAMMATE_NEAR:
+        if situation.neighbor.distance < TEAMMATE_NEAR:
             self._held.forget()
             return None
         if not situation.held:
             return None
-        if self._held.update(situation.t, situation.position) < _TIMEOUT:
+        if self._held.update(situation.t, situation.position) < TIMEOUT:
             return None
         self._held.forget()
         return Override(OverrideReason.BLOCKAGE, turn=TurnCause.BLOCKAGE)

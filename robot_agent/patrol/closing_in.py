@@ -21,16 +21,16 @@ from robot_agent.patrol.situation import Situation
 from robot_agent.patrol.supervisor import ActionChooser, Choice
 from robot_agent.patrol.turn_log import TurnCause, TurnLog
 
-_TIMES = 3  # turns at one place that trigger the modifier
-_ONE_PLACE = 0.5  # m of abscissa
-_PROBABILITY = 0.5  # of approaching closer the next time
-_LONGEST_WAIT = 4.0  # s
-_SPEED = 0.2  # m/s
-_SLOW_FROM = 2.4  # m from a teammate; two robots that close in at 0.2 m/s end 1.15 m apart
+TIMES = 3  # turns at one place that trigger the modifier
+ONE_PLACE = 0.5  # m of abscissa
+PROBABILITY = 0.5  # of approaching closer the next time
+LONGEST_WAIT = 4.0  # s
+SPEED = 0.2  # m/s
+SLOW_FROM = 2.4  # m from a teammate; two robots that close in at 0.2 m/s end 1.15 m apart
 CLOSEST = 1.4  # m from a teammate at which a robot that closes in turns back
 # Distances, m, and those put into the rules instead, which avoid from 1.1 m and turn from 1.9 m on.
-_MEASURED = (0.0, 1.1, CLOSEST, _SLOW_FROM)
-_ENLARGED = (0.0, 1.1, 1.9, _SLOW_FROM)
+MEASURED = (0.0, 1.1, CLOSEST, SLOW_FROM)
+ENLARGED = (0.0, 1.1, 1.9, SLOW_FROM)
 
 
 class ClosingIn:
@@ -47,7 +47,7 @@ class ClosingIn:
         rules: ActionChooser,
         turns: TurnLog,
         rng: np.random.Generator,
-        probability: float = _PROBABILITY,
+        probability: float = PROBABILITY,
     ) -> None:
         self._border = border
         self._paper = paper
@@ -72,7 +72,7 @@ class ClosingIn:
         if situation.t < self._wait_until and winner is not Action.AVOID_TEAMMATE:
             return Override(OverrideReason.WAIT, winner, speed_limit=0.0)
         if view is not situation.neighbor:
-            return Override(OverrideReason.CLOSING_IN, winner, speed_limit=_SPEED)
+            return Override(OverrideReason.CLOSING_IN, winner, speed_limit=SPEED)
         if winner is not choice.winner:  # its action is still within its minimum dwell
             return Override(OverrideReason.CLOSING_IN, winner)
         return None
@@ -91,14 +91,12 @@ class ClosingIn:
 
         It is ``neighbor`` itself (the same object) unless the robot closes in on a teammate ahead.
         """
-        if neighbor.distance >= _SLOW_FROM or direction is None:
+        if neighbor.distance >= SLOW_FROM or direction is None:
             return neighbor
         ahead = neighbor.gamma * direction > 0.0
         if not (ahead and self._closing_in[direction]):
             return neighbor
-        return NeighborView(
-            float(np.interp(neighbor.distance, _MEASURED, _ENLARGED)), neighbor.gamma
-        )
+        return NeighborView(float(np.interp(neighbor.distance, MEASURED, ENLARGED)), neighbor.gamma)
 
     def _on_turn(self, situation: Situation, winner: Action) -> None:
         """If a teammate ahead turns the robot in this step, draw whether to close in, and a wait.
@@ -110,13 +108,13 @@ class ClosingIn:
             return
         if situation.neighbor.gamma * direction <= 0.0:
             return
-        again = self._turns_at_place(situation.foot.abscissa, -direction) >= _TIMES
+        again = self._turns_at_place(situation.foot.abscissa, -direction) >= TIMES
         self._closing_in[direction] = again and float(self._rng.random()) < self._probability
         if self._closing_in[direction] and not self._diverged:
             self._rules.present.copy(self._paper.present)
             self._diverged = True
         if again:
-            self._wait_until = situation.t + float(self._rng.uniform(0.0, _LONGEST_WAIT))
+            self._wait_until = situation.t + float(self._rng.uniform(0.0, LONGEST_WAIT))
 
     def _turns_at_place(self, abscissa: float, to: int) -> int:
         """Return the number of turns in a row to a direction caused by teammates near an abscissa.
@@ -126,9 +124,9 @@ class ClosingIn:
         """
         times = 1
         for turn in self._turns.latest_first(TurnCause.TEAMMATE, to):
-            if abs(self._border.difference(turn.abscissa, abscissa)) > _ONE_PLACE:
+            if abs(self._border.difference(turn.abscissa, abscissa)) > ONE_PLACE:
                 break
             times, abscissa = times + 1, turn.abscissa
-            if times == _TIMES:
+            if times == TIMES:
                 break
         return times

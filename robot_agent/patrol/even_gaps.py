@@ -31,18 +31,18 @@ from robot_agent.patrol.situation import Situation
 from robot_agent.patrol.supervisor import Choice
 from robot_agent.patrol.turn_log import Turn, TurnCause, TurnLog
 
-_COUNTING_LAPS = 1.5  # of patrol by the rules alone, before the team is counted
-_LONGEST_COUNTING_LAPS = 12.0  # when the way round proves blocked repeatedly
-_SLACK = 1.06  # of the gap to leave: a robot met at that distance was where it should be
-_TOLERANCE = 0.15  # of the gap ahead, within which it counts as even
-_COUNT_LIFETIME = 3600.0  # s after which the team is counted anew
-_MIN_TIME = 0.45  # laps one way and the other, and a meeting each, before the team is counted
-_MIN_PROGRESS = 0.5  # laps onwards in every _CHECK_LAPS that show that the way round is free
-_CHECK_LAPS = 3.0
-_REST_LAPS = 0.5
+COUNTING_LAPS = 1.5  # of patrol by the rules alone, before the team is counted
+LONGEST_COUNTING_LAPS = 12.0  # when the way round proves blocked repeatedly
+SLACK = 1.06  # of the gap to leave: a robot met at that distance was where it should be
+TOLERANCE = 0.15  # of the gap ahead, within which it counts as even
+COUNT_LIFETIME = 3600.0  # s after which the team is counted anew
+MIN_TIME = 0.45  # laps one way and the other, and a meeting each, before the team is counted
+MIN_PROGRESS = 0.5  # laps onwards in every CHECK_LAPS that show that the way round is free
+CHECK_LAPS = 3.0
+REST_LAPS = 0.5
 """Without a random reversal after any turn: meanwhile the turn, which all robots met pass on, has
 gone round the border at twice the patrol speed, and the gaps are even again."""
-_OWN_CAUSES = (TurnCause.CHANCE, TurnCause.EVEN_GAPS)
+OWN_CAUSES = (TurnCause.CHANCE, TurnCause.EVEN_GAPS)
 _TURN = Override(OverrideReason.EVEN_GAPS, turn=TurnCause.EVEN_GAPS)
 _NO_CHANCE = Override(OverrideReason.EVEN_GAPS, may_turn=False)
 
@@ -59,7 +59,7 @@ class EvenGaps:
         self._closing_speed = 2.0 * speed
         self._turns = turns
         self._rng = rng
-        self._counting_laps = _COUNTING_LAPS
+        self._counting_laps = COUNTING_LAPS
         self._t: float | None = None
         self._abscissa = 0.0
         self._direction = CLOCKWISE
@@ -86,7 +86,7 @@ class EvenGaps:
             return _TURN
         if self.team is None:
             return None
-        rests = self._leg is not None and situation.t - self._leg.t < _REST_LAPS * self._lap
+        rests = self._leg is not None and situation.t - self._leg.t < REST_LAPS * self._lap
         return _NO_CHANCE if rests or direction != CLOCKWISE else None
 
     def turns_back(self, t: float, abscissa: float, direction: int, *, keeps_going: bool) -> bool:
@@ -110,11 +110,11 @@ class EvenGaps:
     # ---- observations -------------------------------------------------------------------------
 
     def _process_turn(self) -> None:
-        """Process a turn of the last step: a meeting, unless its cause is one of _OWN_CAUSES."""
+        """Process a turn of the last step: a meeting, unless its cause is one of OWN_CAUSES."""
         turn = self._turns.latest
         if turn is None or turn is self._leg:
             return
-        if turn.cause not in _OWN_CAUSES:
+        if turn.cause not in OWN_CAUSES:
             if self._counting:
                 self._met[self._direction] += 1
             else:
@@ -137,7 +137,7 @@ class EvenGaps:
         """Whether the present leg is counter-clockwise and began at another robot."""
         leg = self._leg
         back = self._direction == COUNTER_CLOCKWISE
-        return back and leg is not None and leg.cause not in _OWN_CAUSES
+        return back and leg is not None and leg.cause not in OWN_CAUSES
 
     def _gap_left(self, t: float) -> float:
         """Return the distance to the robot met last, m, if this one turned onwards at t."""
@@ -162,7 +162,7 @@ class EvenGaps:
     def _count_team(self, t: float) -> None:
         """Estimate the number of robots once there are enough observations."""
         shortest = min(self._time.values())
-        enough = shortest >= _MIN_TIME * self._lap and min(self._met.values()) > 0
+        enough = shortest >= MIN_TIME * self._lap and min(self._met.values()) > 0
         if self._counting and enough and t - self._since >= self._counting_laps * self._lap:
             # This robot itself drives back at times, so at least one does.
             robots = self._opposing(COUNTER_CLOCKWISE) + max(self._opposing(CLOCKWISE), 1.0)
@@ -175,16 +175,16 @@ class EvenGaps:
         return self._met[direction] * self._lap / 2.0 / max(self._time[direction], 1.0)
 
     def _restart_check(self, t: float) -> None:
-        self._progress, self._check_at = 0.0, t + _CHECK_LAPS * self._lap
+        self._progress, self._check_at = 0.0, t + CHECK_LAPS * self._lap
 
     def _check(self, t: float) -> None:
         """Count again once the estimate has expired, or for longer if the way round is blocked."""
-        if t - self._since >= _COUNT_LIFETIME:
-            self._counting_laps = _COUNTING_LAPS
+        if t - self._since >= COUNT_LIFETIME:
+            self._counting_laps = COUNTING_LAPS
             self._start_counting(t)
         elif t >= self._check_at:
-            if self._progress < _MIN_PROGRESS * self._border.length:
-                self._counting_laps = min(2.0 * self._counting_laps, _LONGEST_COUNTING_LAPS)
+            if self._progress < MIN_PROGRESS * self._border.length:
+                self._counting_laps = min(2.0 * self._counting_laps, LONGEST_COUNTING_LAPS)
                 self._start_counting(t)
             self._restart_check(t)
 
@@ -198,7 +198,7 @@ class EvenGaps:
         if self.team is None:
             return t >= self._probe_at  # no meeting for long: search the other direction
         if self._direction == COUNTER_CLOCKWISE:
-            even = self._border.length / self.team * _SLACK
+            even = self._border.length / self.team * SLACK
             return (self._sent_back and self._gap_left(t) >= even) or t >= self._probe_at
         if t < self._probe_at or self._probes == 0 or self._is_even():
             return False
@@ -210,4 +210,4 @@ class EvenGaps:
         if self._ahead is None or self.team is None:
             return False
         even = self._border.length / self.team
-        return abs(self._ahead - even) <= _TOLERANCE * even
+        return abs(self._ahead - even) <= TOLERANCE * even

@@ -92,7 +92,7 @@ class MamdaniSystem:
             sets = tuple(output.sets.values())
             named.setdefault(sets, []).append((output.name, first, first + len(sets)))
             first += len(sets)
-        self._outputs = [(_Centroid(sets), own) for sets, own in named.items()]
+        self._outputs = [(Centroid(sets), own) for sets, own in named.items()]
         self._values: dict[str, float] = {}  # of the inputs at the last evaluation
         self._degrees = [math.nan] * len(inside)  # of their sets
         self._last: Mapping[str, float] = {}
@@ -156,7 +156,7 @@ def _indices(variables: Sequence[Variable]) -> dict[tuple[str, str], int]:
     return {key: i for i, key in enumerate((v.name, name) for v in variables for name in v.sets)}
 
 
-class _Layer(NamedTuple):
+class Layer(NamedTuple):
     """One layer of an overlap of sets, with its integrals from its bottom up to a height h.
 
     area = h (area1 + h area2), moment = h (moment1 + h (moment2 + h moment3)); the sign is in them.
@@ -169,7 +169,7 @@ class _Layer(NamedTuple):
     integrals: tuple[float, float, float, float, float]  # area1, area2, moment1, moment2, moment3
 
 
-class _Centroid:
+class Centroid:
     """Centroid of an output from the strengths of its sets.
 
     Area under max_i min(s_i, mu_i) = sum over groups of sets of (-1)^(size + 1) times the area
@@ -178,7 +178,7 @@ class _Centroid:
     """
 
     def __init__(self, sets: tuple[Trapezoid, ...]) -> None:
-        self._layers = [
+        self.layers = [
             _integrated(group, layer)
             for group in _groups(len(sets))
             for layer in _layers([sets[i] for i in group])
@@ -187,7 +187,7 @@ class _Centroid:
     def of(self, strengths: Sequence[float]) -> float:
         """Return the centroid of strengths (sets,); 0 where all are 0."""
         area = moment = 0.0
-        for first, others, bottom, height, integrals in self._layers:
+        for first, others, bottom, height, integrals in self.layers:
             h = strengths[first]
             if h <= bottom:
                 continue
@@ -207,7 +207,7 @@ class _Centroid:
 
 def _integrated(
     group: tuple[int, ...], layer: tuple[float, float, float, float, float, float]
-) -> _Layer:
+) -> Layer:
     """Prepare a layer's integrals.
 
     width(h) = right - left + (right_slope - left_slope) h, and the same for the moment
@@ -215,7 +215,7 @@ def _integrated(
     """
     h0, h1, left, left_slope, right, right_slope = layer
     sign = 1.0 if len(group) % 2 else -1.0
-    return _Layer(
+    return Layer(
         group[0],
         group[1:],
         h0,

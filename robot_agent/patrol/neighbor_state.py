@@ -14,11 +14,11 @@ import msgspec
 from maps.border import Border, BorderProjection
 from robot_agent.patrol.settings import PatrolSettings
 
-_SAME_PLACE = 0.05  # m of abscissa within which left and right keep their last value
+SAME_PLACE = 0.05  # m of abscissa within which left and right keep their last value
 # A teammate farther along the border than this many times the straight distance plus so many m is
 # on another stretch.
-_DETOUR_RATIO = 1.6
-_DETOUR_ALLOWANCE = 1.0  # m
+DETOUR_RATIO = 1.6
+DETOUR_ALLOWANCE = 1.0  # m
 LEFT, RIGHT = -1, 1  # lambda of eq. 13: lower or higher abscissa, seen by a robot facing outwards
 
 
@@ -57,7 +57,7 @@ class NeighborState:
         from_border, abscissa = self._border.nearest(*teammate)
         delta = self._border.difference(abscissa, foot.abscissa)
         self._side = self._side_of(delta, foot, teammate)
-        if abs(delta) > _DETOUR_RATIO * distance + _DETOUR_ALLOWANCE:
+        if abs(delta) > DETOUR_RATIO * distance + DETOUR_ALLOWANCE:
             return NeighborView(distance, 0.0)
         return NeighborView(distance, self._closeness(from_border) * self._side)
 
@@ -67,7 +67,7 @@ class NeighborState:
         return min(max((far - distance_from_border) / (far - near), 0.0), 1.0)
 
     def _side_of(self, delta: float, own: BorderProjection, teammate: tuple[float, float]) -> int:
-        if abs(delta) >= _SAME_PLACE:
+        if abs(delta) >= SAME_PLACE:
             return LEFT if delta < 0.0 else RIGHT
         if self._side is not None:
             return self._side

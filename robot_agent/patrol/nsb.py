@@ -12,7 +12,7 @@ from operator import mul
 
 from robot_agent.patrol.behaviors import Task
 
-_DEPENDENT = 1e-9  # a Jacobian row this short after projection claims no new direction
+DEPENDENT = 1e-9  # a Jacobian row this short after projection claims no new direction
 
 Numbers = Sequence[float]
 
@@ -80,7 +80,7 @@ def _claim(jacobian: Sequence[Numbers], claimed: list[Numbers]) -> None:
     for row in jacobian:
         free = _projected(row, claimed)
         length = math.sqrt(_dot(free, free))
-        if length > _DEPENDENT:
+        if length > DEPENDENT:
             # Project again: the division scales up the rounding error along claimed directions.
             free = _projected(_divided(free, length), claimed)
             claimed.append(_divided(free, math.sqrt(_dot(free, free))))

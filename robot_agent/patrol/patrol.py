@@ -24,6 +24,7 @@ from robot_agent.patrol.blockage import Blockage
 from robot_agent.patrol.closing_in import ClosingIn
 from robot_agent.patrol.end_trap import HoldAtEnd
 from robot_agent.patrol.even_gaps import EvenGaps
+from robot_agent.patrol.fuzzy import MamdaniSystem
 from robot_agent.patrol.modifier import Modifier, Override, OverrideReason
 from robot_agent.patrol.neighbor_state import NeighborState
 from robot_agent.patrol.reversal import RandomReversal
@@ -46,7 +47,7 @@ from robot_agent.patrol.turn_log import Turn, TurnCause, TurnLog
 if TYPE_CHECKING:
     from maps.approach_field import Approach, ApproachField
 
-_REVERSAL_END_DISTANCE = 0.8  # m from an end of an open border without random reversal
+REVERSAL_END_DISTANCE = 0.8  # m from an end of an open border without random reversal
 
 
 class PatrolDecision(msgspec.Struct, frozen=True):
@@ -256,7 +257,7 @@ class Patrol:
         by_chance = self._reversal.due(
             situation.t,
             permitted=keeps_going
-            and min(situation.ends) >= _REVERSAL_END_DISTANCE
+            and min(situation.ends) >= REVERSAL_END_DISTANCE
             and (override is None or override.may_turn),
         )
         if not keeps_going:
@@ -321,10 +322,15 @@ def _choosers(settings: PatrolSettings, border: Border) -> Callable[[], ActionCh
     if settings.supervisor == "automaton":
         require_safety_distance(settings.safety_distance)
         return lambda: Automaton(dwell)
-    rules = load_rules(
+    rules = rules_of(settings, border)
+    return lambda: Supervisor(rules, dwell)
+
+
+def rules_of(settings: PatrolSettings, border: Border) -> MamdaniSystem:
+    """Return the rules that the settings name, for a border. Raises RulesError."""
+    return load_rules(
         Path(settings.rules_file) if settings.rules_file else RULES_FILE,
         reading=settings.reading,
         safety_distance=settings.safety_distance,
         open_border=not border.closed,
     )
-    return lambda: Supervisor(rules, dwell)

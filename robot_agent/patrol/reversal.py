@@ -37,15 +37,16 @@ class RandomReversal:
         if t < self._next:
             return False
         while self._next <= t:
-            self._next += self._interval()
+            self._next += interval(self._period, self._distribution, self._rng)
         return permitted and float(self._rng.random()) < self._probability
 
-    def _interval(self) -> float:
-        """Draw the time from one scheduled time to the next, s."""
-        match self._distribution:
-            case "fixed":
-                return self._period
-            case "uniform":
-                return float(self._rng.uniform(0.0, 2.0 * self._period))
-            case "exponential":
-                return float(self._rng.exponential(self._period))
+
+def interval(period: float, distribution: Distribution, rng: np.random.Generator) -> float:
+    """Draw the time from one scheduled time to the next, s; its mean is the period, s."""
+    match distribution:
+        case "fixed":
+            return period
+        case "uniform":
+            return float(rng.uniform(0.0, 2.0 * period))
+        case "exponential":
+            return float(rng.exponential(period))

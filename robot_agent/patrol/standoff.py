@@ -20,19 +20,19 @@ from robot_agent.patrol.modifier import Override, OverrideReason
 from robot_agent.patrol.situation import Situation
 from robot_agent.patrol.supervisor import Choice
 
-_HELD_TIMEOUT = 12.0  # s at one place beside the border, or caught at its end
-_SAME_PLACE = 0.3  # m; a robot that has moved less is still at the same place
-_ON_BORDER = 0.3  # m; a robot nearer has reached the border
-_AVOIDING_TIMEOUT = 20.0  # s of Avoid Teammate, moving or not
-_DURATION = 8.0  # s of an override
-_WAY_OUT_SPEED = 0.2  # m/s
+HELD_TIMEOUT = 12.0  # s at one place beside the border, or caught at its end
+SAME_PLACE = 0.3  # m; a robot that has moved less is still at the same place
+ON_BORDER = 0.3  # m; a robot nearer has reached the border
+AVOIDING_TIMEOUT = 20.0  # s of Avoid Teammate, moving or not
+DURATION = 8.0  # s of an override
+WAY_OUT_SPEED = 0.2  # m/s
 
 
 class Standoff:
     """Overrides the action of a robot that was held, or has avoided teammates, for a timeout."""
 
     def __init__(self) -> None:
-        self._held = HeldAtPlace(_SAME_PLACE)
+        self._held = HeldAtPlace(SAME_PLACE)
         self._avoiding_since: float | None = None
         self._active_until = -math.inf
         self._on_border = False
@@ -47,15 +47,15 @@ class Standoff:
         held, avoiding = self._is_held(situation, action, out), self._avoids_too_long(t, action)
         if not (held or avoiding):
             return None
-        self._held.restart(t + _DURATION, situation.position)
+        self._held.restart(t + DURATION, situation.position)
         self._avoiding_since = None
-        self._active_until = t + _DURATION
+        self._active_until = t + DURATION
         self._way_out = out
         return self._override()
 
     def _end_if_done(self, situation: Situation, action: Action) -> None:
         """End the override on arrival at the border, or if a way out leads to a teammate."""
-        on_border = situation.way_to_border < _ON_BORDER
+        on_border = situation.way_to_border < ON_BORDER
         arrived = on_border and not self._on_border
         self._on_border = on_border
         if arrived or (self._way_out is not None and action is Action.AVOID_TEAMMATE):
@@ -67,17 +67,17 @@ class Standoff:
         if free or action is Action.REACH_FRONTIER:
             self._held.restart(situation.t, situation.position)
             return False
-        return self._held.update(situation.t, situation.position) >= _HELD_TIMEOUT
+        return self._held.update(situation.t, situation.position) >= HELD_TIMEOUT
 
     def _avoids_too_long(self, t: float, action: Action) -> bool:
         if action is not Action.AVOID_TEAMMATE:
             self._avoiding_since = None
         elif self._avoiding_since is None:
             self._avoiding_since = t
-        return self._avoiding_since is not None and t - self._avoiding_since >= _AVOIDING_TIMEOUT
+        return self._avoiding_since is not None and t - self._avoiding_since >= AVOIDING_TIMEOUT
 
     def _override(self) -> Override:
         if self._way_out is not None:
-            return Override(OverrideReason.STANDOFF, self._way_out, speed_limit=_WAY_OUT_SPEED)
+            return Override(OverrideReason.STANDOFF, self._way_out, speed_limit=WAY_OUT_SPEED)
         action = Action.KEEP_GOING if self._on_border else Action.REACH_FRONTIER
         return Override(OverrideReason.STANDOFF, action)

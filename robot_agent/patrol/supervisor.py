@@ -12,7 +12,7 @@ from robot_agent.patrol.actions import Action
 from robot_agent.patrol.fuzzy import MamdaniSystem
 
 _ACTIONS = tuple(Action)
-_EQUAL = 1e-9  # degrees nearer than this are tied
+EQUAL = 1e-9  # degrees nearer than this are tied
 
 
 class Choice(msgspec.Struct, frozen=True):
@@ -76,8 +76,8 @@ class Supervisor:
         Of those tied with the best the present action comes first, else the safest.
         """
         best = max(degrees.values())
-        safest = _SAFEST_LEFT if left else _SAFEST_RIGHT
-        tied = [action for action in safest if degrees[action] >= best - _EQUAL]
+        safest = SAFEST_LEFT if left else SAFEST_RIGHT
+        tied = [action for action in safest if degrees[action] >= best - EQUAL]
         if len(tied) == 1:
             rest = [action for action in safest if action is not tied[0]]
             return tied[0], max(rest, key=degrees.__getitem__)
@@ -87,14 +87,14 @@ class Supervisor:
 
 
 # Safest first: avoid, reach the border, patrol away from the teammate, keep going.
-_SAFEST_LEFT = (
+SAFEST_LEFT = (
     Action.AVOID_TEAMMATE,
     Action.REACH_FRONTIER,
     Action.PATROL_CLOCKWISE,
     Action.PATROL_COUNTER_CLOCKWISE,
     Action.KEEP_GOING,
 )
-_SAFEST_RIGHT = (
+SAFEST_RIGHT = (
     Action.AVOID_TEAMMATE,
     Action.REACH_FRONTIER,
     Action.PATROL_COUNTER_CLOCKWISE,

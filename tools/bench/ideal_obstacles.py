@@ -20,8 +20,8 @@ from tools.bench.ideal_robot import STEP_S, IdealRobot
 from tools.simulation.robot_body import Outline
 
 _NOTHING = np.empty((0, 2))
-_OUTLINE_STEP = 0.08  # m between the points of a body
-_SLACK = 0.02  # m added to the circle that a turning robot's corners reach
+OUTLINE_STEP = 0.08  # m between the points of a body
+SLACK = 0.02  # m added to the circle that a turning robot's corners reach
 
 
 class IdealObstacles:
@@ -31,10 +31,10 @@ class IdealObstacles:
         self._gate = gate
         self._keep_out = TeammateKeepOut(Footprint(gate))
         outline = Outline()
-        self._outline = outline.perimeter(_OUTLINE_STEP)
+        self._outline = outline.perimeter(OUTLINE_STEP)
         self._outline_reach = outline.reach
         self._occupancy = occupancy
-        self._wall_corners = _corners(occupancy.cells == OCCUPIED)
+        self._wall_corners = corners_of(occupancy.cells == OCCUPIED)
         self._room = occupancy.distance_field()
         self._border_clearance = border_clearance(occupancy, border).minimum
 
@@ -103,7 +103,7 @@ class IdealObstacles:
         return (
             decision is None
             or decision.action not in PATROLLING
-            or decision.distance_from_border + self._outline_reach + _SLACK > self._border_clearance
+            or decision.distance_from_border + self._outline_reach + SLACK > self._border_clearance
         )
 
     def _wall_points(self, pose: Pose, sight: float) -> NDArray[np.float64]:
@@ -119,7 +119,7 @@ class IdealObstacles:
         )
 
 
-def _corners(walls: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def corners_of(walls: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Return (rows + 1, cols + 1) which corners of cells belong to a wall (rows, cols)."""
     padded = np.pad(walls, 1)
     return np.asarray(padded[:-1, :-1] | padded[:-1, 1:] | padded[1:, :-1] | padded[1:, 1:])

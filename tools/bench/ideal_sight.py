@@ -11,13 +11,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from maps.occupancy_map import OCCUPIED, OccupancyMap
+from maps.occupancy_map import OccupancyMap
 from robot_agent.perception.track import TRACK_MEMORY
 from robot_agent.perception.track_filter import VELOCITY_DECAY
 from robot_agent.perception.visibility import VISIBILITY, VISIBILITY_MARGIN
-
-_SAMPLES = 32  # along a line of sight; at most 0.13 m apart over the detection range
-_OCCLUSION_RADIUS = 0.20  # m; half a Pioneer's width: a line nearer to a body's centre is occluded
+from tools.bench.sight_lines import SightLines, pass_near
 
 Array = NDArray[np.float64]
 
@@ -35,16 +33,7 @@ class IdealSight:
         """Prepare a map for ``count`` robots with a detection range, m, and a field of view."""
         self._least_ahead = round(math.cos(math.radians(field_of_view_deg / 2)), 12)
         self._detection_range = detection_range
-        self._origin = np.array((occupancy.origin.x, occupancy.origin.y))[:, None]
-        self._resolution = occupancy.resolution
-        walls = np.pad(occupancy.cells == OCCUPIED, 1, constant_values=True)
-        spacing = detection_range / (_SAMPLES - 1)
-        # Lines are sampled: a wall nearer than half the spacing may lie between two samples.
-        room = np.pad(occupancy.distance_field(), 1) - occupancy.resolution / 2.0
-        opaque = walls | (room < spacing / 2.0)
-        self._opaque, self._columns = opaque.ravel(), opaque.shape[1]
-        self._last_cell = np.array(opaque.shape[::-1])[:, None, None] - 1.0
-        self._shares = np.linspace(0.0, 1.0, _SAMPLES)
+        self._lines = SightLines(detection_range, occupancy)
         self._last_seen = np.full((count, count), -np.inf)
         self._place = np.zeros((2, count, count))
         self._velocity = np.zeros((2, count, count))
@@ -107,29 +96,10 @@ class IdealSight:
     ) -> NDArray[np.bool_]:
         """Return (m,) whether no wall and no third body lies between the bodies of each pair."""
         start, way = middle[:, one], middle[:, other] - middle[:, one]
-        free = ~self._is_behind_wall(start, way)
-        if middle.shape[1] > 2:
-            free &= ~_is_occluded(middle, one, other, start, way)
+        free = ~self._lines.are_behind_wall(start, way)
+        bodies = np.arange(middle.shape[1])
+        if len(bodies) > 2:
+            third = (bodies != one[:, None]) & (bodies != other[:, None])
+            near = pass_near(start[:, :, None], way[:, :, None], middle[:, None, :])
+            free &= ~(third & near).any(axis=1)
         return np.asarray(free)
-
-    def _is_behind_wall(self, start: Array, way: Array) -> NDArray[np.bool_]:
-        """Return (m,) whether a wall lies on the lines from start (2, m) along way (2, m)."""
-        first, last = ((place - self._origin) / self._resolution for place in (start, start + way))
-        cells = first[:, :, None] + (last - first)[:, :, None] * self._shares + 1.0
-        col, row = np.minimum(np.maximum(cells, 0.0), self._last_cell).astype(np.intp)
-        return np.asarray(self._opaque.take(row * self._columns + col).any(axis=1))
-
-
-def _is_occluded(
-    middle: Array, one: NDArray[np.intp], other: NDArray[np.intp], start: Array, way: Array
-) -> NDArray[np.bool_]:
-    """Return (m,) whether a third body lies on the lines between the bodies one and other."""
-    count = middle.shape[1]
-    length2 = np.maximum((way**2).sum(axis=0), 1e-12)[:, None]
-    x, y = (middle[axis][None, :] - start[axis][:, None] for axis in (0, 1))
-    share = (x * way[0][:, None] + y * way[1][:, None]) / length2
-    share = np.minimum(np.maximum(share, 0.0), 1.0)
-    off = np.hypot(x - share * way[0][:, None], y - share * way[1][:, None])
-    bodies = np.arange(count)
-    third = (bodies != one[:, None]) & (bodies != other[:, None])
-    return np.asarray((third & (off < _OCCLUSION_RADIUS)).any(axis=1))

@@ -41,7 +41,7 @@ def agent_process(folder_path: Path) -> Iterator[Figure]:
             elapsed = time.monotonic() - started
             resident = process.memory_info().rss
     used = after.user + after.system - before.user - before.system
-    yield Figure("agent process, share of one core", 100 * used / elapsed, "%", 15.0)
+    yield Figure("agent process, share of one core", 100 * used / elapsed, "%", 15.0, speed=True)
     yield Figure("agent process, memory", resident / 2**20, "MB", 150.0)
 
 
@@ -89,6 +89,11 @@ def decision_step(folder_path: Path) -> Iterator[Figure]:
     while fleet.t < 60.0:
         fleet.step()
     yield Figure(
-        "base report to command bytes, median", 1e3 * float(np.median(spent["base"])), "ms", 0.5
+        "base report to command bytes, median",
+        1e3 * float(np.median(spent["base"])),
+        "ms",
+        0.5,
+        speed=True,
     )
-    yield Figure("scan to pose and tracks, median", 1e3 * float(np.median(spent["laser"])), "ms")
+    scan_ms = 1e3 * float(np.median(spent["laser"]))
+    yield Figure("scan to pose and tracks, median", scan_ms, "ms", speed=True)

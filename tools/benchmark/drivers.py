@@ -18,11 +18,11 @@ def drivers(folder_path: Path) -> Iterator[Figure]:
     """Measure the decoding of base reports and scans, and the drivers' load at full rate."""
     yield from _decoding(folder_path)
     share, scans, reports = driver_load(MEASURED_S, FULL_RATE["lms200"])
-    yield Figure("driver threads at full rate, share of one core", 100 * share, "%")
+    yield Figure("driver threads at full rate, share of one core", 100 * share, "%", speed=True)
     yield Figure("scans of 361 values at 500 kbaud", scans, "1/s", 37.0, at_least=True)
     yield Figure("base reports meanwhile", reports, "1/s", 9.5, at_least=True)
     share, scans, _reports = driver_load(MEASURED_S, FULL_RATE["lms1xx"])
-    yield Figure("the same with an LMS 1xx, share of one core", 100 * share, "%")
+    yield Figure("the same with an LMS 1xx, share of one core", 100 * share, "%", speed=True)
     yield Figure("its scans of 541 values", scans, "1/s", 49.0, at_least=True)
 
 
@@ -52,4 +52,4 @@ def _decoding(folder_path: Path) -> Iterator[Figure]:
         started = time.perf_counter()
         for event in events:
             session.feed(event.data, event.t)
-        yield Figure(name, 1e6 * (time.perf_counter() - started) / len(events), "us")
+        yield Figure(name, 1e6 * (time.perf_counter() - started) / len(events), "us", speed=True)

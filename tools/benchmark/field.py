@@ -65,7 +65,7 @@ def _run(where: str, limit: CpuLimit | None) -> Iterator[Figure]:
     memory = max(report.memory_mb for _, report in reports)
     yield Figure(f"{where}memory", memory, "MB", MEMORY_LIMIT_MB)
     share = sum(report.cpu for report in settled) / len(settled)
-    yield Figure(f"{where}share of one core used", 100 * share, "%")
+    yield Figure(f"{where}share of one core used", 100 * share, "%", speed=True)
     events = sum(report.events for report in settled)
     missed = sum(report.deadline_misses for report in settled)
     yield Figure(f"{where}events later than 0.05 s, of {events}", missed, "", 0.0)

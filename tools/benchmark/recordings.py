@@ -31,7 +31,12 @@ def replay_speed(folder_path: Path) -> Iterator[Figure]:
         result = Replay(read_recording(path)).run()
         size = path.stat().st_size
     yield Figure(
-        "replay of a recording", result.duration / result.wall, "x real time", 50.0, at_least=True
+        "replay of a recording",
+        result.duration / result.wall,
+        "x real time",
+        50.0,
+        at_least=True,
+        speed=True,
     )
     yield Figure("recording of one hour", size * 3600 / result.duration / 2**20, "MB", 250.0)
 
@@ -52,9 +57,12 @@ def report_speed(folder_path: Path) -> Iterator[Figure]:
         page(team, numbers(team), lambda _done: None)
         drawn = time.process_time()
     yield Figure(
-        "reading a recording for a report", 3 * REPORTED_S / (read - started), "x real time"
+        "reading a recording for a report",
+        3 * REPORTED_S / (read - started),
+        "x real time",
+        speed=True,
     )
-    yield Figure("report of three runs, figures and page", drawn - read, "s of CPU")
+    yield Figure("report of three runs, figures and page", drawn - read, "s of CPU", speed=True)
 
 
 def record_lockstep(folder: MapFolder, duration: float, target: Path) -> Path:

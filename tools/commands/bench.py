@@ -13,6 +13,8 @@ import cv2
 from maps.border import BorderError
 from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
+from tools.batch.batch import Batch
+from tools.batch.batch_bench import MOMENTS, run_batch
 from tools.bench.bench_fault import FaultKind, draw_faults
 from tools.bench.bench_table import bench_table
 from tools.bench.fleet_recorder import FleetRecorder
@@ -40,6 +42,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         choices=list(Sensing),
         default=Sensing.BYTES,
         help="bytes: the real agents, every byte; ideal: the decision layer alone, far faster",
+    )
+    parser.add_argument(
+        "--all-knowing",
+        action="store_true",
+        help="with --sensing ideal: also the intruder who sees all robots, by rollouts; slower",
     )
     parser.add_argument(
         "--fault",
@@ -85,6 +92,9 @@ def run(options: argparse.Namespace) -> int:
     if options.truth and sensing is Sensing.IDEAL:
         print("patrol bench: --truth needs --sensing bytes", file=sys.stderr)
         return 2
+    if options.all_knowing and sensing is not Sensing.IDEAL:
+        print("patrol bench: --all-knowing needs --sensing ideal", file=sys.stderr)
+        return 2
     cameras = options.camera == "on"
     if (options.strangers or cameras) and sensing is Sensing.IDEAL:
         print("patrol bench: --strangers and --camera need --sensing bytes", file=sys.stderr)
@@ -93,20 +103,25 @@ def run(options: argparse.Namespace) -> int:
         recorder = None
         if options.record:
             recorder = stack.enter_context(closing(FleetRecorder(folder, options.record)))
-        figures = bench(
-            sensing,
-            folder,
-            options.robots,
-            options.seed,
-            options.duration,
-            config=config,
-            faults=faults,
-            observer=recorder.observe if recorder else None,
-            strangers=options.strangers,
-            cameras=cameras,
-            truth=truth,
-            progress=stack.enter_context(progress_line("bench", options.duration, "s")),
-        )
+        progress = stack.enter_context(progress_line("bench", options.duration, "s"))
+        if options.all_knowing:
+            batch = Batch(folder, options.robots, [options.seed], config, faults=[faults])
+            (figures,) = run_batch(batch, options.duration, moments=MOMENTS, progress=progress)
+        else:
+            figures = bench(
+                sensing,
+                folder,
+                options.robots,
+                options.seed,
+                options.duration,
+                config=config,
+                faults=faults,
+                observer=recorder.observe if recorder else None,
+                strangers=options.strangers,
+                cameras=cameras,
+                truth=truth,
+                progress=progress,
+            )
     text = json.dumps(figures, indent=2)
     if options.json == STANDARD_OUTPUT:
         print(text)

@@ -28,9 +28,9 @@ def run(options: argparse.Namespace) -> int:
     figures: list[Figure] = []
     for group in options.group or GROUPS:
         print(f"patrol benchmark: measuring {group}", file=sys.stderr, flush=True)
-        figures += GROUPS[group](folder)
+        figures += [figure.beside_kernel() for figure in GROUPS[group](folder)]
     table = Table(title="figures every change keeps")
-    for heading in ("figure", "measured", "limit", ""):
+    for heading in ("figure", "measured", "x kernel", "limit", ""):
         table.add_column(heading)
     for figure in figures:
         table.add_row(*figure.cells())

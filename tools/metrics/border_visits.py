@@ -17,6 +17,8 @@ BORDER_STEP = 0.25
 BESIDE_WRECK = 2.0
 """Length of border on each side of a wreck that cannot be driven, m: teammates turn before it."""
 _WAY_OVER = 1.0  # s over which a robot's way along the border is taken, so that noise is none
+_ALONG = 0.6  # m; places farther along the border than this are not within the radius: on an arc of
+# 0.5 m, the tightest, two points 0.5 m apart are 0.52 m apart along it
 _STANDS = 0.02  # m driven meanwhile, below which a robot has no way
 
 
@@ -77,6 +79,27 @@ def border_visits(
 ) -> BorderVisits:
     """Return all visits of robots at true positions, each (n, 2) m in the map, at times t (n,).
 
+    wrecks: (x, y), m, as for ``visited_places``.
+    """
+    points = visited_places(border, wrecks)
+    places_s, _ = border.project_many(points)
+    visited = np.zeros((t.size, len(points)), dtype=bool)
+    ways = np.zeros((t.size, len(points)), dtype=np.int8)
+    near = NearPlaces(border, points)
+    for position in positions:
+        s, distance = border.project_many(position)
+        sample, place = near.visited(position, s, distance)
+        visited[sample, place] = True
+        ways[sample, place] = _ways(border, s, t)[sample]
+    places = [_place_visits(t, seen, way) for seen, way in zip(visited.T, ways.T, strict=True)]
+    return BorderVisits(t, places_s, visited, places, border.closed)
+
+
+def visited_places(
+    border: Border, wrecks: Sequence[tuple[float, float]] = ()
+) -> NDArray[np.float64]:
+    """Return the places (n, 2), m, map frame, in the order of the border.
+
     The border beside wrecks, at (x, y) m, is left out, and so are the end points of an open one:
     a robot's front reaches them, but its centre turns half a robot length before.
     """
@@ -85,24 +108,49 @@ def border_visits(
         points = points[1:-1]
     for wreck in wrecks:
         points = points[np.hypot(*(points - wreck).T) > BESIDE_WRECK]
-    visited = np.zeros((t.size, len(points)), dtype=bool)
-    ways = np.zeros((t.size, len(points)), dtype=np.int8)
-    for position in positions:
-        dx, dy = (position[:, axis, None] - points[:, axis] for axis in (0, 1))
+    return points
+
+
+class NearPlaces:
+    """Finds the places within the radius of positions, by abscissa first."""
+
+    def __init__(self, border: Border, points: NDArray[np.float64]) -> None:
+        """points: (places, 2), m, map frame."""
+        s, _ = border.project_many(points)
+        laps = (-border.length, 0.0, border.length) if border.closed else (0.0,)
+        around = np.concatenate([s + lap for lap in laps])
+        self._order = np.argsort(around, kind="stable")
+        self._sorted = around[self._order]
+        self._points = points
+
+    def visited(
+        self, position: NDArray[np.float64], s: NDArray[np.float64], distance: NDArray[np.float64]
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Return the pairs (sample, place) of which the place is within the radius.
+
+        position: (n, 2) m, map frame; s, distance: (n,) its abscissae and distances from the
+        border, m.
+        """
+        close = np.flatnonzero(distance <= VISIT_RADIUS)
+        first = np.searchsorted(self._sorted, s[close] - _ALONG)
+        last = np.searchsorted(self._sorted, s[close] + _ALONG)
+        most = int((last - first).max(initial=0))
+        candidates = first[:, None] + np.arange(most)
+        row, column = np.nonzero(candidates < last[:, None])
+        place = self._order[candidates[row, column]] % max(len(self._points), 1)
+        sample = close[row]
+        dx, dy = (position[sample] - self._points[place]).T
         here = dx * dx + dy * dy <= VISIT_RADIUS**2
-        visited |= here
-        ways = np.where(here, _ways(border, position, t)[:, None], ways)
-    places = [_place_visits(t, seen, way) for seen, way in zip(visited.T, ways.T, strict=True)]
-    return BorderVisits(t, border.project_many(points)[0], visited, places, border.closed)
+        return sample[here], place[here]
 
 
-def _ways(
-    border: Border, position: NDArray[np.float64], t: NDArray[np.float64]
-) -> NDArray[np.int8]:
-    """Return (n,) the direction along the border in which a robot drives: +1, -1 or 0."""
+def _ways(border: Border, s: NDArray[np.float64], t: NDArray[np.float64]) -> NDArray[np.int8]:
+    """Return (n,) the direction along the border in which a robot drives: +1, -1 or 0.
+
+    s: (n,) its abscissae, m.
+    """
     if t.size < 2:
         return np.zeros(t.size, dtype=np.int8)
-    s = border.project_many(position)[0]
     span = max(round(_WAY_OVER / float(t[1] - t[0])), 1)
     later = np.minimum(np.arange(t.size) + span, t.size - 1)
     driven = s[later] - s

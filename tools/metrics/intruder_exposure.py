@@ -22,6 +22,7 @@ _RAREST = 0.05
 """Share of the gaps that must last until the watcher's moment: waiting for one that comes in fewer
 than one of twenty visits is not counted, nor could a run of some hours measure it. Ours."""
 _FEWEST = 20  # gaps that last so long
+_FOLDS = 4
 _STEP = 1.0  # s between two moments that are tried
 
 
@@ -48,6 +49,25 @@ def intruder_figures(visits: BorderVisits | None) -> dict[str, Any]:
             },
         }
     }
+
+
+def least_detection(first_visits: NDArray[np.float64], dwell: float) -> float:
+    """Return the probability that one who sees everything is seen, at the place best for him now.
+
+    first_visits: (rollouts, places) s from now until the place's next visit in each of some equally
+    likely futures; inf if there is none. The least over the places of the share of futures would be
+    too low, as chance is among what it chooses by: so the place is chosen by three quarters of the
+    futures and its probability taken from the rest, for each quarter in turn.
+    """
+    seen = first_visits <= dwell
+    quarters = [slice(number, None, _FOLDS) for number in range(min(_FOLDS, len(seen)))]
+    shares = []
+    for quarter in quarters:
+        others = np.ones(len(seen), dtype=bool)
+        others[quarter] = len(seen) < _FOLDS
+        place = int(seen[others].mean(axis=0).argmin())
+        shares.append(float(seen[quarter, place].mean()))
+    return float(np.mean(shares))
 
 
 def _times_to_visit(t: NDArray[np.float64], visited: NDArray[np.bool_]) -> NDArray[np.float64]:

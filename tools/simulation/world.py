@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -151,6 +152,13 @@ class World:
         self.bodies.append(body)
         self._tell_shapes()
         return body
+
+    def twin(self) -> World:
+        """Return a world of the same walls, without bodies; both share what never changes."""
+        other = copy(self)
+        other.bodies, other.contact_log, other._touching = [], [], set()
+        other._tell_shapes()
+        return other
 
     def move(self, body: RobotBody, distance: float, rotation: float) -> Motion:
         """Move a robot by a wheel motion of distance, m, and rotation, rad.

@@ -13,7 +13,7 @@ from robot_agent.motion.swept_footprint import SweptFootprint
 from robot_agent.obstacles.teammate_keep_out import TeammateKeepOut
 
 KEEP_OUT = TeammateKeepOut(Footprint(GateLimits()))
-STANDS, PASSES = np.array([False]), np.array([True])
+PASSES = np.array([True])
 
 
 def test_circle_of_a_larger_robot_is_larger() -> None:
@@ -28,14 +28,14 @@ def test_robot_stops_where_both_can_turn() -> None:
     corner = math.hypot(gate.rear, gate.half_width)
     axle_before_middle = (gate.rear - gate.front) / 2.0
     for distance in np.arange(0.84, 1.6, 0.02):
-        free = 1.0 * body.free_share(1.0, 0.0, KEEP_OUT.around(np.array([[distance, 0.0]]), STANDS))
+        free = 1.0 * body.free_share(1.0, 0.0, KEEP_OUT.around(np.array([[distance, 0.0]])))
         assert distance - free - axle_before_middle > 2 * corner
-    assert body.free_share(1.0, 0.0, KEEP_OUT.around(np.array([[2.2, 0.0]]), STANDS)) == 1.0
+    assert body.free_share(1.0, 0.0, KEEP_OUT.around(np.array([[2.2, 0.0]]))) == 1.0
 
 
 @pytest.mark.parametrize("distance", [0.45, 0.6, 0.75])
 def test_points_within_the_own_circle_are_left_out(distance: float) -> None:
-    room = KEEP_OUT.around(np.array([[distance, 0.0], [0.0, -distance]]), STANDS.repeat(2))
+    room = KEEP_OUT.around(np.array([[distance, 0.0], [0.0, -distance]]))
     assert SweptFootprint(GateLimits()).free_share(0.0, math.pi, room) == 1.0
     assert np.hypot(*room.T).min() > KEEP_OUT.radius
 
@@ -46,6 +46,4 @@ def test_turn_waits_until_a_robot_beside_has_passed() -> None:
     room = KEEP_OUT.around(beside, PASSES)
     assert SweptFootprint(GateLimits()).free_share(0.0, -1.2, room) < 1.0
     assert not Footprint(GateLimits()).covers(room).any()
-    assert (
-        SweptFootprint(GateLimits()).free_share(0.0, -1.2, KEEP_OUT.around(beside, STANDS)) == 1.0
-    )
+    assert SweptFootprint(GateLimits()).free_share(0.0, -1.2, KEEP_OUT.around(beside)) == 1.0

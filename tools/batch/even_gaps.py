@@ -1,0 +1,223 @@
+"""Modifier ``even_gaps`` for many robots at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from robot_agent.patrol import even_gaps
+from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
+from robot_agent.patrol.modifier import OverrideReason
+from robot_agent.patrol.turn_log import TurnCause
+from tools.batch.arbiters import Choices
+from tools.batch.arrays import Codes, Flags, Indices, Reals, pick
+from tools.batch.border_feet import BorderFeet
+from tools.batch.situations import PATROLS, Act, Overrides, Situations
+from tools.batch.turn_logs import TurnLogs
+
+_UNKNOWN = 0  # robots in the team, while counting
+_STATE = (
+    "_counting_laps",
+    "_begun",
+    "_t",
+    "_abscissa",
+    "_direction",
+    "_legs",
+    "_leg_begun",
+    "_sent_back",
+    "_ahead",
+    "_counting",
+    "team",
+    "_probes",
+    "_since",
+    "_check_at",
+    "_probe_at",
+    "_progress",
+    "_time",
+    "_met",
+)
+
+
+class EvenGapsOfMany:
+    """Turns robots that keep going so that the gaps of their team become even."""
+
+    def __init__(
+        self, feet: BorderFeet, speed: float, turns: TurnLogs, rngs: Sequence[np.random.Generator]
+    ) -> None:
+        """speed: patrol speed, m/s. The border must be closed."""
+        n = len(rngs)
+        self._feet = feet
+        self._lap = feet.length / speed
+        self._closing_speed = 2.0 * speed
+        self._turns = turns
+        self._rngs = rngs
+        self._counting_laps = np.full(n, even_gaps.COUNTING_LAPS)
+        self._begun = np.full(n, math.nan)  # nan: no step yet
+        self._t = np.zeros(n)
+        self._abscissa = np.zeros(n)
+        self._direction = np.full(n, CLOCKWISE, dtype=np.int8)
+        self._legs = np.zeros(n, dtype=np.intp)  # number of turns processed
+        self._leg_begun = np.full(n, -math.inf)  # -inf: no turn yet
+        self._sent_back = np.zeros(n, dtype=np.bool_)
+        self._ahead = np.full(n, math.nan)
+        self._counting = np.zeros(n, dtype=np.bool_)
+        self.team = np.zeros(n, dtype=np.intp)
+        self._probes = np.zeros(n, dtype=np.intp)
+        self._since, self._check_at, self._probe_at = np.zeros((3, n))
+        self._progress = np.zeros(n)
+        self._time = np.zeros((2, n))  # clockwise, counter-clockwise
+        self._met = np.zeros((2, n), dtype=np.intp)
+        for robot in range(n):
+            self._start_counting(robot, 0.0)
+
+    def propose(
+        self,
+        at: Situations,
+        choices: Choices,  # noqa: ARG002 - only the action in force matters
+        action: Codes,
+        found: Overrides,
+    ) -> Indices:
+        """Put turns for even gaps; else, on a leg back and after it, no random reversal."""
+        some = np.flatnonzero((at.direction != 0) & PATROLS[action])
+        if not some.size:
+            return some
+        keeps = action[some] == Act.KEEP_GOING
+        turns = self._turn_back(some, at.t, at.s, at.direction, keeps)
+        rests = at.t - self._leg_begun[some] < even_gaps.REST_LAPS * self._lap
+        no_chance = (self.team[some] != _UNKNOWN) & (rests | (at.direction[some] != CLOCKWISE))
+        found.put(some[no_chance], OverrideReason.EVEN_GAPS, may_turn=False)
+        found.put(some[turns], OverrideReason.EVEN_GAPS, turn=TurnCause.EVEN_GAPS)
+        return np.asarray(some[turns | no_chance])
+
+    def pick(self, robots: Indices) -> None:
+        """Keep some robots, as ``arrays.pick`` does."""
+        pick(self, _STATE, robots)
+
+    def _turn_back(
+        self, some: Indices, t: float, s: Reals, direction: Codes, keeps: Flags
+    ) -> Flags:
+        for robot in some[np.isnan(self._begun[some])].tolist():
+            self._begin(robot, t, float(s[robot]), int(direction[robot]))
+        for robot in some[self._turns.times[some] > self._legs[some]].tolist():
+            self._process_turn(robot)
+        self._accumulate(some, t, s)
+        counted = self.team[some] != _UNKNOWN
+        self._count_teams(some[~counted], t)
+        self._check(some[counted], t)
+        return self._should_turn(some, t, keeps)
+
+    # ---- observations -------------------------------------------------------------------------
+
+    def _begin(self, robot: int, t: float, s: float, direction: int) -> None:
+        self._t[robot], self._abscissa[robot], self._begun[robot] = t, s, t
+        self._direction[robot], self._legs[robot] = direction, self._turns.times[robot]
+        leg = self._turns[robot].latest
+        if leg is not None:
+            self._leg_begun[robot] = leg.t
+            own = leg.cause in even_gaps.OWN_CAUSES
+            self._sent_back[robot] = direction == COUNTER_CLOCKWISE and not own
+        self._start_counting(robot, t)
+
+    def _process_turn(self, robot: int) -> None:
+        turn = self._turns[robot].latest
+        assert turn is not None
+        own = turn.cause in even_gaps.OWN_CAUSES
+        if not own:
+            if self._counting[robot]:
+                self._met[_side(self._direction[robot]), robot] += 1
+            else:
+                self._count_from(robot, turn.t)
+                self._counting[robot] = True
+        sent_back = bool(self._sent_back[robot])
+        self._ahead[robot] = self._gap_left(robot, turn.t) if sent_back else math.nan
+        self._legs[robot], self._leg_begun[robot] = self._turns.times[robot], turn.t
+        self._direction[robot] = turn.direction
+        self._sent_back[robot] = turn.direction == COUNTER_CLOCKWISE and not own
+        self._schedule_probe(robot, turn.t)
+
+    def _accumulate(self, some: Indices, t: float, s: Reals) -> None:
+        clockwise = self._direction[some] == CLOCKWISE
+        elapsed = t - self._t[some]
+        self._time[0, some] += np.where(clockwise, elapsed, 0.0)
+        self._time[1, some] += np.where(clockwise, 0.0, elapsed)
+        place = s[some]
+        self._progress[some] += self._feet.difference(place, self._abscissa[some])
+        self._t[some], self._abscissa[some] = t, place
+
+    def _gap_left(self, robots: Indices | int, t: float) -> Reals:
+        leg = self._leg_begun[robots]
+        begun = np.where(np.isneginf(leg), self._begun[robots], leg)
+        return np.asarray((t - begun) * self._closing_speed)
+
+    # ---- estimate of the team -----------------------------------------------------------------
+
+    def _start_counting(self, robot: int, t: float) -> None:
+        self.team[robot] = _UNKNOWN
+        self._probes[robot] = 0
+        self._counting[robot] = False
+        self._count_from(robot, t)
+        self._restart_check(robot, t)
+        self._schedule_probe(robot, t)
+
+    def _count_from(self, robot: int, t: float) -> None:
+        self._since[robot] = t
+        self._time[:, robot] = 0.0
+        self._met[:, robot] = 0
+
+    def _count_teams(self, some: Indices, t: float) -> None:
+        if not some.size:
+            return
+        enough = self._time[:, some].min(axis=0) >= even_gaps.MIN_TIME * self._lap
+        enough &= (self._met[:, some].min(axis=0) > 0) & self._counting[some]
+        enough &= t - self._since[some] >= self._counting_laps[some] * self._lap
+        for robot in some[enough].tolist():
+            robots = self._opposing(1, robot) + max(self._opposing(0, robot), 1.0)
+            self.team[robot] = max(2, round(robots))
+            self._since[robot], self._probes[robot] = t, self.team[robot]
+            self._restart_check(robot, t)
+
+    def _opposing(self, side: int, robot: int) -> float:
+        time = max(float(self._time[side, robot]), 1.0)
+        return int(self._met[side, robot]) * self._lap / 2.0 / time
+
+    def _restart_check(self, robot: int, t: float) -> None:
+        self._progress[robot] = 0.0
+        self._check_at[robot] = t + even_gaps.CHECK_LAPS * self._lap
+
+    def _check(self, some: Indices, t: float) -> None:
+        expired = t - self._since[some] >= even_gaps.COUNT_LIFETIME
+        due = expired | (t >= self._check_at[some])
+        for robot, is_old in zip(some[due].tolist(), expired[due].tolist(), strict=True):
+            if is_old:
+                self._counting_laps[robot] = even_gaps.COUNTING_LAPS
+                self._start_counting(robot, t)
+                continue
+            if self._progress[robot] < even_gaps.MIN_PROGRESS * self._feet.length:
+                longer = 2.0 * float(self._counting_laps[robot])
+                self._counting_laps[robot] = min(longer, even_gaps.LONGEST_COUNTING_LAPS)
+                self._start_counting(robot, t)
+            self._restart_check(robot, t)
+
+    # ---- decision -----------------------------------------------------------------------------
+
+    def _schedule_probe(self, robot: int, t: float) -> None:
+        self._probe_at[robot] = t + self._lap * float(self._rngs[robot].uniform(0.5, 1.5))
+
+    def _should_turn(self, some: Indices, t: float, keeps: Flags) -> Flags:
+        team, due = self.team[some], t >= self._probe_at[some]
+        counted = team != _UNKNOWN
+        even = self._feet.length / np.maximum(team, 1)
+        back = self._direction[some] == COUNTER_CLOCKWISE
+        wide = self._sent_back[some] & (self._gap_left(some, t) >= even * even_gaps.SLACK)
+        # nan, for a gap ahead that is not known, compares as False.
+        is_even = np.abs(self._ahead[some] - even) <= even_gaps.TOLERANCE * even
+        probes = counted & ~back & due & (self._probes[some] > 0) & ~is_even & keeps
+        self._probes[some[probes]] -= 1
+        turns = np.where(counted, np.where(back, wide | due, probes), due)
+        return np.asarray(turns & keeps)
+
+
+def _side(direction: int) -> int:
+    return 0 if direction == CLOCKWISE else 1
