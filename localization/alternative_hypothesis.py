@@ -3,7 +3,8 @@
 A search draws so few particles per area that there may be none near the true pose, but one near an
 ambiguous place. So the scans since the search began are processed once more with fresh particles
 everywhere but along the pose found; then both hypotheses are traced back by odometry, and the
-likelihoods of the scans along them are compared.
+likelihoods of the scans along them are compared. A few of the scans are processed again at each
+new one, so that none takes long.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from maps.pose import Pose
 STOPS = 16  # scans kept
 STOP_XY = 0.4  # m between two of them
 STOP_THETA = 0.4  # rad; likewise
+STOPS_AT_ONCE = 4  # scans processed again at each new one, at most
 _MAX_PLACES = 8  # alternative clusters compared
 _ODDS_LIMIT = 700.0  # exp() of more is infinite
 
@@ -60,6 +62,23 @@ class AlternativeHypothesis:
         return 1.0 / (1.0 + math.exp(min(-self.odds, _ODDS_LIMIT)))
 
 
+@dataclass(slots=True, eq=False)
+class _Replay:
+    """Fresh particles on their way through the scans kept, away from the pose found."""
+
+    stops: list[Stop]
+    avoided: list[Pose]
+    """Pose found at each stop, map_from_base."""
+    particles: ParticleFilter | None
+    """None if none are left."""
+    done: int = 0
+    """Number of stops processed."""
+
+    @property
+    def finished(self) -> bool:
+        return self.particles is None or self.done == len(self.stops)
+
+
 class AlternativeSearch:
     """Keeps the scans since a search began and finds the best alternative pose for them."""
 
@@ -79,16 +98,23 @@ class AlternativeSearch:
         self._rng = rng
         self._way: deque[Stop] = deque(maxlen=STOPS)
         self._since = Pose(0.0, 0.0, 0.0)
+        self._replay: _Replay | None = None
 
     @property
     def stops(self) -> int:
         """Number of scans kept."""
         return len(self._way)
 
+    @property
+    def pending(self) -> bool:
+        """Whether ``find`` needs further calls, one a scan, to know."""
+        return self._replay is not None
+
     def forget(self) -> None:
         """Drop all scans."""
         self._way.clear()
         self._since = Pose(0.0, 0.0, 0.0)
+        self._replay = None
 
     def remember(self, increment: Pose | None, points: NDArray[np.float64]) -> None:
         """Keep a scan, (m, 2) end points, m, base_link, if far enough from the last one kept.
@@ -101,18 +127,33 @@ class AlternativeSearch:
         turned = abs(self._since.theta) >= STOP_THETA
         if apart or turned or not self._way:
             self._way.append(Stop(self._since, points))
+            if self._replay is not None:
+                self._replay.stops.append(self._way[-1])
             self._since = Pose(0.0, 0.0, 0.0)
 
-    def find(self, pose: Pose) -> AlternativeHypothesis | None:
-        """Return the best alternative to ``pose`` (map_from_base now); None if there is none."""
+    def prepare(self, pose: Pose) -> None:
+        """Process some of the scans for ``find`` with ``pose`` (map_from_base now), once a scan."""
         at_last_stop = pose.compose(self._since.inverse())
-        found = self._trace(at_last_stop)
-        alternatives = self._replay(found)
+        if self._replay is None or not self._is_about(self._replay, at_last_stop):
+            self._replay = self._new_replay(at_last_stop)
+        self._advance(self._replay, at_last_stop)
+
+    def find(self, pose: Pose) -> AlternativeHypothesis | None:
+        """Return the best alternative to ``pose`` (map_from_base now).
+
+        None if there is none, or while it is ``pending``.
+        """
+        self.prepare(pose)
+        assert self._replay is not None
+        if not self._replay.finished:
+            return None
+        alternatives, self._replay = self._replay.particles, None
         if alternatives is None:
             return None
+        at_last_stop = pose.compose(self._since.inverse())
         others = heavy_clusters(alternatives.particles, alternatives.weights, _MAX_PLACES)
         best = max(self._log_likelihood(self._trace(other.mean)) for other in others)
-        odds = self._log_likelihood(found) - best
+        odds = self._log_likelihood(self._trace(at_last_stop)) - best
         alternatives.predict(self._since)
         return AlternativeHypothesis(alternatives.belief, odds)
 
@@ -122,24 +163,40 @@ class AlternativeSearch:
         one, two = (self._trace(each.compose(back)) for each in (pose, other))
         return self._log_likelihood(one) - self._log_likelihood(two)
 
-    def _replay(self, avoided: list[Pose]) -> ParticleFilter | None:
-        """Process the scans again without particles near the poses avoided, one per scan.
-
-        None if no particles are left.
-        """
+    def _new_replay(self, at_last_stop: Pose) -> _Replay:
         particles = ParticleFilter(self.motion, self._field, self._rng)
         particles.restart(self._search.sample(self._rng))
-        for number, (stop, pose) in enumerate(zip(self._way, avoided, strict=True)):
+        return _Replay(list(self._way), self._trace(at_last_stop), particles)
+
+    def _is_about(self, replay: _Replay, at_last_stop: Pose) -> bool:
+        """Whether a replay avoids a pose at the last stop, however far on the way it began."""
+        pose = replay.avoided[-1]
+        for stop in replay.stops[len(replay.avoided) :]:
+            pose = pose.compose(stop.increment)
+        return bool(near(np.array([pose]), at_last_stop)[0])
+
+    def _advance(self, replay: _Replay, at_last_stop: Pose) -> None:
+        """Process the next scans with particles that are not near the pose found.
+
+        at_last_stop: that pose now, for scans kept since the replay began.
+        """
+        added = len(replay.stops) - len(replay.avoided)
+        replay.avoided += [at_last_stop] * added
+        for number in range(replay.done, min(replay.done + STOPS_AT_ONCE, len(replay.stops))):
+            stop, particles = replay.stops[number], replay.particles
+            if particles is None:
+                return
             if number > 0:
                 particles.resample(self._limits)
                 particles.predict(stop.increment)
-            if not particles.rule_out(near(particles.particles, pose)):
-                return None
+            if not particles.rule_out(near(particles.particles, replay.avoided[number])):
+                replay.particles = None
+                return
             if number > 0:
                 self._search.weigh(particles, stop.points)
             else:
                 self._search.weigh_first(particles, stop.points, self._limits)
-        return particles
+            replay.done = number + 1
 
     def _trace(self, pose: Pose) -> list[Pose]:
         """Return the pose at each scan kept, given ``pose`` at the last one.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from localization.surface_distance import surface_distance
+from localization.cell_table import DISTANCE_MASK, DISTANCE_STEP, ON_SURFACE, cell_table
 from maps.occupancy_map import OccupancyMap
 from maps.pose import Pose
 
@@ -17,19 +17,19 @@ class DistanceSurface:
     wall, where Gauss-Newton needs the gradient most, and make its steps overshoot.
     """
 
-    def __init__(self, occupancy: OccupancyMap, far: float) -> None:
-        """Prepare a map; distances are cut at ``far`` m, which also holds outside the map."""
-        field = np.clip(surface_distance(occupancy), np.float32(-far), np.float32(far))
-        padded = np.pad(field, 1, constant_values=far)
-        rows, cols = padded.shape
-        self._flat = padded.ravel()
+    def __init__(self, occupancy: OccupancyMap) -> None:
+        """Prepare a map; distances are cut at ``surface_distance.FAR``, outside it as well."""
+        table = cell_table(occupancy)
+        rows, cols = table.codes.shape
+        self._flat = table.codes.ravel()
         self._cols = cols
         self._corners = np.array([[0], [1], [cols], [cols + 1]])
         self._last = (cols - 1.01, rows - 1.01)
-        self._scale = np.float32(1.0 / occupancy.resolution)
-        # Centre of the padding's lower-left cell.
-        half = 0.5 * occupancy.resolution
-        self._corner = complex(occupancy.origin.x - half, occupancy.origin.y - half)
+        self._scale = np.float32(1.0 / table.resolution)
+        self._step = np.float32(DISTANCE_STEP)
+        self._slope = np.float32(DISTANCE_STEP / table.resolution)
+        # Centre of the lower-left cell.
+        self._corner = table.corner + 0.5 * table.resolution * (1.0 + 1.0j)
 
     def sample(
         self, pose: Pose, arms: NDArray[np.complex64]
@@ -45,13 +45,13 @@ class DistanceSurface:
         up = np.minimum(np.maximum(pixels.imag, 0.0), self._last[1])
         column, row = np.floor(across), np.floor(up)
         cell = row.astype(np.intp) * self._cols + column.astype(np.intp)
-        low_left, low_right, high_left, high_right = self._flat.take(
-            self._corners + cell, mode="clip"
-        )
+        codes = self._flat.take(self._corners + cell, mode="clip") & DISTANCE_MASK
+        low_left, low_right, high_left, high_right = codes.astype(np.float32)
         across -= column
         up -= row
         low_rise, high_rise = low_right - low_left, high_right - high_left
         low, high = low_left + across * low_rise, high_left + across * high_rise
         slope_y = high - low
         slope_x = low_rise + up * (high_rise - low_rise)
-        return slope_x * self._scale, slope_y * self._scale, low + up * slope_y
+        distance = (low + up * slope_y - np.float32(ON_SURFACE)) * self._step
+        return slope_x * self._slope, slope_y * self._slope, distance

@@ -81,6 +81,11 @@ class HealthMonitor:
         # Verdicts in a row that were all better, or all worse, with the information of their scans.
         self._run: list[tuple[Health, float]] = []
 
+    @property
+    def promising(self) -> bool:
+        """Whether the latest update, by itself, was that of a localized pose, but health is not."""
+        return bool(self._run) and self._run[-1][0] is Health.LOCALIZED
+
     def update(self, evidence: Evidence) -> Health:
         """Return the health after one more update."""
         self.health, self._run = self._after(evidence)

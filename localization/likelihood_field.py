@@ -2,17 +2,21 @@
 
 Thrun, Burgard, Fox, "Probabilistic Robotics", section 6.4 (likelihood_field_range_finder_model).
 The field is an image of a beam's log-likelihood by its end point; a scan seen from n particles is
-one matrix product and one gather from it.
+one matrix product and one gather from it. Particles all over a large map, of which there is no such
+image, are looked up in two steps: cell, then likelihood.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from localization.surface_distance import surface_distance
-from maps.occupancy_map import OccupancyMap
+from localization.cell_table import DISTANCE_BITS, DISTANCE_STEP, ON_SURFACE, cell_table
+from localization.field_tile import FieldTile, Tile
+from maps.occupancy_map import UNKNOWN, OccupancyMap
 
 SIGMA = 0.1  # m; of an end point, from laser, map and particle spacing together
 RANDOM_SHARE = 0.1  # of the beams, ending anywhere: on people, on teammates
@@ -23,20 +27,22 @@ _WIDEST = 32766  # maximum columns of cv2.remap's result
 class LikelihoodField:
     """Log-likelihoods of end points by table look-up in the nearest cell."""
 
-    def __init__(self, occupancy: OccupancyMap, beams: int, *, sigma: float = SIGMA) -> None:
+    def __init__(self, occupancy: OccupancyMap, beams: int) -> None:
         """Prepare a map.
 
-        beams: maximum number of a scan's beams used, unless ``log_weights`` gets another. sigma: of
-        an end point's distance from the mapped surface, m.
+        beams: maximum number of a scan's beams used, unless ``log_weights`` gets another.
         """
         self._beams = beams
-        self._origin = occupancy.origin
-        self._resolution = occupancy.resolution
-        fit = np.exp(-0.5 * (surface_distance(occupancy) / np.float32(sigma)) ** 2)
-        self._log_image = np.log((1.0 - RANDOM_SHARE) * fit + RANDOM_SHARE).astype(np.float32)
-        self._log_outside = float(np.log(RANDOM_SHARE))
+        self._table = cell_table(occupancy)
+        distance = (np.arange(1 << DISTANCE_BITS) - ON_SURFACE) * DISTANCE_STEP
+        fit = np.exp(-0.5 * np.square(distance / SIGMA))
+        log_of_distance = np.log((1.0 - RANDOM_SHARE) * fit + RANDOM_SHARE)
+        # A code begins with the cell's state, on which the likelihood does not depend.
+        self._log_of_code = np.tile(log_of_distance.astype(np.float32), UNKNOWN + 1)
+        self._tile = FieldTile(self._table, self._log_of_code)
         # Kept buffers: allocating new ones at every scan takes longer than the computation.
         self._columns, self._rows, self._looked_up = np.empty((3, _CHUNK), dtype=np.float32)
+        self._codes = np.empty(0, dtype=np.uint16)
 
     def log_weights(
         self,
@@ -59,12 +65,14 @@ class LikelihoodField:
         weight = np.full(len(points), exponent, dtype=np.float32)
         homogeneous = np.ones((len(points), 3), dtype=np.float32)
         homogeneous[:, :2] = points
-        to_column, to_row = self._pixels_from_base(particles)
+        tile = self._tile.round(particles, float(np.hypot(*points.T).max()))
+        to_column, to_row = self._pixels_from_base(particles, tile)
         total = np.empty(len(particles))
         step = min(_WIDEST, _CHUNK // len(points))
         for start in range(0, len(particles), step):
             some = slice(start, start + step)
-            total[some] = weight @ self._look_up(homogeneous, to_column[:, some], to_row[:, some])
+            looked_up = self._look_up(homogeneous, to_column[:, some], to_row[:, some], tile)
+            total[some] = weight @ looked_up
         return total
 
     def _look_up(
@@ -72,6 +80,7 @@ class LikelihoodField:
         homogeneous: NDArray[np.float32],
         to_column: NDArray[np.float32],
         to_row: NDArray[np.float32],
+        tile: Tile | None,
     ) -> NDArray[np.float32]:
         """Return (m, n) log-likelihoods of points (m, 3) as (x, y, 1) by factors (3, n) of each.
 
@@ -85,36 +94,55 @@ class LikelihoodField:
         )
         np.matmul(homogeneous, to_column, out=columns)
         np.matmul(homogeneous, to_row, out=rows)
-        cv2.remap(
-            self._log_image,
-            columns,
-            rows,
-            cv2.INTER_NEAREST,
-            looked_up,
-            borderMode=cv2.BORDER_CONSTANT,
-            borderValue=self._log_outside,
-        )
-        return looked_up
+        if tile is not None:
+            return _nearest(tile.image, columns, rows, looked_up, float(self._log_of_code[-1]))
+        if self._codes.size == 0:
+            self._codes = np.empty(_CHUNK, dtype=np.uint16)
+        codes = self._codes[: looked_up.size].reshape(shape)
+        _nearest(self._table.codes, columns, rows, codes, float(self._table.codes[0, 0]))
+        return np.take(self._log_of_code, codes, out=looked_up, mode="clip")
 
     def _pixels_from_base(
-        self, poses: NDArray[np.float64]
+        self, poses: NDArray[np.float64], tile: Tile | None
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return (3, n) factors of a point (x, y, 1) in base_link, seen from poses (n, 3).
 
-        The first array gives its column, the other its row, in pixels; (0, 0) is the centre of the
-        lower-left cell.
+        The first array gives its column, the other its row, in pixels of the tile, or of the whole
+        map; (0, 0) is the centre of the lower-left cell.
         """
         heading = poses[:, 2].astype(np.float32)
-        scale = np.float32(1.0 / self._resolution)
+        resolution, corner = self._table.resolution, self._table.corner
+        scale = np.float32(1.0 / resolution)
         cosine, sine = np.cos(heading) * scale, np.sin(heading) * scale
         to_column = np.empty((3, len(poses)), dtype=np.float32)
         to_row = np.empty_like(to_column)
         to_column[0], to_row[0] = cosine, sine
         np.negative(sine, out=to_column[1])
         to_row[1] = cosine
-        to_column[2] = (poses[:, 0] - self._origin.x) / self._resolution - 0.5
-        to_row[2] = (poses[:, 1] - self._origin.y) / self._resolution - 0.5
+        column, row = (0, 0) if tile is None else (tile.column, tile.row)
+        to_column[2] = (poses[:, 0] - corner.real) / resolution - (column + 0.5)
+        to_row[2] = (poses[:, 1] - corner.imag) / resolution - (row + 0.5)
         return to_column, to_row
+
+
+def _nearest(
+    image: NDArray[Any],
+    columns: NDArray[np.float32],
+    rows: NDArray[np.float32],
+    out: NDArray[Any],
+    outside: float,
+) -> NDArray[Any]:
+    """Return ``out`` (m, n) with the image's pixels nearest to columns and rows (m, n)."""
+    cv2.remap(
+        image,
+        columns,
+        rows,
+        cv2.INTER_NEAREST,
+        out,
+        borderMode=cv2.BORDER_CONSTANT,
+        borderValue=outside,
+    )
+    return out
 
 
 def spread_evenly(points: NDArray[np.float64], count: int) -> NDArray[np.float64]:

@@ -370,9 +370,11 @@ class Localizer:
             jump_theta=abs(jump.theta),
             information=information,
         )
-        if self._contestable and self._monitor.preview(evidence) is Health.LOCALIZED:
-            evidence = self._contested(evidence, pose)
-        health = self._monitor.update(evidence)
+        found = self._contestable and self._monitor.preview(evidence) is Health.LOCALIZED
+        judged = self._contested(evidence, pose) if found else evidence
+        health = self._monitor.health if judged is None else self._monitor.update(judged)
+        if self._contestable and not found and self._monitor.promising:
+            self._alternatives.prepare(pose)
         self._refuted = hypothesis.fit is not None and hypothesis.fit.beside < REFUTED_BELOW
         self._update_search_due(before, health, hypothesis.fit, information)
         return self._estimate_of(t, odometry, hypothesis, health)
@@ -394,12 +396,15 @@ class Localizer:
 
     # --- the search of the whole map -------------------------------------------------------------
 
-    def _contested(self, evidence: Evidence, pose: Pose) -> Evidence:
+    def _contested(self, evidence: Evidence, pose: Pose) -> Evidence | None:
         """Return the evidence, with its share lowered if an alternative is clearly more likely.
 
-        The whole map is then searched beside the pose, beginning with the alternative.
+        The whole map is then searched beside the pose, beginning with the alternative. None while
+        that is not known.
         """
         alternative = self._alternatives.find(pose)
+        if self._alternatives.pending:
+            return None
         if alternative is None or alternative.share >= 1.0 - LOCALIZED_SHARE:
             return evidence
         if self._search is None:

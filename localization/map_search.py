@@ -74,7 +74,8 @@ class MapSearch:
         increment: base_then_from_base_now since the last one; None at the first.
         """
         # 1. Predict and weight; a fresh sample is of this scan's time.
-        if self._fresh:
+        fresh = self._fresh
+        if fresh:
             self._alternatives.remember(None, points)
             self._floor.weigh_first(self._filter, points, self._limits)
             if self._kept is not None:
@@ -89,9 +90,12 @@ class MapSearch:
         before = self.hypothesis
         self.hypothesis = self._matching.best_hypothesis(self._filter.belief, points)
         evidence = self._evidence(before, increment, points, information)
-        if self._monitor.preview(evidence) is Health.LOCALIZED:
-            evidence = self._contested(evidence)
-        self._monitor.update(evidence)
+        found = self._monitor.preview(evidence) is Health.LOCALIZED
+        judged = self._contested(evidence) if found else evidence
+        if judged is not None:
+            self._monitor.update(judged)
+        if not found and not fresh and self._monitor.promising:
+            self._alternatives.prepare(self.hypothesis.pose)
         # 3. Resample for the next scan.
         self._filter.resample(self._limits)
 
@@ -128,13 +132,15 @@ class MapSearch:
             information=information,
         )
 
-    def _contested(self, evidence: Evidence) -> Evidence:
+    def _contested(self, evidence: Evidence) -> Evidence | None:
         """Return the evidence, with its share lowered if an alternative is as likely.
 
-        The particles are then a mixture of both.
+        The particles are then a mixture of both. None while that is not known.
         """
         assert self.hypothesis is not None
         alternative = self._alternatives.find(self.hypothesis.pose)
+        if self._alternatives.pending:
+            return None
         if alternative is None or alternative.share >= LOCALIZED_SHARE:
             return evidence
         self._filter.belief = self._filter.belief.mixed_with(alternative.belief, alternative.share)

@@ -33,7 +33,6 @@ MIN_THETA = 0.025  # rad; likewise
 LIMIT_XY = 0.3  # m from the cloud's mean; a refinement farther away is rejected
 LIMIT_THETA = 0.15  # rad; likewise
 _CLOUD_SIGMAS = 4.0  # a refinement farther than this from the cloud's mean is rejected
-_FAR_KERNELS = 3.0  # end points farther from the map than this have no weight
 _CONVERGED = 3e-3  # m and rad
 TOO_FEW_POINTS = 10
 
@@ -74,7 +73,7 @@ class Refinement:
         """Prepare a map. limit_xy, limit_theta: maximum correction of a pose, m and rad."""
         self._limit_xy, self._limit_theta = limit_xy, limit_theta
         self._min_covariance = np.diag(np.square((MIN_XY, MIN_XY, MIN_THETA)))
-        self.surface = DistanceSurface(occupancy, _FAR_KERNELS * KERNEL)
+        self.surface = DistanceSurface(occupancy)
 
     def refine(
         self, mean: Pose, covariance: NDArray[np.float64], points: NDArray[np.float64]

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from localization.cell_table import DISTANCE_BITS, cell_table
 from localization.distance_surface import DistanceSurface
 from localization.likelihood_field import spread_evenly
 from localization.refinement import TOO_FEW_POINTS, as_complex, turned
@@ -53,9 +54,9 @@ class ScanCheck:
 
     def __init__(self, occupancy: OccupancyMap, surface: DistanceSurface) -> None:
         self._surface = surface
-        self._padded = np.pad(occupancy.cells, 1, constant_values=UNKNOWN)  # outside the map
-        self._scale = 1.0 / occupancy.resolution
-        self._origin = complex(occupancy.origin.x, occupancy.origin.y)
+        table = cell_table(occupancy)
+        self._codes, self._corner = table.codes, table.corner
+        self._scale = 1.0 / table.resolution
         # Half a cell apart, so that no wall of one cell is stepped over.
         self._steps = np.arange(0.25, FAR_REACH * self._scale, 0.5, dtype=np.float32)
         self._steps *= np.float32(occupancy.resolution)
@@ -144,13 +145,13 @@ class ScanCheck:
         walls = self._states(pose, places) == OCCUPIED
         return np.asarray((walls & before_end).any(axis=1))
 
-    def _states(self, pose: Pose, arms: NDArray[np.complex64]) -> NDArray[np.uint8]:
+    def _states(self, pose: Pose, arms: NDArray[np.complex64]) -> NDArray[np.uint16]:
         """Return the cells' states at positions given as in ``DistanceSurface.sample``."""
-        pixels = (arms + np.complex64(complex(pose.x, pose.y) - self._origin)) * np.float32(
+        pixels = (arms + np.complex64(complex(pose.x, pose.y) - self._corner)) * np.float32(
             self._scale
         )
         rows, cols = np.floor(pixels.imag).astype(np.intp), np.floor(pixels.real).astype(np.intp)
-        height, width = self._padded.shape
-        rows = np.minimum(np.maximum(rows + 1, 0), height - 1)
-        cols = np.minimum(np.maximum(cols + 1, 0), width - 1)
-        return np.asarray(self._padded.take(rows * width + cols))
+        height, width = self._codes.shape
+        rows = np.minimum(np.maximum(rows, 0), height - 1)
+        cols = np.minimum(np.maximum(cols, 0), width - 1)
+        return np.asarray(self._codes.take(rows * width + cols) >> DISTANCE_BITS)

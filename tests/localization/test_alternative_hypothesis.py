@@ -8,7 +8,12 @@ import math
 import numpy as np
 import pytest
 
-from localization.alternative_hypothesis import STOP_XY, AlternativeSearch
+from localization.alternative_hypothesis import (
+    STOP_XY,
+    STOPS_AT_ONCE,
+    AlternativeHypothesis,
+    AlternativeSearch,
+)
 from localization.global_search import GlobalSearch
 from localization.health import Health
 from localization.kld import SampleLimits
@@ -40,6 +45,14 @@ def walked(alternatives: AlternativeSearch, room, poses: list[Pose]) -> Alternat
     return alternatives
 
 
+def found_beside(alternatives: AlternativeSearch, pose: Pose) -> AlternativeHypothesis | None:
+    """Return the alternative to a pose, however many calls it takes."""
+    found = alternatives.find(pose)
+    while alternatives.pending:
+        found = alternatives.find(pose)
+    return found
+
+
 def distance(a: Pose, b: Pose) -> float:
     return math.hypot(a.x - b.x, a.y - b.y)
 
@@ -50,7 +63,7 @@ def test_true_pose_is_more_likely_than_an_ambiguous_one(near_twin_rooms, circle)
     truth = way[-1]
     look_alike = truth._replace(x=truth.x + APART)
 
-    right, wrong = alternatives.find(truth), alternatives.find(look_alike)
+    right, wrong = (found_beside(alternatives, pose) for pose in (truth, look_alike))
 
     assert right is not None
     assert right.odds > 2.0
@@ -63,7 +76,8 @@ def test_true_pose_is_more_likely_than_an_ambiguous_one(near_twin_rooms, circle)
 
 
 def test_identical_rooms_share_the_belief(twin_rooms, circle) -> None:
-    alternative = walked(alternative_search(twin_rooms), twin_rooms, circle[:60]).find(circle[59])
+    alternatives = walked(alternative_search(twin_rooms), twin_rooms, circle[:60])
+    alternative = found_beside(alternatives, circle[59])
     assert alternative is not None
     assert alternative.share == pytest.approx(0.5, abs=0.3)
 
@@ -76,6 +90,27 @@ def test_scans_are_kept_by_distance_and_dropped_by_forget(room) -> None:
     assert alternatives.stops == 3
     alternatives.forget()
     assert alternatives.stops == 0
+
+
+def test_many_scans_are_compared_over_several_calls(near_twin_rooms, circle) -> None:
+    way = circle[:60]
+    alternatives = walked(alternative_search(near_twin_rooms), near_twin_rooms, way)
+    calls = 1
+    while alternatives.find(way[-1]) is None:
+        assert alternatives.pending
+        calls += 1
+    assert calls == math.ceil(alternatives.stops / STOPS_AT_ONCE)
+    assert not alternatives.pending
+
+
+def test_another_pose_is_compared_from_the_start(near_twin_rooms, circle) -> None:
+    way = circle[:60]
+    alternatives = walked(alternative_search(near_twin_rooms), near_twin_rooms, way)
+    alternatives.prepare(way[-1])
+    look_alike = way[-1]._replace(x=way[-1].x + APART)
+    wrong = found_beside(alternatives, look_alike)
+    assert wrong is not None
+    assert wrong.odds < -2.0
 
 
 def test_in_one_of_two_identical_rooms_it_is_never_localized(twin_rooms, circle) -> None:

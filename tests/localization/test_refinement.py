@@ -19,7 +19,7 @@ CLOUD = np.diag([0.05**2, 0.05**2, 0.03**2])
 def test_surface_gradient_is_that_of_its_values() -> None:
     rng = np.random.default_rng(1)
     cells = (rng.random((30, 40)) < 0.05).astype(np.uint8)
-    surface = DistanceSurface(OccupancyMap(cells, 0.1, Pose(-1, 3, 0)), 2.0)
+    surface = DistanceSurface(OccupancyMap(cells, 0.1, Pose(-1, 3, 0)))
     places = (rng.uniform(0, 2.5, 50) + 1j * rng.uniform(0, 2.5, 50)).astype(np.complex64)
     here = Pose(-0.9, 3.1, 0)
     slope_x, slope_y, distance = surface.sample(here, places)
@@ -34,15 +34,15 @@ def test_surface_gradient_is_that_of_its_values() -> None:
 def test_surface_is_the_distance_field_at_cell_centres_and_far_outside() -> None:
     cells = np.zeros((5, 6), dtype=np.uint8)
     cells[2, 3] = OCCUPIED
-    occupancy = OccupancyMap(cells, 0.5, Pose(10.0, -4.0, 0.0), Surface.CENTRE)
-    surface = DistanceSurface(occupancy, 1.2)
+    occupancy = OccupancyMap(cells, 0.2, Pose(10.0, -4.0, 0.0), Surface.CENTRE)
+    surface = DistanceSurface(occupancy)
     rows, cols = np.divmod(np.arange(30), 6)
-    centres = ((cols + 0.5) * 0.5 + 1j * (rows + 0.5) * 0.5).astype(np.complex64)
+    centres = ((cols + 0.5) * 0.2 + 1j * (rows + 0.5) * 0.2).astype(np.complex64)
     distance = surface.sample(Pose(10.0, -4.0, 0.0), centres)[2]
-    expected = np.minimum(occupancy.distance_field().ravel(), 1.2)
-    assert distance == pytest.approx(expected, abs=1e-5)
+    expected = np.minimum(occupancy.distance_field().ravel(), 0.45)
+    assert distance == pytest.approx(expected, abs=1e-4)
     outside = np.array([100 + 100j, -100 - 100j], dtype=np.complex64)
-    assert surface.sample(Pose(10, -4, 0), outside)[2] == pytest.approx([1.2, 1.2], abs=2e-3)
+    assert surface.sample(Pose(10, -4, 0), outside)[2] == pytest.approx([0.45, 0.45], abs=2e-3)
 
 
 @pytest.mark.parametrize(

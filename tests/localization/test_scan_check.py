@@ -14,7 +14,7 @@ TRUTH = Pose(3.0, 2.0, 0.4)
 
 @pytest.fixture
 def check(room) -> ScanCheck:
-    return ScanCheck(room.map, DistanceSurface(room.map, 0.45))
+    return ScanCheck(room.map, DistanceSurface(room.map))
 
 
 def test_fit_falls_with_the_distance_from_the_truth(room, check: ScanCheck) -> None:

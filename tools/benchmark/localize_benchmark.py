@@ -1,4 +1,4 @@
-"""Cost of the localizer: time of an update by particles and beams, memory of a large map."""
+"""Cost of the localizer: an update by particles and beams; memory and times on a large map."""
 
 from __future__ import annotations
 
@@ -29,8 +29,10 @@ UPDATES = 120
 PASSES = 3
 STEP = 0.3  # m between two scans
 SEED = 1
-LARGE_MAP = 100.0
-"""Side, m, of the map whose memory is measured, in cells of 0.05 m."""
+LARGE_MAP = 4800
+"""Cells a side of the map whose memory is measured: 240 m, 23 million cells."""
+CELL = 0.05  # m; side of one of its cells
+WALL = 3  # cells; thickness of its walls
 
 Scans = list[tuple[Pose, NDArray[np.float64]]]
 """Poses (map_from_base) and end points (n, 2), base_link, m."""
@@ -51,6 +53,20 @@ class UpdateCost:
     def products_per_s(self) -> float:
         """Particle-beam products of the filter, 1/s."""
         return 1e3 * self.particles * self.beams / self.filter_ms
+
+
+@dataclass(frozen=True, slots=True)
+class LargeMapCost:
+    """Cost of a localizer on a large map, beside the map itself."""
+
+    kept: float
+    """Memory kept, tracking, bytes a cell of the map."""
+    peak: float
+    """Most memory in use since the start, likewise."""
+    start_s: float
+    """Time of the start, s of thread CPU time."""
+    search_ms: float
+    """Longest time of a scan in a search of the whole map, ms of thread CPU time."""
 
 
 def update_costs(folder_path: Path) -> Iterator[UpdateCost]:
@@ -135,23 +151,59 @@ def _best_median(
 
 
 def _median(update: Callable[[int], object], scans: Scans) -> float:
+    return float(np.median(_times(update, len(scans))))
+
+
+def _times(update: Callable[[int], object], count: int) -> list[float]:
+    """Return the times of ``count`` updates, s of thread CPU time."""
     times = []
-    for number in range(len(scans)):
+    for number in range(count):
         started = time.thread_time()
         update(number)
         times.append(time.thread_time() - started)
-    return float(np.median(times))
+    return times
 
 
-def large_map_mb() -> float:
-    """Return the memory of a map of 100 x 100 m at 0.05 m and its localizer, MB."""
+def large_map_cost(side: int = LARGE_MAP) -> LargeMapCost:
+    """Return the cost of a localizer on a square map of so many cells a side."""
+    walls = _walls(side)
+    occupancy = _rooms(side, walls)
+    low, high = walls[len(walls) // 2 : len(walls) // 2 + 2] * CELL
+    low += WALL * CELL  # faces of the room's walls
+    scans = [_seen(low, high, 0.5 * (low + high) + STEP * (n % 3), low + 2.0) for n in range(30)]
     tracemalloc.start()
     try:
-        cells = np.full((round(LARGE_MAP / 0.05),) * 2, FREE, dtype=np.uint8)
-        cells[::200] = OCCUPIED
-        occupancy = OccupancyMap(cells, 0.05, Pose(0.0, 0.0, 0.0))
+        started = time.thread_time()
         localizer = Localizer(LocalizationSettings(), occupancy, np.random.default_rng(SEED))
-        localizer.start_at(Pose(50.0, 5.0, 0.0), 0.1, 0.05)
-        return tracemalloc.get_traced_memory()[0] / 2**20
+        start_s = time.thread_time() - started
+        localizer.start_at(scans[0][0], 0.1, 0.05)
+        localizer.update(0.0, *scans[0])
+        kept, peak = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()
+    localizer.start_anywhere()
+    times = _times(lambda number: localizer.update(float(number), *scans[number]), len(scans))
+    return LargeMapCost(kept / side**2, peak / side**2, start_s, 1e3 * max(times))
+
+
+def _walls(side: int) -> NDArray[np.intp]:
+    """Return (n,) first rows, and columns, of walls at distances of 6 to 12 m."""
+    widths = np.random.default_rng(SEED).integers(round(6.0 / CELL), round(12.0 / CELL), side)
+    starts = np.concatenate(([0], np.cumsum(widths)))
+    return np.asarray(starts[starts < side], dtype=np.intp)
+
+
+def _rooms(side: int, walls: NDArray[np.intp]) -> OccupancyMap:
+    """Return a square map of rooms between walls that begin at the same rows and columns."""
+    cells = np.full((side, side), FREE, dtype=np.uint8)
+    for start in walls:
+        cells[start : start + WALL] = cells[:, start : start + WALL] = OCCUPIED
+    return OccupancyMap(cells, CELL, Pose(0.0, 0.0, 0.0))
+
+
+def _seen(low: float, high: float, x: float, y: float) -> tuple[Pose, NDArray[np.float64]]:
+    """Return a pose at (x, y) in a square room, m, and the end points (181, 2) of its scan."""
+    directions = np.column_stack([f(np.radians(np.arange(-90.0, 91.0))) for f in (np.cos, np.sin)])
+    with np.errstate(divide="ignore"):
+        to_walls = (np.where(directions > 0.0, high, low) - np.array((x, y))) / directions
+    return Pose(x, y, 0.0), directions * np.abs(to_walls).min(axis=1)[:, np.newaxis]

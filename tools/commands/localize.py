@@ -17,6 +17,7 @@ from tools.localize.localize import LocalizeOptions, localize_steps, log_steps, 
 from tools.localize.localize_report import STUDIES, format_table, run_count, run_study
 from tools.localize.localize_study import RESOLUTION, read_study_log
 from tools.localize.localize_trials import kidnapped_steps, outcome
+from tools.localize.occlusion import Occlusion
 from tools.logs.carmen import LogError
 from tools.logs.laser_log import read_laser_log
 from tools.logs.log_step import LogStep
@@ -76,6 +77,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=whole(), default=0, metavar="N")
     parser.add_argument("--seeds", type=_positive, default=20, metavar="N", help="of a study")
     parser.add_argument("--trials", type=_positive, default=100, metavar="N", help="of a study")
+    parser.add_argument(
+        "--map-every", type=_positive, default=1, metavar="N", help="study's map: every Nth scan"
+    )
+    hidden = parser.add_mutually_exclusive_group()
+    hidden.add_argument(
+        "--short", type=_share, metavar="SHARE", help="share of a study's beams that end short"
+    )
+    hidden.add_argument(
+        "--people", type=_share, metavar="SHARE", help="share of its beams that end on people"
+    )
     add_no_return(parser)
     add_topics(parser)
     parser.add_argument("--csv", type=Path, metavar="OUT", help="write one line per scan")
@@ -164,7 +175,15 @@ def _study(paths: list[tuple[Path, int]], options: argparse.Namespace) -> int:
     logs = []
     with progress_line("maps", len(paths), "logs") as progress:
         for done, (path, first_scan) in enumerate(paths, start=1):
-            logs.append(read_study_log(path, first_scan, options.no_return))
+            logs.append(
+                read_study_log(
+                    path,
+                    first_scan,
+                    options.no_return,
+                    map_every=options.map_every,
+                    occlusion=_occlusion(options),
+                )
+            )
             progress(done)
     tables = {}
     for name in dict.fromkeys(options.study):
@@ -175,6 +194,12 @@ def _study(paths: list[tuple[Path, int]], options: argparse.Namespace) -> int:
     if options.json:
         options.json.write_text(json.dumps(tables, indent=2) + "\n", encoding="utf-8")
     return 0
+
+
+def _occlusion(options: argparse.Namespace) -> Occlusion | None:
+    if options.short is not None:
+        return Occlusion(options.short, by_people=False)
+    return None if options.people is None else Occlusion(options.people, by_people=True)
 
 
 # --- arguments and output --------------------------------------------------------------------
@@ -193,6 +218,13 @@ def _print_summary(summary: dict[str, object], path: Path | None) -> None:
     if path is not None:
         path.write_text(text + "\n", encoding="utf-8")
     print(text)
+
+
+def _share(text: str) -> float:
+    value = float(text)
+    if not 0.0 < value < 1.0:
+        raise argparse.ArgumentTypeError(f"{text} is not a share between 0 and 1")
+    return value
 
 
 def _positive(text: str) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
 from localization.settings import LocalizationSettings
@@ -25,6 +26,15 @@ def _hold_out(
     return accuracy(logs, seeds, hold_out=True, settings=settings, progress=progress)
 
 
+def _frozen_over(degrees: float) -> Study:
+    def study(
+        logs: Sequence[StudyLog], trials: int, settings: LocalizationSettings, progress: Progress
+    ) -> Table:
+        return frozen_turns(logs, trials, settings, progress, math.radians(degrees))[0]
+
+    return study
+
+
 SEEDED: dict[str, Study] = {"accuracy": _accuracy, "hold-out": _hold_out}
 """Studies that run every log with every seed."""
 
@@ -32,6 +42,8 @@ TRIED: dict[str, Study] = {
     "global": lambda *work: global_starts(*work)[0],
     "kidnap": lambda *work: kidnaps(*work)[0],
     "frozen": lambda *work: frozen_turns(*work)[0],
+    "frozen-60": _frozen_over(60.0),
+    "frozen-90": _frozen_over(90.0),
     "slip": lambda *work: slips(*work)[0],
 }
 """Studies whose trials are spread over the logs."""

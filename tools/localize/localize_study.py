@@ -8,16 +8,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from localization.health import Health
 from localization.settings import LocalizationSettings
 from maps.map_folder import MapFolder
 from tools.localize.localize import LocalizeOptions, Progress, localize_steps, log_steps, map_of_log
 from tools.localize.localize_result import LocalizeResult
+from tools.localize.occlusion import Occlusion
 from tools.logs.carmen import LogError
 from tools.logs.laser_log import read_laser_log
 from tools.logs.log_step import LogStep
@@ -31,34 +33,44 @@ Table = list[dict[str, object]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StudyLog:
-    """A log to localize on, with the map of all its scans and the map of every second one."""
+    """A log to localize on, with its map and the map of every second scan."""
 
     name: str
     steps: list[LogStep]
     """From the first usable scan on."""
     map: MapFolder
-    """Map of all scans."""
+    """Map of all scans, or of every so many."""
     even_map: MapFolder
     """Map of the scans 0, 2, 4..."""
     odd_steps: list[LogStep]
     """The scans that ``even_map`` is not built from."""
 
 
-def read_study_log(path: Path, first_scan: int = 0, max_range: float | None = None) -> StudyLog:
+def read_study_log(
+    path: Path,
+    first_scan: int = 0,
+    max_range: float | None = None,
+    *,
+    map_every: int = 1,
+    occlusion: Occlusion | None = None,
+) -> StudyLog:
     """Read a log, leave out the scans before ``first_scan``, and build its maps.
 
-    max_range: as of ``read_laser_log``. Raises LogError if no scan is left, MapError if no map can
-    be built.
+    max_range: as of ``read_laser_log``. map_every: of how many scans one is in the map. occlusion:
+    of the scans to localize, not of those in the map. Raises LogError if no scan is left, MapError
+    if no map can be built.
     """
     log = read_laser_log(path, max_range)
     steps = log_steps(log)
+    if occlusion is not None:
+        steps = occlusion.of(steps)
     if not steps[first_scan:]:
         raise LogError(f"{path}: no scan from scan {first_scan} on: start with an earlier one")
     name = path.name.split(".")[0].removesuffix("-corrected")
     return StudyLog(
         name=name,
         steps=steps[first_scan:],
-        map=map_of_log(log, RESOLUTION, "all"),
+        map=map_of_log(replace(log, scans=log.scans[::map_every]), RESOLUTION, "all"),
         even_map=map_of_log(log, RESOLUTION, "even"),
         odd_steps=[
             step for number, step in enumerate(steps) if number % 2 and number >= first_scan
@@ -76,7 +88,13 @@ class RunScore:
     """95th percentile of the position error, m."""
     heading_rmse: float
     """Root mean square of the heading error, degrees."""
+    worst: float
+    """Largest position error, m."""
+    localized_share: float
+    """Share of the scans with health localized."""
     lost_share: float
+    lost_at_end: bool
+    """Whether the last scan's estimate is lost."""
     inside_xy: float
     """Share of references inside the 95 % ellipse of the position; nan without references."""
     inside: float
@@ -125,7 +143,10 @@ def _score(
         rmse=float(np.sqrt(np.mean(position**2))),
         p95=float(np.percentile(position, 95)),
         heading_rmse=float(np.sqrt(np.mean(heading**2))),
+        worst=float(position.max()),
+        localized_share=float(np.mean([row.health == Health.LOCALIZED for row in result.rows])),
         lost_share=result.lost_share or 0.0,
+        lost_at_end=result.rows[-1].is_lost,
         inside_xy=math.nan if inside is None else inside.xy,
         inside=math.nan if inside is None else inside.pose,
         update_ms=float(np.median([row.update_ms for row in result.rows])),
@@ -146,7 +167,10 @@ def _accuracy_row(name: str, scores: Sequence[RunScore]) -> dict[str, object]:
         "worst_p95_m": max(score.p95 for score in scores),
         "heading_rmse_deg": median(lambda score: score.heading_rmse),
         "worst_heading_deg": max(score.heading_rmse for score in scores),
+        "worst_m": max(score.worst for score in scores),
+        "localized": float(np.mean([score.localized_share for score in scores])),
         "lost": max(score.lost_share for score in scores),
+        "lost_at_end": sum(score.lost_at_end for score in scores),
         "inside_xy_95": float(np.mean([score.inside_xy for score in scores])),
         "inside_pose_95": float(np.mean([score.inside for score in scores])),
         "update_ms": median(lambda score: score.update_ms),

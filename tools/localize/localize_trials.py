@@ -206,12 +206,13 @@ def frozen_turns(
     trials: int,
     settings: LocalizationSettings,
     progress: Progress = lambda _: None,
+    turn: float = FROZEN_TURN,
 ) -> tuple[Table, list[Outcome]]:
-    """Freeze the odometry over turns of 20 degrees.
+    """Freeze the odometry over turns, rad.
 
     Returns a table with one row per log and one of all, and the outcomes.
     """
-    stretches = [_turns(log.steps) for log in logs]
+    stretches = [_turns(log.steps, turn) for log in logs]
     return _odometry_trials(logs, stretches, _frozen, trials, settings, progress)
 
 
@@ -287,13 +288,13 @@ def _slipping(increment: Pose) -> Pose:
     return Pose(counted * increment.x, counted * increment.y, increment.theta)
 
 
-def _turns(steps: Sequence[LogStep]) -> list[tuple[int, int]]:
-    """Return the stretches (first, last scan) that turn FROZEN_TURN within FROZEN_TRAVEL."""
+def _turns(steps: Sequence[LogStep], turn: float) -> list[tuple[int, int]]:
+    """Return the stretches (first, last scan) that turn so far, rad, within FROZEN_TRAVEL."""
     travel = travel_along(steps)
     heading = np.unwrap([reference_of(step)[2] for step in steps])
     found, first = [], TRACKED_SCANS
     while first < len(steps) - 1:
-        turned = np.abs(heading[first:] - heading[first]) >= FROZEN_TURN
+        turned = np.abs(heading[first:] - heading[first]) >= turn
         last = first + int(turned.argmax())
         if turned.any() and travel[last] - travel[first] <= FROZEN_TRAVEL:
             found.append((first, last))

@@ -13,7 +13,7 @@ from tools.benchmark import localize_benchmark
 from tools.benchmark.localize_benchmark import (
     BEAMS,
     PARTICLES,
-    large_map_mb,
+    large_map_cost,
     scans_along,
     update_costs,
 )
@@ -43,5 +43,9 @@ def test_scans_lie_on_the_map() -> None:
         assert np.median(distance[rows, cols]) <= folder.map.resolution
 
 
-def test_large_map_stays_within_its_memory_limit() -> None:
-    assert large_map_mb() < 60.0
+def test_a_localizer_keeps_less_than_4_bytes_a_cell_of_a_large_map_and_needs_less_than_8() -> None:
+    cost = large_map_cost(4000)
+    assert cost.kept < 4.0
+    assert cost.peak < 8.0
+    assert cost.start_s > 0.0
+    assert cost.search_ms > 0.0

@@ -30,6 +30,12 @@ def test_hold_out_scans_are_not_in_the_map(path: Path, seattle: StudyLog) -> Non
     assert (seattle.map.map.cells == 1).sum() > (seattle.even_map.map.cells == 1).sum()
 
 
+def test_map_is_of_every_so_many_scans_and_the_scans_stay(path: Path, seattle: StudyLog) -> None:
+    sparse = read_study_log(path, 27, map_every=3)
+    assert (sparse.map.map.cells != 2).sum() < (seattle.map.map.cells != 2).sum()
+    assert len(sparse.steps) == len(seattle.steps)
+
+
 def test_accuracy_meets_the_targets(seattle: StudyLog) -> None:
     """Issue: 0.022 m RMSE, 0.042 m p95, heading under 0.6 degrees, never lost; hold-out 0.04 m."""
     calls: list[float] = []
