@@ -152,7 +152,8 @@ class _Strikes:
 
     def strike(self) -> None:
         """Find the probabilities now; none in a run in which a robot has not reached the border."""
-        whole = (self._reached | self._batch.dead).reshape(-1, self._batch.robots).all(axis=1)
+        arrived = np.asarray(self._reached | self._batch.dead)
+        whole = np.asarray(arrived.reshape(-1, self._batch.robots).all(axis=1))
         found = detections(self._batch, self._rollouts)
         self.times.append(self._batch.t)
         self._found.append([each if whole[run] else None for run, each in enumerate(found)])

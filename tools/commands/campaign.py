@@ -1,4 +1,4 @@
-"""``patrol campaign``: every fault once, or with ``--endurance`` a few of them again and again."""
+"""``patrol campaign``: every fault once, ``--endurance``: a few again and again, ``--lies``."""
 
 from __future__ import annotations
 
@@ -21,12 +21,24 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "disk-full, kill-starts; default: all, a quarter of an hour",
     )
     parser.add_argument(
+        "--lies",
+        nargs="*",
+        metavar="LIE",
+        help="instead: robots whose devices or map tell them something wrong, 3 minutes each by "
+        "the bench's clock: half-stuck, mirrored, scaled, crowd, blind-corner ...; default: all",
+    )
+    parser.add_argument(
+        "--seeds", type=whole(1), default=3, metavar="N", help="runs of each lie; default: 3"
+    )
+    parser.add_argument(
         "--cycles", type=whole(2), metavar="N", help="of each trial; default: its own number"
     )
 
 
 def run(options: argparse.Namespace) -> int:
     """Run faults or endurance and print the table; return 1 when a limit is missed, else 0."""
+    if options.lies is not None:
+        return _tell_lies(options)
     if options.endurance is None:
         return faults.run(options)
     from tools.campaign.endurance import chosen_trials, endure, markdown
@@ -40,3 +52,19 @@ def run(options: argparse.Namespace) -> int:
         print(f"patrol campaign: {trial.name}: {verdict}", file=sys.stderr, flush=True)
     print(markdown(outcomes), end="")
     return 1 if any(outcome.complaints for outcome in outcomes) else 0
+
+
+def _tell_lies(options: argparse.Namespace) -> int:
+    from tools.campaign.lie import lies_table, seconds_of, tell
+    from tools.campaign.lie_list import chosen_lies
+
+    seeds = range(1, options.seeds + 1)
+    told = []
+    for lie in chosen_lies(options.lies):
+        with progress_line(lie.name, seconds_of(seeds)) as progress:
+            told.append(tell(lie, seeds, progress))
+    table = lies_table(told)
+    if options.output:
+        options.output.write_text(table)
+    print(table, end="")
+    return 1 if any(each.complaints for each in told) else 0

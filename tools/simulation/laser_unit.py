@@ -29,6 +29,8 @@ class LaserUnit:
         self._dazzled_until = -math.inf
         self._sector = (0.0, 0.0)
         self._next_dazzle = t + self._pause()
+        self._stuck_from = t + truth.stuck_from
+        self._stuck_at: NDArray[np.float64] | None = None
 
     def ends(self, bearings: NDArray[np.float64], pitch: float) -> NDArray[np.float64] | None:
         """Return (n,) ranges, m, at which rays end in any surroundings; None if nowhere.
@@ -60,7 +62,16 @@ class LaserUnit:
         if t < self._dazzled_until:
             low, high = self._sector
             ranges = np.where((bearings > low) & (bearings < high), np.inf, ranges)
-        return ranges
+        return ranges if t < self._stuck_from else self._stuck(ranges, bearings)
+
+    def _stuck(
+        self, ranges: NDArray[np.float64], bearings: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Return ranges (n,), m, with those of stuck beams as they were when they stuck."""
+        if self._stuck_at is None or len(self._stuck_at) != len(ranges):
+            self._stuck_at = ranges
+        low, high = self._truth.stuck
+        return np.where((bearings > low) & (bearings < high), self._stuck_at, ranges)
 
     def _own_parts(self, bearings: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return (n,) ranges to the robot's own parts, m; inf beside them."""

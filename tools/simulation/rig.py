@@ -62,6 +62,7 @@ class RobotRig:
             name=name,
             firmware=firmware or Firmware(self.truth.base.firmware),
             watchdog=watchdog,
+            clock=self.truth.base.clock,
         )
         self.base.base.braking = self.truth.drive.braking
         if charging:

@@ -64,8 +64,10 @@ class P2osEmulator:
         sip_period: float | None = FACTORY_CYCLE,
         firmware: Firmware = Firmware.P2OS,
         watchdog: float = FACTORY_WATCHDOG,
+        clock: float = 1.0,
     ) -> None:
         self.model = model
+        self._clock = clock
         self.baud = baud
         self.identity = RobotIdentity(name, "Pioneer", model.subclass)
         self.counters = EmulatorCounters()
@@ -133,7 +135,7 @@ class P2osEmulator:
     def advance(self, t: float) -> tuple[float, float]:
         """Run the controller to ``t``; return the wheels' motion since the last call as
         (distance m, rotation rad)."""
-        self.base.run_to(t)
+        self.base.run_to(self._clock * t)
         return self.base.pop_motion()
 
     def turn_odometer(self, distance: float, rotation: float) -> None:
@@ -177,13 +179,14 @@ class P2osEmulator:
         self._server.use(self.board)
         self.framer.reset()
         self._output = PacedOutput()
-        self._starting_until = t + START_UP_TIME
+        self._starting_until = self._clock * t + START_UP_TIME
         self._notifies = notify
 
     # Line
 
     def feed(self, data: bytes, t: float) -> None:
         """Take bytes that arrived from the client by ``t``."""
+        t *= self._clock
         self._run_to(t)
         if self._starting_until is not None:
             return
@@ -200,17 +203,25 @@ class P2osEmulator:
 
     def pop_output(self, t: float) -> list[TimedBytes]:
         """Send reports if a cycle has ended; return everything that has left the wire by ``t``."""
+        t *= self._clock
         self._run_to(t)
         if self._sip_period is not None and t >= self._next_sip - 1e-9:
-            self.emit_sip(t)
+            self._report(t)
             self._next_sip += self._sip_period
             if self._next_sip <= t:
                 self._next_sip = t + self._sip_period
         self._send_aux(t)
-        return self._output.pop(t)
+        sent = self._output.pop(t)
+        if self._clock == 1.0:
+            return sent
+        return [TimedBytes(each.t / self._clock, each.data) for each in sent]
 
     def emit_sip(self, t: float) -> None:
-        """Send a SIP and the requested packets now; no effect while no session is open.
+        """Send a SIP and the requested packets now; no effect while no session is open."""
+        self._report(self._clock * t)
+
+    def _report(self, t: float) -> None:
+        """Send a SIP and the requested packets at ``t`` of the controller's clock.
 
         What the line cannot send before the next SIP is left out: at a low rate requested packets
         come seldom, a SIP not at all while others are still being sent.

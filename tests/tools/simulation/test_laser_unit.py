@@ -69,3 +69,11 @@ def test_a_dazzled_laser_is_blind_in_a_sector_for_a_while() -> None:
 def test_nothing_returns_beyond_the_reach() -> None:
     ranges = make_unit(reach=20.0).reported(np.array([19.9, 20.1]), BEARINGS[:2], 0.0)
     assert ranges.tolist() == [19.9, math.inf]
+
+
+def test_stuck_beams_report_what_they_had_then() -> None:
+    unit = make_unit(stuck_from=10.0, stuck=(-2.0, 0.0))
+    bearings = np.array([-1.0, 1.0])
+    assert unit.reported(np.array([3.0, 3.0]), bearings, 9.9).tolist() == [3.0, 3.0]
+    assert unit.reported(np.array([2.0, 2.0]), bearings, 10.0).tolist() == [2.0, 2.0]
+    assert unit.reported(np.array([1.0, 1.0]), bearings, 11.0).tolist() == [2.0, 1.0]

@@ -69,12 +69,13 @@ class LaserTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
 
     theta: rad, counter-clockwise. upside_down: turned over about its axis of view. mirrored: beams
     are sent in the reverse order. repeats_from: from so many s after power-on every scan is the
-    first one again, with the range noise added anew; inf for never. tilt and roll: rad, by which
-    the plane goes down ahead of the laser and on its left. offset, stretch: systematic error, m,
-    and per m of range. quantum: ranges are whole multiples of it, m; 0 for none. reach: farther, m,
-    nothing returns. dazzles: times per
-    second that a sector of beams is blinded for a while. own_parts: convex polygons in base_link of
-    parts of the robot that stand in its own view.
+    first one again, with the range noise added anew; inf for never. stuck_from: from so many s
+    after power-on the beams between the two angles of stuck, rad from the laser's axis, report the
+    ranges that they had then; inf for never. tilt and roll: rad, by which the plane goes down ahead
+    of the laser and on its left. offset, stretch: systematic error, m, and per m of range. quantum:
+    ranges are whole multiples of it, m; 0 for none. reach: farther, m, nothing returns. dazzles:
+    times per second that a sector of beams is blinded for a while. own_parts: convex polygons in
+    base_link of parts of the robot that stand in its own view.
     """
 
     kind: ScannerKind
@@ -85,6 +86,8 @@ class LaserTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     upside_down: bool
     mirrored: bool
     repeats_from: float
+    stuck_from: float
+    stuck: tuple[Angle, Angle]
     tilt: Angle
     roll: Angle
     offset: float
@@ -128,6 +131,7 @@ class BaseTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
 
     sonar: by number. no_sonar: the numbers that have no transducer, which never echo. firmware:
     operating system of its controller: that of a Pioneer 2, of the H8 boards or of the SH2 boards.
+    clock: s of the controller's clock in a second.
     """
 
     top_speed: Length  # m/s
@@ -137,6 +141,7 @@ class BaseTruth(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
     no_sonar: tuple[int, ...]
     battery: Length  # V, nominal
     firmware: Literal["p2os", "aros", "arcos"]
+    clock: Length
     heading_counts: Annotated[int, msgspec.Meta(gt=0)]  # per turn
     distance_count: Length  # m, of one count of x or y
     speed_count: Length  # m/s, of one count of a wheel's speed

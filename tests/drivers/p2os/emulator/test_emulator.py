@@ -27,9 +27,10 @@ class Robot:
         baud: int = 9600,
         sip_period: float | None = 0.1,
         firmware: Firmware = Firmware.P2OS,
+        clock: float = 1.0,
     ) -> None:
         self.emulator = P2osEmulator(
-            PIONEER_2DX, baud=baud, sip_period=sip_period, firmware=firmware
+            PIONEER_2DX, baud=baud, sip_period=sip_period, firmware=firmware, clock=clock
         )
         self.t = 0.0
         self.distance = self.rotation = 0.0
@@ -420,6 +421,18 @@ def test_playback_sends_sips_on_demand() -> None:
     robot.emulator.emit_sip(robot.t)
     robot.run(0.1)
     assert [sip.x_counts for sip in robot.sips] == [1000]
+
+
+def test_controller_with_a_fast_clock_reports_oftener_and_drives_faster_than_it_says() -> None:
+    robot = Robot(clock=1.1).open()
+    robot.send(command(N.VEL, 200))
+    robot.run(2.0, PULSE)
+    before, reports = robot.distance, len(robot.packets)
+    robot.run(5.0, PULSE)
+    assert robot.distance - before == pytest.approx(1.1 * 5.0 * 0.2, abs=0.01)
+    assert len(robot.packets) - reports == pytest.approx(55, abs=1)
+    assert robot.sips[-1].left_speed_counts == pytest.approx(200, abs=2)
+    assert all(0.0 < sent <= robot.t for sent, _ in robot.packets)
 
 
 def test_closed_robot_sends_no_sip() -> None:
