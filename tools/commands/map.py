@@ -13,7 +13,6 @@ import cv2
 from maps.border import BorderError
 from maps.map_folder import DEFAULT_BORDER, MAP_FILE
 from maps.occupancy_map import MapError, load_map, save_map
-from maps.pose import Pose
 from robot_agent.config import SHIPPED_MAPS, find_map
 from tools.commands.log_option import add_no_return, add_topics, print_notes, topics_of
 from tools.logs.carmen import LogError
@@ -24,7 +23,8 @@ from tools.mapping.map_check import check_map
 from tools.mapping.map_picture import draw_map, draw_map_alone
 from tools.mapping.map_verdict import Grade, judge
 from tools.mapping.picture_import import import_picture
-from tools.mapping.slam.mapper import map_from_odometry
+from tools.mapping.slam.loop_check import write_loops
+from tools.mapping.slam.mapper import Mapping, map_from_odometry
 from tools.mapping.slam.relations import read_relations, relation_error, synchronize
 from tools.mapping.slam.trajectory import Trajectory
 from tools.number_range import positive, real, share, whole
@@ -32,6 +32,7 @@ from tools.progress import progress_line
 
 _POLL_S = 0.2
 PICTURE = "map.png"
+LOOPS = "loops.csv"
 """The picture that ``map build`` puts beside the map."""
 
 
@@ -132,7 +133,7 @@ def _build(options: argparse.Namespace) -> int:
     )
     log = read_scan_log(options.log, options.no_return, topics_of(options))
     print_notes("map", log.notes)
-    log, trajectory, unmatched = _posed(log.from_scan(options.first_scan), options.source)
+    log, trajectory, found = _posed(log.from_scan(options.first_scan), options.source)
     if relations:
         lined_up = synchronize(relations, trajectory.times)
         print(relation_error(lined_up, trajectory.at).table())
@@ -145,7 +146,13 @@ def _build(options: argparse.Namespace) -> int:
             progress=progress,
         )
     save_map(built.map, options.output)
-    verdict = judge(built.map, log.scans, options.max_range, unmatched)
+    if found is None:
+        verdict = judge(built.map, log.scans, options.max_range)
+    else:
+        verdict = judge(
+            built.map, log.scans, options.max_range, found.unmatched, found.loops, found.bend
+        )
+        write_loops(options.output / LOOPS, found.loops)
     draw_map(options.output, options.output / PICTURE, doubts=verdict.places)
     print(f"{options.output}: {built.summary()}")
     print(f"{options.output}: {verdict}")
@@ -155,18 +162,21 @@ def _build(options: argparse.Namespace) -> int:
     return 0
 
 
-def _posed(log: ScanLog, source: str) -> tuple[ScanLog, Trajectory, list[tuple[Pose, float]]]:
-    """Return the log with the poses to build from, poses at all times, pieces without a match."""
+def _posed(log: ScanLog, source: str) -> tuple[ScanLog, Trajectory, Mapping | None]:
+    """Return the log with the poses to build from, poses at all times, and how they were found.
+
+    None if they are the log's own.
+    """
     if source == "odometry":
         found = map_from_odometry(log)
         print(found.summary())
-        return found.log, found.trajectory, found.unmatched
+        return found.log, found.trajectory, found
     if not log.referenced:
         raise LogError(
             f"{log.path}: scans without reference poses: build the map with --from odometry"
         )
     poses = {line: scan.reference for line, scan in zip(log.scan_lines, log.scans, strict=True)}
-    return log, Trajectory(log.odometry, poses), []
+    return log, Trajectory(log.odometry, poses), None
 
 
 def _draw(options: argparse.Namespace) -> int:

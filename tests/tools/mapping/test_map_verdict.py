@@ -13,6 +13,7 @@ from tools.cli import main
 from tools.logs.scan_log import ScanLog, read_scan_log
 from tools.mapping.map_build import build_map
 from tools.mapping.map_verdict import ODOMETRY_ALONE, Grade, Verdict, judge
+from tools.mapping.slam.loop_check import MOST_STRAIN, CheckedLoop
 
 SCANS = 200
 MAX_RANGE = 20.0
@@ -59,6 +60,28 @@ def test_long_stretch_on_odometry_alone_is_doubtful(log: ScanLog) -> None:
     assert verdict.grade is Grade.DOUBTFUL
     assert place in verdict.places
     assert "odometry alone" in str(verdict)
+
+
+def loop_at(place: Pose, *, kept: bool) -> CheckedLoop:
+    return CheckedLoop(place, way=50.0, shift=1.0, turn=0.0, strain=1.0, kept=kept)
+
+
+def test_loops_that_contradict_the_others_are_doubtful(log: ScanLog) -> None:
+    place, built = Pose(1.0, 2.0, 0.0), build_map(log, max_range=MAX_RANGE)
+    loops = [loop_at(Pose(0.0, 0.0, 0.0), kept=True) for _ in range(9)]
+    assert judge(built.map, log.scans, MAX_RANGE, loops=loops).grade is Grade.GOOD
+    contested = judge(built.map, log.scans, MAX_RANGE, loops=[*loops, loop_at(place, kept=False)])
+    assert contested.grade is Grade.DOUBTFUL
+    assert place in contested.places
+    assert "1 of 10 loops contradict" in str(contested)
+
+
+def test_a_way_bent_beyond_its_errors_is_doubtful(log: ScanLog) -> None:
+    place, built = Pose(1.0, 2.0, 0.0), build_map(log, max_range=MAX_RANGE)
+    for bend, grade in ((0.9 * MOST_STRAIN, Grade.GOOD), (1.1 * MOST_STRAIN, Grade.DOUBTFUL)):
+        verdict = judge(built.map, log.scans, MAX_RANGE, bend=(bend, place))
+        assert verdict.grade is grade
+        assert (place in verdict.places) == (grade is Grade.DOUBTFUL)
 
 
 def test_command_exits_with_1_for_a_failed_map_and_still_draws_it(

@@ -1,7 +1,8 @@
 """Loop closing: search for revisited places within the possible drift of the odometry.
 
 A loop is accepted when a stretch of scans matches an old stretch, has no second match about as
-good, and a second stretch farther on gives a consistent drift.
+good, lies within the errors of the way between its ends, and a second stretch farther on gives a
+consistent drift. Those that all loops together overrule are dropped in the end.
 """
 
 from __future__ import annotations
@@ -16,13 +17,15 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from maps.pose import Pose
+from maps.pose import Pose, wrap_angle
 from tools.mapping.slam.alignment import align
 from tools.mapping.slam.chain import close
 from tools.mapping.slam.cloud import join
 from tools.mapping.slam.correlation import search
 from tools.mapping.slam.keyframe import Keyframe
+from tools.mapping.slam.loop_check import MOST_STRAIN, CheckedLoop, is_overruled, strain, worst_bend
 from tools.mapping.slam.pose_graph import Edge, optimize
+from tools.mapping.slam.way_error import WayError
 
 _EVERY = 2  # every second keyframe is searched for loops
 _STRETCH = 4  # keyframes of a stretch to each side
@@ -62,8 +65,11 @@ class LoopCloser:
         self.edges = list(edges)
         self.loops: list[Edge] = []
         """Accepted loops."""
+        self.overruled: list[Edge] = []
+        """Loops dropped in the end, as the others contradict them."""
         self._pending: list[_Candidate] = []
         steps = [math.dist(a[:2], b[:2]) for a, b in itertools.pairwise(poses)]
+        self._errors = WayError(poses, edges)
         self._travelled = np.concatenate(([0.0], np.cumsum(steps)))
 
     def close(self, progress: Callable[[float], None]) -> None:
@@ -80,6 +86,34 @@ class LoopCloser:
                 self.poses = optimize(self.poses, self.edges + self.loops)
             progress(index)
         self.poses = optimize(self.poses, self.edges + self.loops)
+        self._drop_overruled()
+
+    def checked(self, poses: Sequence[Pose]) -> list[CheckedLoop]:
+        """Return all loops, the dropped ones last; poses: the keyframes' final ones."""
+        return [
+            CheckedLoop(
+                pose=poses[loop.end],
+                way=float(self._travelled[loop.end] - self._travelled[loop.start]),
+                shift=math.dist(loop.pose[:2], drifted[:2]),
+                turn=wrap_angle(loop.pose.theta - drifted.theta),
+                strain=strain(loop, self._chain, self._errors),
+                kept=kept,
+            )
+            for loops, kept in ((self.loops, True), (self.overruled, False))
+            for loop in loops
+            for drifted in (self._chain[loop.start].between(self._chain[loop.end]),)
+        ]
+
+    def bend(self, poses: Sequence[Pose]) -> tuple[float, int]:
+        """Return ``worst_bend`` of the chain by the keyframes' final poses."""
+        return worst_bend(poses, self._chain, self._errors)
+
+    def _drop_overruled(self) -> None:
+        """Leave out the loops that the others contradict, until all that are left agree."""
+        while dropped := [loop for loop in self.loops if is_overruled(loop, self.poses)]:
+            self.overruled += dropped
+            self.loops = [loop for loop in self.loops if loop not in dropped]
+            self.poses = optimize(self.poses, self.edges + self.loops)
 
     def _is_new(self, loop: Edge) -> bool:
         """Whether a loop's pose differs from the present poses by more than _NOVELTY."""
@@ -130,7 +164,10 @@ class LoopCloser:
         found = align(source.points, target, peak.pose)
         if found is None or found.share < _MIN_SHARE:
             return None
-        return _Candidate(Edge(place, index, found.pose, found.information), travel)
+        edge = Edge(place, index, found.pose, found.information)
+        if strain(edge, self._chain, self._errors) > MOST_STRAIN:
+            return None
+        return _Candidate(edge, travel)
 
     def _confirm(self, candidate: _Candidate) -> list[Edge]:
         """Return the loops accepted now: the candidate and pending ones that it confirms."""

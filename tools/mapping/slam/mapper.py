@@ -19,6 +19,7 @@ from tools.logs.carmen import LogError
 from tools.logs.scan_log import ScanLog
 from tools.mapping.slam.chain import build_chain
 from tools.mapping.slam.keyframe import choose_keyframes, make_keyframe
+from tools.mapping.slam.loop_check import MOST_STRAIN, CheckedLoop
 from tools.mapping.slam.loop_closer import LoopCloser
 from tools.mapping.slam.pose_graph import Edge
 from tools.mapping.slam.refinement import refine
@@ -37,8 +38,10 @@ class Mapping:
     """The log with the poses found as references."""
     trajectory: Trajectory
     keyframes: int
-    loops: int
-    """Loops closed."""
+    loops: list[CheckedLoop]
+    """Loops closed, and those dropped again."""
+    bend: tuple[float, Pose]
+    """By how many standard deviations the chain was bent most, and where (map_from_laser)."""
     loop_correction: float
     """Largest distance by which loop closing moved a keyframe, m."""
     pairs: int
@@ -52,16 +55,26 @@ class Mapping:
     seconds: float
     """Time of the computation, s."""
 
+    @property
+    def strains(self) -> list[float]:
+        """Strain of each loop that was kept."""
+        return [loop.strain for loop in self.loops if loop.kept]
+
     def summary(self) -> str:
         """Return two lines for people: loops and time; pairs and their residual."""
+        strained = (
+            f", strain up to {max(self.strains):.1f} of {MOST_STRAIN:.1f} sigma"
+            if self.strains
+            else ""
+        )
         off = (
             ""
             if self.off_references is None
             else f", {self.off_references:.3f} m mean off the log's own poses"
         )
         return (
-            f"{self.keyframes} keyframes, {self.loops} loops closed that moved them up to "
-            f"{self.loop_correction:.2f} m in {self.seconds:.1f} s\n"
+            f"{self.keyframes} keyframes, {len(self.strains)} loops closed that moved them up to "
+            f"{self.loop_correction:.2f} m in {self.seconds:.1f} s{strained}\n"
             f"{self.pairs} pairs of scans, {self.disagreement:.3f} m median off the poses{off}"
         )
 
@@ -94,13 +107,15 @@ def map_from_odometry(log: ScanLog) -> Mapping:
         frame = fit(poses, references)
         poses = [frame.compose(pose) for pose in poses]
         off = _mean_distance(poses, references)
+    bend, bent = closer.bend(poses)
     marks = {log.scan_lines[index]: pose for index, pose in zip(chosen, poses, strict=True)}
     trajectory = Trajectory(log.odometry, marks)
     return Mapping(
         log=log.with_references([trajectory.poses[line] for line in log.scan_lines]),
         trajectory=trajectory,
         keyframes=len(frames),
-        loops=len(closer.loops),
+        loops=closer.checked(poses),
+        bend=(bend, poses[bent]),
         loop_correction=max(moved),
         pairs=len(refined.pairs),
         disagreement=refined.disagreement(),
