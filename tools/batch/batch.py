@@ -22,7 +22,7 @@ from tools.batch.border_feet import BorderFeet
 from tools.batch.gates import SafetyGates
 from tools.batch.heading_loops import HeadingLoops, Unpinnings
 from tools.batch.obstacle_points import Obstacles
-from tools.batch.patrols import Decisions, Patrols
+from tools.batch.patrols import Decisions, Patrols, has_arrays
 from tools.batch.sights import Sights
 from tools.bench.bench_fault import BenchFault, BenchFaultError, FaultKind, check_robots, wrecks_of
 from tools.bench.ideal_robot import STEP_S
@@ -192,11 +192,20 @@ def _starts(folder: MapFolder, robots: int, seed: int) -> list[Pose]:
     return free_start_poses(folder.map, folder.border, robots, np.random.default_rng(seed))
 
 
+def is_possible(config: AgentConfig, faults: Sequence[BenchFault]) -> bool:
+    """Return whether a run with a configuration and faults can be one of a batch."""
+    return has_arrays(config.patrol) and all(map(_is_possible, faults))
+
+
+def _is_possible(fault: BenchFault) -> bool:
+    lasting = fault.kind is FaultKind.DEAD and fault.is_permanent
+    return lasting or fault.kind is FaultKind.STUCK
+
+
 def _check_faults(faults: Sequence[BenchFault], names: list[str]) -> None:
     check_robots(faults, names)
     for fault in faults:
-        lasting = fault.kind is FaultKind.DEAD and fault.is_permanent
-        if not lasting and fault.kind is not FaultKind.STUCK:
+        if not _is_possible(fault):
             raise BenchFaultError(
                 f"fault {fault.kind} of {fault.robot}: a batch has robots that die for good or are "
                 "stuck, use patrol bench for others"
