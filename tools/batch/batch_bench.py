@@ -22,7 +22,7 @@ from tools.metrics.metrics import ARRIVED_M, RobotRun
 from tools.metrics.wreck import Wreck
 from tools.simulation.world import World
 
-MOMENTS = 6
+MOMENTS = 4
 """Moments of a run, evenly spaced, at which the intruder who sees all strikes."""
 
 

@@ -65,9 +65,9 @@ COLUMNS: dict[str, Extract] = {
     "undriven_m": lambda figures: _after_wrecks(figures, "undriven_m"),
     "abandoned_m": lambda figures: _after_wrecks(figures, "abandoned_m"),
     "crowded_m": lambda figures: _after_wrecks(figures, "crowded_m"),
-    "settled_idleness_instantaneous_s": lambda figures: figures["settled"]["idleness_s"][
+    "settled_idleness_instantaneous_s": lambda figures: figures["settled"]["idleness_s"].get(
         "instantaneous"
-    ],
+    ),
     **{
         f"settled_{kind}_{dwell:g}s": _settled_intruder(kind, f"{dwell:g}")
         for kind in ("random", "watcher", "all_knowing")
