@@ -60,6 +60,7 @@ from robot_agent.motion.teleop import Teleop
 from robot_agent.motion.unpinning import UnpinningManoeuvre
 from robot_agent.obstacles.own_parts_watch import OwnPartsWatch
 from robot_agent.obstacles.surroundings import Surroundings
+from robot_agent.patrol.common_clock import common_clock
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from robot_agent.perception.perception import NewIntruder, Perception
 from robot_agent.perception.scan_points import ScanProjector
@@ -133,7 +134,10 @@ class Agent:
         )
         self.own_parts = OwnPartsWatch()
         # Decision and control.
-        self.patrol = Patrol(config.patrol, folder.border, rng) if folder.border else None
+        clock = common_clock(start_wall_ns, config.patrol.clock_drift)
+        self.patrol = (
+            Patrol(config.patrol, folder.border, rng, clock=clock) if folder.border else None
+        )
         self._folder = folder
         self._use_model(self.base.model)
         self.heading_loop = HeadingLoop()

@@ -33,7 +33,7 @@ from robot_agent.patrol.turn_log import Turn, TurnCause, TurnLog
 
 COUNTING_LAPS = 1.5  # of patrol by the rules alone, before the team is counted
 LONGEST_COUNTING_LAPS = 12.0  # when the way round proves blocked repeatedly
-SLACK = 1.06  # of the gap to leave: a robot met at that distance was where it should be
+SLACK = 1.0  # of the gap to leave: a robot met at that distance was where it should be
 TOLERANCE = 0.15  # of the gap ahead, within which it counts as even
 COUNT_LIFETIME = 3600.0  # s after which the team is counted anew
 MIN_TIME = 0.45  # laps one way and the other, and a meeting each, before the team is counted
@@ -42,7 +42,8 @@ CHECK_LAPS = 3.0
 REST_LAPS = 0.5
 """Without a random reversal after any turn: meanwhile the turn, which all robots met pass on, has
 gone round the border at twice the patrol speed, and the gaps are even again."""
-OWN_CAUSES = (TurnCause.CHANCE, TurnCause.EVEN_GAPS)
+SETTLED_LAPS = 1.0
+OWN_CAUSES = (TurnCause.CHANCE, TurnCause.EVEN_GAPS, TurnCause.COMMON)
 _TURN = Override(OverrideReason.EVEN_GAPS, turn=TurnCause.EVEN_GAPS)
 _NO_CHANCE = Override(OverrideReason.EVEN_GAPS, may_turn=False)
 
@@ -51,15 +52,23 @@ class EvenGaps:
     """Turns a robot whose action is Keep Going so that the gaps of the team become even."""
 
     def __init__(
-        self, border: Border, speed: float, turns: TurnLog, rng: np.random.Generator
+        self,
+        border: Border,
+        speed: float,
+        turns: TurnLog,
+        rng: np.random.Generator,
+        team_size: int = 0,
     ) -> None:
-        """speed: patrol speed, m/s. The border must be closed."""
+        """speed: patrol speed, m/s. team_size: number of robots, believed until the robot no
+        longer gets round; 0: it is counted. The border must be closed.
+        """
         self._border = border
         self._lap = border.length / speed  # s
         self._closing_speed = 2.0 * speed
         self._turns = turns
         self._rng = rng
         self._counting_laps = COUNTING_LAPS
+        self._given = team_size or None
         self._t: float | None = None
         self._abscissa = 0.0
         self._direction = CLOCKWISE
@@ -67,6 +76,10 @@ class EvenGaps:
         self._begun = 0.0  # time of the first step; start of the leg before any turn
         self._ahead: float | None = None  # m to the robot ahead, if known
         self._counting = False  # meetings are counted from the first one on
+        self.by_chance = True
+        """Whether a robot that has counted its team may turn by its own chance."""
+        self.suspended = False
+        """Whether the robot follows common turns: it is neither counted nor turned here."""
         self.team: int | None = None
         """Estimated number of robots on the border, with this one; None while counting."""
         self._start_counting(0.0)
@@ -82,12 +95,16 @@ class EvenGaps:
             return None
         keeps_going = action is Action.KEEP_GOING
         abscissa, direction = situation.foot.abscissa, situation.direction
+        if self.suspended:
+            self._hold(situation.t, abscissa, direction)
+            return None
         if self.turns_back(situation.t, abscissa, direction, keeps_going=keeps_going):
             return _TURN
         if self.team is None:
             return None
         rests = self._leg is not None and situation.t - self._leg.t < REST_LAPS * self._lap
-        return _NO_CHANCE if rests or direction != CLOCKWISE else None
+        rests |= not self.by_chance or direction != CLOCKWISE
+        return _NO_CHANCE if rests else None
 
     def turns_back(self, t: float, abscissa: float, direction: int, *, keeps_going: bool) -> bool:
         """Return whether to turn back at t for the sake of even gaps.
@@ -106,6 +123,18 @@ class EvenGaps:
         else:
             self._check(t)
         return keeps_going and self._should_turn(t)
+
+    def resume(self, t: float) -> None:
+        """End the suspension at t: the gaps may not be even any more."""
+        self.suspended = False
+        self._schedule_probe(t)
+        self._ahead, self._probes = None, self.team or 0
+
+    def _hold(self, t: float, abscissa: float, direction: int) -> None:
+        """Take what happens during the suspension for no observation."""
+        self._t, self._abscissa, self._direction = t, abscissa, direction
+        self._leg = self._turns.latest
+        self._restart_check(t)
 
     # ---- observations -------------------------------------------------------------------------
 
@@ -147,8 +176,8 @@ class EvenGaps:
     # ---- estimate of the team -----------------------------------------------------------------
 
     def _start_counting(self, t: float) -> None:
-        self.team = None
-        self._probes = 0
+        self.team = self._given
+        self._probes = self._given or 0
         self._counting = False
         self._count_from(t)
         self._restart_check(t)
@@ -184,6 +213,7 @@ class EvenGaps:
             self._start_counting(t)
         elif t >= self._check_at:
             if self._progress < MIN_PROGRESS * self._border.length:
+                self._given = None
                 self._counting_laps = min(2.0 * self._counting_laps, LONGEST_COUNTING_LAPS)
                 self._start_counting(t)
             self._restart_check(t)
@@ -204,6 +234,15 @@ class EvenGaps:
             return False
         self._probes -= 1
         return True
+
+    def is_settled(self, t: float) -> bool:
+        """Whether the robot has driven clockwise for a lap without any turn, its team counted.
+
+        Gaps that are not even are sent back or probed meanwhile, unless all probes were in vain.
+        """
+        begun = self._begun if self._leg is None else max(self._leg.t, self._begun)
+        lasts = t - begun >= SETTLED_LAPS * self._lap
+        return self.team is not None and self._direction == CLOCKWISE and lasts
 
     def _is_even(self) -> bool:
         """Return whether the gap ahead was measured and is even within the tolerance."""

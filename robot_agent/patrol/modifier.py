@@ -26,6 +26,7 @@ class OverrideReason(StrEnum):
     BLOCKAGE = "blockage"  # turns back after waiting for an object on its way
     WAIT = "wait"  # stands for a random time, to break the synchronization of turns
     CLOSING_IN = "closing_in"  # drives slowly past the place where it turned repeatedly
+    COMMON_TURNS = "common_turns"  # turns with the team, or skips a reversal of its own
     EVEN_GAPS = "even_gaps"  # turns, or skips a random reversal, to space the team evenly
 
 

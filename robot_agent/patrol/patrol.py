@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,8 @@ from robot_agent.patrol.automaton import Automaton, require_safety_distance
 from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
 from robot_agent.patrol.blockage import Blockage
 from robot_agent.patrol.closing_in import ClosingIn
+from robot_agent.patrol.common_clock import CommonClock
+from robot_agent.patrol.common_turns import CommonTurns
 from robot_agent.patrol.end_trap import HoldAtEnd
 from robot_agent.patrol.even_gaps import EvenGaps
 from robot_agent.patrol.fuzzy import MamdaniSystem
@@ -33,6 +36,7 @@ from robot_agent.patrol.settings import (
     AROUND_WALLS,
     BLOCKAGE,
     CLOSING_IN,
+    COMMON_TURNS,
     DWELL,
     EVEN_GAPS,
     HOLD_AT_END,
@@ -96,11 +100,14 @@ class Patrol:
         border: Border,
         rng: np.random.Generator,
         approach_field: ApproachField | None = None,
+        clock: CommonClock | None = None,
     ) -> None:
         """Load the rules; without an approach_field no walls are taken into account.
 
-        rng: for random reversals and modifiers. Raises RulesError for an unusable rule file, and
-        BorderError for a border that turns tighter than settings.turning_radius.
+        rng: for random reversals and modifiers. clock: None if it was not set.
+
+        Raises RulesError for an unusable rule file, and BorderError for a border that turns
+        tighter than settings.turning_radius.
         """
         border.require_radius(settings.turning_radius)
         self._settings = settings
@@ -117,7 +124,7 @@ class Patrol:
         )
         self._turns = TurnLog()
         modifiers = _make_modifiers(
-            settings, border, self._supervisor, make_chooser, self._turns, rng
+            settings, border, self._supervisor, make_chooser, self._turns, rng, clock
         )
         self._last_to_first = tuple(reversed(modifiers))
         self._slower: dict[float, PatrolSettings] = {}  # by speed limit, m/s
@@ -299,15 +306,24 @@ def _make_modifiers(
     make_chooser: Callable[[], ActionChooser],
     turns: TurnLog,
     rng: np.random.Generator,
+    clock: CommonClock | None,
 ) -> list[Modifier]:
     """Return the modifiers that the settings name, in that order."""
+
+    @cache
+    def even_gaps() -> EvenGaps:
+        return EvenGaps(border, settings.patrol_speed, turns, rng, settings.team_size)
+
     makers: dict[str, Callable[[], Modifier]] = {
         STANDOFF: Standoff,
         HOLD_AT_END: HoldAtEnd,
         BLOCKAGE: Blockage,
         CLOSING_IN: lambda: ClosingIn(border, supervisor, make_chooser(), turns, rng),
-        EVEN_GAPS: lambda: EvenGaps(border, settings.patrol_speed, turns, rng),
+        EVEN_GAPS: even_gaps,
     }
+    if border.closed and settings.common_secret and clock is not None:
+        own_clock = clock
+        makers[COMMON_TURNS] = lambda: CommonTurns(even_gaps(), border, settings, turns, own_clock)
     without = EVEN_GAPS if not border.closed else HOLD_AT_END  # no way round, or no end
     names = [name for name in settings.modifiers if name in makers and name != without]
     return [makers[name]() for name in names]

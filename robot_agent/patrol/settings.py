@@ -16,11 +16,19 @@ STANDOFF = "standoff"
 HOLD_AT_END = "hold_at_end"
 BLOCKAGE = "blockage"
 CLOSING_IN = "closing_in"
+COMMON_TURNS = "common_turns"
 EVEN_GAPS = "even_gaps"
 AROUND_WALLS = "around_walls"
 DWELL = "dwell"
 ModifierName = Literal[
-    "standoff", "hold_at_end", "blockage", "closing_in", "even_gaps", "around_walls", "dwell"
+    "standoff",
+    "hold_at_end",
+    "blockage",
+    "closing_in",
+    "common_turns",
+    "even_gaps",
+    "around_walls",
+    "dwell",
 ]
 DEFAULT_MODIFIERS: tuple[ModifierName, ...] = (
     "standoff",
@@ -89,6 +97,34 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
         Share,
         msgspec.Meta(description="of turning back then; the paper gives none"),
     ] = 0.1
+    common_secret: Annotated[
+        str,
+        msgspec.Meta(
+            description="of common_turns, the same on all robots and known to nobody else; "
+            "unset: no common turns"
+        ),
+    ] = ""
+    team_size: Annotated[
+        int,
+        msgspec.Meta(
+            ge=0,
+            description="robots on the border, for even_gaps, until one cannot get round; 0: "
+            "counted by their meetings",
+        ),
+    ] = 0
+    clock_drift: Annotated[
+        float,
+        msgspec.Meta(
+            description="that this robot's clock gains, for common_turns", extra={"unit": "s/day"}
+        ),
+    ] = 0.0
+    longest_idleness: Annotated[
+        NotNegative,
+        msgspec.Meta(
+            description="that common turns may lead to; 0: a little over twice the even gap",
+            extra={"unit": "s"},
+        ),
+    ] = 0.0
     turning_radius: Annotated[
         Positive,
         msgspec.Meta(
@@ -125,5 +161,10 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
                 f"patrol_speed {self.patrol_speed} m/s must not exceed "
                 f"approach_speed {self.approach_speed} m/s"
             )
+        if COMMON_TURNS in self.modifiers and (
+            EVEN_GAPS not in self.modifiers
+            or self.modifiers.index(EVEN_GAPS) < self.modifiers.index(COMMON_TURNS)
+        ):
+            raise ValueError("modifiers: common_turns needs even_gaps after it")
         if len(set(self.modifiers)) < len(self.modifiers):
             raise ValueError("modifiers names one twice")

@@ -19,6 +19,7 @@ class TurnCause(StrEnum):
     CHANCE = "chance"  # the paper's random reversal
     BLOCKAGE = "blockage"  # an object on its way that did not move
     EVEN_GAPS = "even_gaps"  # to leave the team evenly spaced
+    COMMON = "common"  # together with the team, at a moment of the shared secret
 
 
 class Turn(msgspec.Struct, frozen=True):

@@ -16,8 +16,8 @@ from tools.batch.batch import Batch
 from tools.metrics.border_visits import BESIDE_WRECK, NearPlaces, visited_places
 from tools.metrics.intruder_exposure import DWELL_S, least_detection
 
-ROLLOUTS = 64
-"""Futures of each moment: its probability is known to about 0.06, the mean of 100 to 0.006."""
+ROLLOUTS = 32
+"""Futures of each moment: its probability is known to about 0.09, the mean of 100 to 0.009."""
 _SAMPLE_STEPS = 2
 """Steps between two looks at who is where: 0.07 m of the patrol."""
 

@@ -16,15 +16,17 @@ from maps.map_folder import MapFolder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.motion.gate_settings import gate_limits
+from robot_agent.patrol.common_clock import CommonClock
 from tools.batch.arrays import Flags, Reals, pick
 from tools.batch.bodies import REACH, STEP_WAY, Bodies
 from tools.batch.border_feet import BorderFeet
 from tools.batch.gates import SafetyGates
 from tools.batch.heading_loops import HeadingLoops, Unpinnings
 from tools.batch.obstacle_points import Obstacles
-from tools.batch.patrols import Decisions, Patrols
+from tools.batch.patrols import Decisions, Patrols, has_arrays
 from tools.batch.sights import Sights
 from tools.bench.bench_fault import BenchFault, BenchFaultError, FaultKind, check_robots, wrecks_of
+from tools.bench.ideal_fleet import secret_of
 from tools.bench.ideal_robot import STEP_S
 from tools.metrics.wreck import Wreck
 from tools.simulation.robot_body import Outline
@@ -44,10 +46,12 @@ class Batch:
         config: AgentConfig | None = None,
         starts: Sequence[Sequence[Pose]] | None = None,
         faults: Sequence[Sequence[BenchFault]] = (),
+        clocks: Sequence[CommonClock] = (),
     ) -> None:
         """Place the robots of each run as ``IdealFleet`` of its seed places them.
 
-        starts: instead, of each run. faults: of each run; none by default.
+        starts: instead, of each run. faults: of each run; none by default. clocks: of all robots,
+        one run after the other; right ones by default.
         Raises BenchFaultError for a fault that is not a permanent death or stuck wheels.
         """
         assert folder.border is not None, "robots patrol a border"
@@ -70,7 +74,13 @@ class Batch:
             for number in range(robots)
         ]
         self.patrols = Patrols(
-            config.patrol, folder.border, BorderFeet(folder.border), rngs, folder.approach_field
+            config.patrol,
+            folder.border,
+            BorderFeet(folder.border),
+            rngs,
+            folder.approach_field,
+            clocks or [CommonClock(0.0)] * n,
+            [secret_of(config, seed) for seed in seeds for _ in range(robots)],
         )
         self._sights = Sights(
             config.perception.detection_range,
@@ -102,6 +112,7 @@ class Batch:
         twin.patrols.pick(
             robots, [np.random.default_rng((seed, number)) for number in range(twin.n)]
         )
+        twin.patrols.draw_anew(seed, self.robots)
         for part in (twin.bodies, twin._sights, twin._loops, twin._unpinnings, twin._gates):
             part.pick(robots)
         pick(twin, ("dead", "_stuck"), robots)
@@ -192,11 +203,20 @@ def _starts(folder: MapFolder, robots: int, seed: int) -> list[Pose]:
     return free_start_poses(folder.map, folder.border, robots, np.random.default_rng(seed))
 
 
+def is_possible(config: AgentConfig, faults: Sequence[BenchFault]) -> bool:
+    """Return whether a run with a configuration and faults can be one of a batch."""
+    return has_arrays(config.patrol) and all(map(_is_possible, faults))
+
+
+def _is_possible(fault: BenchFault) -> bool:
+    lasting = fault.kind is FaultKind.DEAD and fault.is_permanent
+    return lasting or fault.kind is FaultKind.STUCK
+
+
 def _check_faults(faults: Sequence[BenchFault], names: list[str]) -> None:
     check_robots(faults, names)
     for fault in faults:
-        lasting = fault.kind is FaultKind.DEAD and fault.is_permanent
-        if not lasting and fault.kind is not FaultKind.STUCK:
+        if not _is_possible(fault):
             raise BenchFaultError(
                 f"fault {fault.kind} of {fault.robot}: a batch has robots that die for good or are "
                 "stuck, use patrol bench for others"

@@ -22,7 +22,7 @@ from tools.metrics.metrics import ARRIVED_M, RobotRun
 from tools.metrics.wreck import Wreck
 from tools.simulation.world import World
 
-MOMENTS = 12
+MOMENTS = 4
 """Moments of a run, evenly spaced, at which the intruder who sees all strikes."""
 
 
@@ -152,8 +152,8 @@ class _Strikes:
 
     def strike(self) -> None:
         """Find the probabilities now; none in a run in which a robot has not reached the border."""
-        arrived = np.asarray(self._reached | self._batch.dead)
-        whole = np.asarray(arrived.reshape(-1, self._batch.robots).all(axis=1))
+        by_run = (self._reached | self._batch.dead).reshape(-1, self._batch.robots)
+        whole = [bool(reached.all()) for reached in by_run]
         found = detections(self._batch, self._rollouts)
         self.times.append(self._batch.t)
         self._found.append([each if whole[run] else None for run, each in enumerate(found)])

@@ -10,6 +10,7 @@ import numpy as np
 from robot_agent.patrol import even_gaps
 from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
 from robot_agent.patrol.modifier import OverrideReason
+from robot_agent.patrol.settings import PatrolSettings
 from robot_agent.patrol.turn_log import TurnCause
 from tools.batch.arbiters import Choices
 from tools.batch.arrays import Codes, Flags, Indices, Reals, pick
@@ -27,9 +28,12 @@ _STATE = (
     "_legs",
     "_leg_begun",
     "_sent_back",
+    "_own_leg",
+    "suspended",
     "_ahead",
     "_counting",
     "team",
+    "_given",
     "_probes",
     "_since",
     "_check_at",
@@ -44,9 +48,14 @@ class EvenGapsOfMany:
     """Turns robots that keep going so that the gaps of their team become even."""
 
     def __init__(
-        self, feet: BorderFeet, speed: float, turns: TurnLogs, rngs: Sequence[np.random.Generator]
+        self,
+        feet: BorderFeet,
+        settings: PatrolSettings,
+        turns: TurnLogs,
+        rngs: Sequence[np.random.Generator],
     ) -> None:
-        """speed: patrol speed, m/s. The border must be closed."""
+        """The border must be closed."""
+        speed = settings.patrol_speed
         n = len(rngs)
         self._feet = feet
         self._lap = feet.length / speed
@@ -61,8 +70,12 @@ class EvenGapsOfMany:
         self._legs = np.zeros(n, dtype=np.intp)  # number of turns processed
         self._leg_begun = np.full(n, -math.inf)  # -inf: no turn yet
         self._sent_back = np.zeros(n, dtype=np.bool_)
+        self._own_leg = np.ones(n, dtype=np.bool_)  # begun by the robot itself, or no leg yet
         self._ahead = np.full(n, math.nan)
         self._counting = np.zeros(n, dtype=np.bool_)
+        self.by_chance = True
+        self.suspended = np.zeros(n, dtype=np.bool_)
+        self._given = np.full(n, settings.team_size)  # robots, _UNKNOWN: to be counted
         self.team = np.zeros(n, dtype=np.intp)
         self._probes = np.zeros(n, dtype=np.intp)
         self._since, self._check_at, self._probe_at = np.zeros((3, n))
@@ -83,10 +96,14 @@ class EvenGapsOfMany:
         some = np.flatnonzero((at.direction != 0) & PATROLS[action])
         if not some.size:
             return some
+        if self.suspended.any():
+            self._hold(some[self.suspended[some]], at)
+            some = some[~self.suspended[some]]
         keeps = action[some] == Act.KEEP_GOING
         turns = self._turn_back(some, at.t, at.s, at.direction, keeps)
         rests = at.t - self._leg_begun[some] < even_gaps.REST_LAPS * self._lap
-        no_chance = (self.team[some] != _UNKNOWN) & (rests | (at.direction[some] != CLOCKWISE))
+        rests |= (at.direction[some] != CLOCKWISE) | (not self.by_chance)
+        no_chance = (self.team[some] != _UNKNOWN) & rests
         found.put(some[no_chance], OverrideReason.EVEN_GAPS, may_turn=False)
         found.put(some[turns], OverrideReason.EVEN_GAPS, turn=TurnCause.EVEN_GAPS)
         return np.asarray(some[turns | no_chance])
@@ -108,6 +125,39 @@ class EvenGapsOfMany:
         self._check(some[counted], t)
         return self._should_turn(some, t, keeps)
 
+    def resume(self, robot: int, t: float) -> None:
+        """End a robot's suspension at t, as ``EvenGaps.resume`` does."""
+        self.suspended[robot] = False
+        self._schedule_probe(robot, t)
+        self._ahead[robot], self._probes[robot] = math.nan, self.team[robot]
+
+    def are_settled(self, t: float) -> Flags:
+        """Return (n,) which robots ``EvenGaps.is_settled`` says are."""
+        # nan, before the first step, compares as False.
+        lasts = t - np.maximum(self._leg_begun, self._begun) >= even_gaps.SETTLED_LAPS * self._lap
+        return np.asarray((self.team != _UNKNOWN) & (self._direction == CLOCKWISE) & lasts)
+
+    def _are_even(self, some: Indices) -> Flags:
+        """Return whether the gaps ahead of some robots were measured and are even."""
+        even = self._feet.length / np.maximum(self.team[some], 1)
+        # nan, for a gap ahead that is not known, compares as False.
+        close = np.abs(self._ahead[some] - even) <= even_gaps.TOLERANCE * even
+        return np.asarray(close & (self.team[some] != _UNKNOWN))
+
+    def _hold(self, some: Indices, at: Situations) -> None:
+        """Take what happens during the suspension of some robots for no observation."""
+        self._t[some], self._abscissa[some] = at.t, at.s[some]
+        self._direction[some] = at.direction[some]
+        for robot in some[self._turns.times[some] > self._legs[some]].tolist():
+            turn = self._turns[robot].latest
+            assert turn is not None
+            self._legs[robot], self._leg_begun[robot] = self._turns.times[robot], turn.t
+            self._own_leg[robot] = turn.cause in even_gaps.OWN_CAUSES
+        back = at.direction[some] == COUNTER_CLOCKWISE
+        self._sent_back[some] = back & ~self._own_leg[some]
+        self._progress[some] = 0.0
+        self._check_at[some] = at.t + even_gaps.CHECK_LAPS * self._lap
+
     # ---- observations -------------------------------------------------------------------------
 
     def _begin(self, robot: int, t: float, s: float, direction: int) -> None:
@@ -117,6 +167,7 @@ class EvenGapsOfMany:
         if leg is not None:
             self._leg_begun[robot] = leg.t
             own = leg.cause in even_gaps.OWN_CAUSES
+            self._own_leg[robot] = own
             self._sent_back[robot] = direction == COUNTER_CLOCKWISE and not own
         self._start_counting(robot, t)
 
@@ -134,6 +185,7 @@ class EvenGapsOfMany:
         self._ahead[robot] = self._gap_left(robot, turn.t) if sent_back else math.nan
         self._legs[robot], self._leg_begun[robot] = self._turns.times[robot], turn.t
         self._direction[robot] = turn.direction
+        self._own_leg[robot] = own
         self._sent_back[robot] = turn.direction == COUNTER_CLOCKWISE and not own
         self._schedule_probe(robot, turn.t)
 
@@ -154,8 +206,7 @@ class EvenGapsOfMany:
     # ---- estimate of the team -----------------------------------------------------------------
 
     def _start_counting(self, robot: int, t: float) -> None:
-        self.team[robot] = _UNKNOWN
-        self._probes[robot] = 0
+        self.team[robot] = self._probes[robot] = self._given[robot]
         self._counting[robot] = False
         self._count_from(robot, t)
         self._restart_check(robot, t)
@@ -195,6 +246,7 @@ class EvenGapsOfMany:
                 self._start_counting(robot, t)
                 continue
             if self._progress[robot] < even_gaps.MIN_PROGRESS * self._feet.length:
+                self._given[robot] = _UNKNOWN
                 longer = 2.0 * float(self._counting_laps[robot])
                 self._counting_laps[robot] = min(longer, even_gaps.LONGEST_COUNTING_LAPS)
                 self._start_counting(robot, t)
@@ -211,9 +263,7 @@ class EvenGapsOfMany:
         even = self._feet.length / np.maximum(team, 1)
         back = self._direction[some] == COUNTER_CLOCKWISE
         wide = self._sent_back[some] & (self._gap_left(some, t) >= even * even_gaps.SLACK)
-        # nan, for a gap ahead that is not known, compares as False.
-        is_even = np.abs(self._ahead[some] - even) <= even_gaps.TOLERANCE * even
-        probes = counted & ~back & due & (self._probes[some] > 0) & ~is_even & keeps
+        probes = counted & ~back & due & (self._probes[some] > 0) & keeps & ~self._are_even(some)
         self._probes[some[probes]] -= 1
         turns = np.where(counted, np.where(back, wide | due, probes), due)
         return np.asarray(turns & keeps)

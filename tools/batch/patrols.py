@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Protocol
 
 import numpy as np
@@ -13,11 +14,13 @@ from maps.approach_field import ApproachField
 from maps.border import Border
 from robot_agent.patrol.action_dwell import MINIMUM_DWELL
 from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
+from robot_agent.patrol.common_clock import CommonClock
 from robot_agent.patrol.patrol import REVERSAL_END_DISTANCE, rules_of
 from robot_agent.patrol.settings import (
     AROUND_WALLS,
     BLOCKAGE,
     CLOSING_IN,
+    COMMON_TURNS,
     DWELL,
     EVEN_GAPS,
     HOLD_AT_END,
@@ -31,6 +34,7 @@ from tools.batch.arrays import Codes, Flags, Indices, Reals, pick
 from tools.batch.blockages import Blockages
 from tools.batch.border_feet import BorderFeet
 from tools.batch.closings_in import ClosingsIn
+from tools.batch.common_turns import CommonTurnsOfMany
 from tools.batch.ends import HoldsAtEnds
 from tools.batch.even_gaps import EvenGapsOfMany
 from tools.batch.fuzzy_arrays import FuzzyArrays
@@ -52,7 +56,10 @@ from tools.batch.velocities import action_velocities
 _TEAMMATE, _RULES, _CHANCE = (
     CAUSES.index(cause) for cause in (TurnCause.TEAMMATE, TurnCause.RULES, TurnCause.CHANCE)
 )
-_KNOWN = (STANDOFF, HOLD_AT_END, BLOCKAGE, CLOSING_IN, EVEN_GAPS, AROUND_WALLS, DWELL)
+_KNOWN = (
+    *(STANDOFF, HOLD_AT_END, BLOCKAGE, CLOSING_IN),
+    *(COMMON_TURNS, EVEN_GAPS, AROUND_WALLS, DWELL),
+)
 
 
 @dataclass(slots=True, eq=False)
@@ -95,16 +102,22 @@ class Patrols:
         feet: BorderFeet,
         rngs: Sequence[np.random.Generator],
         approach_field: ApproachField | None,
+        clocks: Sequence[CommonClock] = (),
+        secrets: Sequence[str] = (),
     ) -> None:
-        """rngs: of the robots, as ``Patrol`` takes one.
+        """rngs: of the robots, as ``Patrol`` takes one; clocks, secrets: likewise, of
+        common turns.
 
         Raises ValueError for a supervisor or a modifier that has no arrays.
         """
-        _require_known(settings)
+        if not has_arrays(settings):
+            raise ValueError(f"{settings.supervisor} or {settings.modifiers} has no arrays")
         n = len(rngs)
         self._settings = settings
         self._feet, self._border = feet, border
         self._rngs = list(rngs)
+        self._clocks, self._secrets = list(clocks), list(secrets)
+        self._common: CommonTurnsOfMany | None = None
         self._approaches: Approaches | None = None
         if AROUND_WALLS in settings.modifiers and approach_field is not None:
             self._approaches = Approaches(approach_field)
@@ -156,6 +169,11 @@ class Patrols:
             part.pick(robots)
         for modifier in self._last_to_first:
             modifier.pick(robots)
+
+    def draw_anew(self, seed: int, team: int) -> None:
+        """Give each run of ``team`` robots a common secret of its own from now on."""
+        if self._common is not None:
+            self._common.draw_anew(seed, team)
 
     # ---- 1. situation -------------------------------------------------------------------------
 
@@ -256,6 +274,10 @@ class Patrols:
         """Return the modifiers that the settings name, in that order."""
         n, settings = len(self._rngs), self._settings
 
+        @cache
+        def even_gaps() -> EvenGapsOfMany:
+            return EvenGapsOfMany(self._feet, settings, self.turns, self._rngs)
+
         def make(name: str) -> ManyModifiers:
             match name:
                 case "standoff":
@@ -267,19 +289,29 @@ class Patrols:
                 case "closing_in":
                     rules = Arbiters(self._system, dwell, n)
                     return ClosingsIn(self._border, self._arbiters, rules, self.turns, self._rngs)
+                case "common_turns":
+                    self._common = CommonTurnsOfMany(
+                        even_gaps(),
+                        self._feet.length,
+                        settings,
+                        self.turns,
+                        self._clocks,
+                        self._secrets,
+                    )
+                    return self._common
                 case _:
-                    return EvenGapsOfMany(self._feet, settings.patrol_speed, self.turns, self._rngs)
+                    return even_gaps()
 
-        without = {AROUND_WALLS, DWELL, HOLD_AT_END if self._border.closed else EVEN_GAPS}
+        without = {AROUND_WALLS, DWELL}
+        without |= {HOLD_AT_END} if self._border.closed else {EVEN_GAPS, COMMON_TURNS}
+        if not (settings.common_secret and self._clocks):
+            without.add(COMMON_TURNS)
         return [make(name) for name in settings.modifiers if name not in without]
 
 
 _NO_REALS = np.empty(0)
 
 
-def _require_known(settings: PatrolSettings) -> None:
-    if settings.supervisor != "fuzzy":
-        raise ValueError(f"patrol.supervisor {settings.supervisor!r} has no arrays: use fuzzy")
-    for name in settings.modifiers:
-        if name not in _KNOWN:
-            raise ValueError(f"patrol.modifiers: {name!r} has no arrays, leave it out")
+def has_arrays(settings: PatrolSettings) -> bool:
+    """Return whether supervisor and modifiers of some settings have arrays here."""
+    return settings.supervisor == "fuzzy" and set(settings.modifiers) <= set(_KNOWN)

@@ -123,7 +123,14 @@ def _named(config: AgentConfig, number: int, seed: int) -> AgentConfig:
     own = RobotSettings(
         name=f"robot{number + 1}", team=config.robot.team, seed=seed * 1000 + number
     )
-    return msgspec.structs.replace(config, robot=own)
+    patrol = msgspec.structs.replace(config.patrol, common_secret=secret_of(config, seed))
+    return msgspec.structs.replace(config, robot=own, patrol=patrol)
+
+
+def secret_of(config: AgentConfig, seed: int) -> str:
+    """Return the common secret of the team of a seed: each has its own; none if none is set."""
+    secret = config.patrol.common_secret
+    return f"{secret}/{seed}" if secret else ""
 
 
 def _check_faults(faults: Sequence[BenchFault], names: list[str]) -> None:

@@ -20,6 +20,7 @@ from robot_agent.motion.gate_hold import begins_hold, held_by_obstacle, pinned_b
 from robot_agent.motion.gate_settings import gate_limits
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.motion.unpinning import UnpinningManoeuvre
+from robot_agent.patrol.common_clock import CommonClock
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
 from tools.simulation.robot_body import RobotBody
 
@@ -109,7 +110,7 @@ def make_ideal_robot(body: RobotBody, config: AgentConfig, folder: MapFolder) ->
     return IdealRobot(
         name=config.robot.name,
         body=body,
-        patrol=Patrol(config.patrol, folder.border, rng, folder.approach_field),
+        patrol=Patrol(config.patrol, folder.border, rng, folder.approach_field, CommonClock(0.0)),
         heading_loop=HeadingLoop(),
         unpinning=UnpinningManoeuvre(),
         gate=SafetyGate(gate_limits(config.gate, expected_model(config.base))),

@@ -22,8 +22,14 @@ def add_set_option(parser: argparse.ArgumentParser) -> None:
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="change a setting of every robot, e.g. patrol.reversal_probability=0 or "
-        "'patrol.modifiers=[]', the paper alone",
+        help="change a setting of every robot, e.g. patrol.reversal_probability=0",
+    )
+    parser.add_argument(
+        "--pure",
+        action="append_const",
+        dest="set",
+        const="patrol.modifiers=[]",
+        help="the paper and nothing else: no modifiers",
     )
 
 

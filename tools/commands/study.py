@@ -15,7 +15,7 @@ from tools.commands.truth_option import add_truth_option, chosen_truth
 from tools.number_range import whole
 from tools.progress import progress_line
 from tools.studies.study import read_study, run_study
-from tools.studies.study_plot import plot_study
+from tools.studies.study_plot import plot_study, plot_trade_off
 from tools.studies.study_table import table, write_csv
 
 
@@ -41,7 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the study, write runs.csv and study.svg, print the table; return 1 on a contact."""
+    """Run the study, write runs.csv and the plots, print the table; return 1 on a contact."""
     config = robots_file(options).decode()
     study = read_study(options.file, options.set, config, chosen_truth(options).name)
     print(
@@ -54,6 +54,8 @@ def run(options: argparse.Namespace) -> int:
     rows = table(results)
     write_csv(results, options.output / "runs.csv")
     plot_study(rows, options.output / "study.svg")
+    bounds = results[0].figures["intruder_bound"]
+    plot_trade_off(rows, bounds, options.output / "trade_off.svg")
     printed = Table(title=f"mean and 95 % interval over {study.settings.seeds} seeds")
     printed.add_column("figure", no_wrap=True)
     for case in rows:

@@ -8,7 +8,8 @@ A study file holds the common settings and the varied ones:
     duration = 900.0         # s of each run
     seeds = 20               # runs of each case
     first_seed = 1
-    sensing = "bytes"        # or "ideal": the decision layer alone
+    sensing = "bytes"        # or "ideal": the decision layer alone, all seeds of a case at once
+    all_knowing = false      # with ideal: also the intruder who sees all robots; slower
     truth = "plain"          # what robots and world really are: a shipped truth or a TOML file
 
     [vary]                   # every combination is a case
@@ -39,6 +40,8 @@ from maps.border import BorderError
 from maps.map_folder import load_map_folder
 from maps.toml_text import TomlError, read_toml
 from robot_agent.config import AgentConfig, find_map, parse_config
+from tools.batch.batch import Batch, is_possible
+from tools.batch.batch_bench import MOMENTS, run_batch
 from tools.bench.bench_fault import BenchFaultError, check_robots, draw_faults
 from tools.bench.sensing import Sensing, bench
 from tools.logs.recorded_config import changed_config
@@ -53,6 +56,8 @@ FAULTS = "faults"
 TRUTH = "truth"
 _BENCH_KEYS = (ROBOTS, MAP, BORDER, FAULTS, TRUTH)
 RUNS_FOLDER = "runs"
+_SEEDS_TOGETHER = 20
+"""Runs in a batch: their logs take 1 MB for each robot and 1000 s."""
 
 Setting = int | float | str | bool | tuple[str, ...]
 
@@ -71,6 +76,8 @@ class StudySettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fi
     seeds: Annotated[int, msgspec.Meta(ge=1)] = 20
     first_seed: Annotated[int, msgspec.Meta(ge=0)] = 1
     sensing: Sensing = Sensing.BYTES
+    all_knowing: bool = False
+    """Whether the intruder who sees all robots is among the figures; needs ideal sensing."""
     truth: str | None = None
     """Name or file; None for the one of the command."""
 
@@ -126,6 +133,7 @@ class Run:
     config: str = ""
     """Common configuration that these change, TOML."""
     truth: str = "plain"
+    all_knowing: bool = False
 
     @property
     def file_name(self) -> str:
@@ -133,7 +141,7 @@ class Run:
         content = (
             *(self.case.values, self.seed, self.map_folder, self.border, self.duration),
             *(str(self.sensing), *self.changes),
-            *(self.config, self.truth),
+            *(self.config, self.truth, *(["all-knowing"] if self.all_knowing else [])),
         )
         digest = hashlib.sha256(repr(content).encode()).hexdigest()
         return f"{digest[:16]}.json"
@@ -174,6 +182,8 @@ def read_study(
     except msgspec.ValidationError as error:
         raise StudyError(f"{path}: {error}; correct the value") from None
     settings = content.study
+    if settings.all_knowing and settings.sensing is not Sensing.IDEAL:
+        raise StudyError(f'{path}: study.all_knowing: needs sensing = "ideal"; change one of them')
     for key, choices in content.vary.items():
         if not choices:
             raise StudyError(f"{path}: vary.{key}: is empty; list the values to try")
@@ -200,6 +210,7 @@ def read_study(
             common,
             config,
             _truth_of(case, settings, truth, path.parent),
+            settings.all_knowing,
         )
         for seed in seeds  # outermost: an interrupted study has results of every case
         for case in cases
@@ -313,11 +324,51 @@ def run_study(
 def _execute(runs: Sequence[Run], jobs: int) -> Iterator[Result]:
     with worker_pool(jobs) as pool:
         try:
-            for future in as_completed([pool.submit(bench_run, run) for run in runs]):
-                yield future.result()
+            groups = [pool.submit(bench_runs, group) for group in _together(runs)]
+            for future in as_completed(groups):
+                yield from future.result()
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
+
+
+def _together(runs: Sequence[Run]) -> list[list[Run]]:
+    """Return the runs in groups that one process does at once: the seeds of a case in a batch."""
+    groups: dict[object, list[Run]] = {}
+    for run in runs:
+        key = run.case if _fits_batch(run) else run
+        groups.setdefault(key, []).append(run)
+    return [
+        group[first : first + _SEEDS_TOGETHER]
+        for group in groups.values()
+        for first in range(0, len(group), _SEEDS_TOGETHER)
+    ]
+
+
+def _fits_batch(run: Run) -> bool:
+    """Whether a run can be one of a batch: ideal sensing, fuzzy rules, lasting faults."""
+    config = configuration(run.case, "study", run.changes, run.config)
+    faults = draw_faults(run.case.faults, _team(run.case), run.seed)
+    return run.sensing is Sensing.IDEAL and is_possible(config, faults)
+
+
+def bench_runs(runs: Sequence[Run]) -> list[Result]:
+    """Execute runs of one case, as a batch if there are several or it is asked for its rollouts."""
+    first = runs[0]
+    if not _fits_batch(first) or (len(runs) == 1 and not first.all_knowing):
+        return [bench_run(run) for run in runs]
+    cv2.setNumThreads(1)
+    folder = load_map_folder(Path(first.map_folder), first.border)
+    batch = Batch(
+        folder,
+        first.case.robots,
+        [run.seed for run in runs],
+        configuration(first.case, "study", first.changes, first.config),
+        faults=[draw_faults(first.case.faults, _team(first.case), run.seed) for run in runs],
+    )
+    moments = MOMENTS if first.all_knowing else 0
+    figures = run_batch(batch, first.duration, moments=moments)
+    return [Result(run, own) for run, own in zip(runs, figures, strict=True)]
 
 
 def bench_run(run: Run) -> Result:

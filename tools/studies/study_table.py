@@ -14,9 +14,12 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from tools.logs.csv_cells import csv_cells
+from tools.metrics.intruder_exposure import DWELL_S
 from tools.studies.study import Case, Result
 
 CONFIDENCE = 0.95
+
+Extract = Callable[[dict[str, Any]], float | None]
 
 
 def _after_wrecks(figures: dict[str, Any], name: str) -> float | None:
@@ -28,16 +31,18 @@ def _after_wrecks(figures: dict[str, Any], name: str) -> float | None:
 def _intruder(figures: dict[str, Any], kind: str, dwell: str) -> float | None:
     """Return the probability of seeing an intruder of a kind that dwells so long, s."""
     seen = figures.get("intruder_seen")
-    value: float | None = None if seen is None else seen[kind][dwell]
+    value: float | None = ((seen or {}).get(kind) or {}).get(dwell)
     return value
+
+
+def _settled_intruder(kind: str, dwell: str) -> Extract:
+    return lambda figures: _intruder(figures["settled"], kind, dwell)
 
 
 def _bits(figures: dict[str, Any], kind: str) -> float | None:
     value: float | None = figures["unpredictability"][kind]
     return value
 
-
-Extract = Callable[[dict[str, Any]], float | None]
 
 COLUMNS: dict[str, Extract] = {
     "idleness_average_s": lambda figures: figures["idleness_s"]["average"],
@@ -60,9 +65,14 @@ COLUMNS: dict[str, Extract] = {
     "undriven_m": lambda figures: _after_wrecks(figures, "undriven_m"),
     "abandoned_m": lambda figures: _after_wrecks(figures, "abandoned_m"),
     "crowded_m": lambda figures: _after_wrecks(figures, "crowded_m"),
-    "random_intruder_60s": lambda figures: _intruder(figures, "random", "60"),
-    "watcher_60s": lambda figures: _intruder(figures, "watcher", "60"),
-    "settled_watcher_60s": lambda figures: _intruder(figures["settled"], "watcher", "60"),
+    "settled_idleness_instantaneous_s": lambda figures: figures["settled"]["idleness_s"].get(
+        "instantaneous"
+    ),
+    **{
+        f"settled_{kind}_{dwell:g}s": _settled_intruder(kind, f"{dwell:g}")
+        for kind in ("random", "watcher", "all_knowing")
+        for dwell in DWELL_S
+    },
 }
 
 

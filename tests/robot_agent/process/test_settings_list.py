@@ -10,7 +10,7 @@ from robot_agent.config import FIXED_KEYS, RENAMED_KEYS, AgentConfig, format_con
 from robot_agent.pose.start_pose import StartPose
 from robot_agent.process.settings_list import format_settings, list_settings
 
-LIMIT = 92
+LIMIT = 96
 """More than that nobody can keep in mind; a new key replaces another."""
 
 

@@ -7,13 +7,14 @@ import pytest
 
 from maps.map_folder import load_map_folder
 from robot_agent.config import AgentConfig, find_map
-from robot_agent.patrol.settings import DEFAULT_MODIFIERS, EVEN_GAPS
+from robot_agent.patrol.settings import COMMON_TURNS, DEFAULT_MODIFIERS, EVEN_GAPS
 from tools.batch.batch import Batch
 from tools.batch.situations import ACTIONS, CAUSES, NONE, REASONS
 from tools.bench.bench_fault import BenchFaultError, draw_faults
 from tools.bench.ideal_fleet import IdealFleet
 
 ROUNDING = 1e-9  # m, m/s and rad/s: of the functions of numpy and of the C library
+COMMON = (*DEFAULT_MODIFIERS[:-2], COMMON_TURNS, EVEN_GAPS, *DEFAULT_MODIFIERS[-2:])
 EVEN = (*DEFAULT_MODIFIERS[:-2], EVEN_GAPS, *DEFAULT_MODIFIERS[-2:])
 
 
@@ -39,9 +40,23 @@ def name_of(names: tuple[str, ...], code: int) -> str | None:
         (("paper_lab",), 20, (1,), 40.0, [], {}),
         (("paper_lab", "open"), 5, (3,), 120.0, ["any1:dead@30..60"], {}),
         (("intel_lab",), 8, (4, 5), 60.0, ["any2:dead@20..40", "any1:stuck@30+20"], {}),
+        pytest.param(
+            *(("paper_lab",), 3, (2, 3), 1400.0, ["any1:dead@1300"]),
+            {"modifiers": COMMON, "common_secret": "x", "team_size": 3},
+            marks=pytest.mark.long,
+        ),
         (("intel_lab", "open"), 8, (2,), 60.0, [], {"reversal_distribution": "exponential"}),
     ],
-    ids=["default", "paper alone", "even gaps", "20 robots", "open, one dies", "two die", "chance"],
+    ids=[
+        "default",
+        "paper alone",
+        "even gaps",
+        "20 robots",
+        "open, one dies",
+        "two die",
+        "common turns",
+        "chance",
+    ],
 )
 def test_every_step_is_that_of_the_agents_own_decision_layer(
     place, robots, seeds, duration, faults, patrol
