@@ -8,6 +8,7 @@ Data goes to standard output, messages to standard error.
 from __future__ import annotations
 
 import argparse
+import errno
 import importlib
 import os
 import signal
@@ -66,6 +67,16 @@ EXTRAS = {
 """Packages that the product does without, with the extra that brings each."""
 
 
+DISK_ERRORS = {
+    errno.ENOSPC: "make room on the disk, or write to another",
+    errno.EDQUOT: "make room within your quota, or write elsewhere",
+    errno.EFBIG: "write to a disk, and under a limit, that takes larger files",
+    errno.EROFS: "write to another disk, or mount this one for writing",
+    errno.EIO: "the disk fails: write to another",
+}
+"""What to do about errors of a disk, which come without a file's name from a write."""
+
+
 class EndedBySignal(KeyboardInterrupt):
     """SIGTERM or SIGHUP, which end a command as Ctrl-C does: files finished, children ended."""
 
@@ -76,7 +87,9 @@ class EndedBySignal(KeyboardInterrupt):
 
 
 def end_by_signals() -> None:
-    """Raise ``EndedBySignal`` in the main thread on SIGTERM and SIGHUP, as SIGINT does."""
+    """Raise ``EndedBySignal`` in the main thread on SIGTERM and SIGHUP, ``KeyboardInterrupt`` on
+    SIGINT, which ``tools.start`` has held until now.
+    """
 
     def end(number: int, _frame: FrameType | None) -> None:
         raise EndedBySignal(number)
@@ -84,6 +97,8 @@ def end_by_signals() -> None:
     for number in (signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) is signal.SIG_DFL:  # nohup and others have their reasons
             signal.signal(number, end)
+    if callable(signal.getsignal(signal.SIGINT)):
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def make_parser(command: str | None) -> argparse.ArgumentParser:
@@ -139,9 +154,9 @@ def main(arguments: list[str] | None = None) -> int:
         return 1
     fix_arithmetic()
     words = sys.argv[1:] if arguments is None else arguments
-    if arguments is None:
-        end_by_signals()
     try:
+        if arguments is None:
+            end_by_signals()
         return _run(words)
     except EndedBySignal as end:
         return 128 + end.number
@@ -160,23 +175,34 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _run(words: list[str]) -> int:
     """Run one subcommand; of its input's errors one line each."""
-    options = _parsed(words)
+    name = "patrol"
     try:
+        options = _parsed(words)
+        name = f"patrol {options.command}"
         status: int = load_command(options.command).run(options)
+        sys.stdout.flush()  # at the interpreter's end an error of it would be a traceback
     except OSError as error:
-        if error.filename is None or isinstance(error, BrokenPipeError):
+        words_of_error = _system_words(error)
+        if words_of_error is None:
             raise
-        print(
-            f"patrol {options.command}: {error.filename}: {error.strerror}; check path and rights",
-            file=sys.stderr,
-        )
+        print(f"{name}: {words_of_error}", file=sys.stderr)
         return 1
     except ValueError as error:
         if type(error).__module__.split(".")[0] not in ROOMS:
             raise  # only errors of these packages are about input; any other is a bug
-        print(f"patrol {options.command}: {error}", file=sys.stderr)
+        print(f"{name}: {error}", file=sys.stderr)
         return 1
     return status
+
+
+def _system_words(error: OSError) -> str | None:
+    """Return what the system refused, and the remedy; None for what is no matter of files."""
+    if isinstance(error, BrokenPipeError):
+        return None
+    place = "" if error.filename is None else f"{error.filename}: "
+    if error.errno in DISK_ERRORS:
+        return f"{place}{error.strerror}; {DISK_ERRORS[error.errno]}"
+    return f"{place}{error.strerror}; check path and rights" if place else None
 
 
 if __name__ == "__main__":
