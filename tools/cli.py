@@ -13,11 +13,14 @@ import importlib
 import os
 import signal
 import sys
+from collections.abc import Sequence
 from importlib.metadata import version
 from types import FrameType, ModuleType
+from typing import Any
 
 from tools.computer_check import unfit_computer
 from tools.fixed_arithmetic import fix_arithmetic
+from tools.manual_page import manual_page, subparsers_of
 
 ROOMS = ("drivers", "maps", "localization", "robot_agent", "tools")
 
@@ -55,6 +58,11 @@ COMMANDS = {
     "benchmark": "measure the figures every change keeps",
 }
 
+
+DESCRIPTION = """Pioneer robots patrol a border without communication between them.
+
+Exit status: 0 ok, 1 failed, 2 wrong usage, 78 an agent that could never patrol, 130 interrupted,
+143 or 129 ended by SIGTERM or SIGHUP. Data goes to standard output, messages to standard error."""
 
 EXTRAS = {
     **dict.fromkeys(("aiohttp", "argcomplete", "cryptography"), "operator"),
@@ -103,8 +111,11 @@ def end_by_signals() -> None:
 
 def make_parser(command: str | None) -> argparse.ArgumentParser:
     """Return the parser; only the module of the given subcommand is imported and configured."""
-    parser = argparse.ArgumentParser(prog="patrol", description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog="patrol", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--version", action="version", version=version("border-patrol"))
+    parser.add_argument("--man", action=ManualPage, help="print the manual page and exit")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, summary in COMMANDS.items():
         subparser = subparsers.add_parser(
@@ -116,6 +127,21 @@ def make_parser(command: str | None) -> argparse.ArgumentParser:
         if name == command:
             load_command(name).configure(subparser)
     return parser
+
+
+class ManualPage(argparse.Action):
+    """Prints the manual page of all commands: ``patrol --man | man -l -``."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, **options: Any) -> None:
+        """Take no value."""
+        super().__init__(option_strings, dest, nargs=0, **options)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        """Print the page and end the command; imports the module of every command."""
+        for name, subparser in subparsers_of(parser).items():
+            load_command(name).configure(subparser)
+        print(manual_page(parser, version("border-patrol")), end="")
+        parser.exit()
 
 
 def load_command(name: str) -> ModuleType:
