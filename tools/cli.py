@@ -8,15 +8,19 @@ Data goes to standard output, messages to standard error.
 from __future__ import annotations
 
 import argparse
+import errno
 import importlib
 import os
 import signal
 import sys
+from collections.abc import Sequence
 from importlib.metadata import version
 from types import FrameType, ModuleType
+from typing import Any
 
 from tools.computer_check import unfit_computer
 from tools.fixed_arithmetic import fix_arithmetic
+from tools.manual_page import manual_page, subparsers_of
 
 ROOMS = ("drivers", "maps", "localization", "robot_agent", "tools")
 
@@ -55,6 +59,11 @@ COMMANDS = {
 }
 
 
+DESCRIPTION = """Pioneer robots patrol a border without communication between them.
+
+Exit status: 0 ok, 1 failed, 2 wrong usage, 78 an agent that could never patrol, 130 interrupted,
+143 or 129 ended by SIGTERM or SIGHUP. Data goes to standard output, messages to standard error."""
+
 EXTRAS = {
     **dict.fromkeys(("aiohttp", "argcomplete", "cryptography"), "operator"),
     **dict.fromkeys(("jinja2", "matplotlib", "rich"), "operator"),
@@ -64,6 +73,16 @@ EXTRAS = {
     **dict.fromkeys(("hypothesis", "psutil", "pytest", "selenium"), "development"),
 }
 """Packages that the product does without, with the extra that brings each."""
+
+
+DISK_ERRORS = {
+    errno.ENOSPC: "make room on the disk, or write to another",
+    errno.EDQUOT: "make room within your quota, or write elsewhere",
+    errno.EFBIG: "write to a disk, and under a limit, that takes larger files",
+    errno.EROFS: "write to another disk, or mount this one for writing",
+    errno.EIO: "the disk fails: write to another",
+}
+"""What to do about errors of a disk, which come without a file's name from a write."""
 
 
 class EndedBySignal(KeyboardInterrupt):
@@ -76,7 +95,9 @@ class EndedBySignal(KeyboardInterrupt):
 
 
 def end_by_signals() -> None:
-    """Raise ``EndedBySignal`` in the main thread on SIGTERM and SIGHUP, as SIGINT does."""
+    """Raise ``EndedBySignal`` in the main thread on SIGTERM and SIGHUP, ``KeyboardInterrupt`` on
+    SIGINT, which ``tools.start`` has held until now.
+    """
 
     def end(number: int, _frame: FrameType | None) -> None:
         raise EndedBySignal(number)
@@ -84,12 +105,17 @@ def end_by_signals() -> None:
     for number in (signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) is signal.SIG_DFL:  # nohup and others have their reasons
             signal.signal(number, end)
+    if callable(signal.getsignal(signal.SIGINT)):
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def make_parser(command: str | None) -> argparse.ArgumentParser:
     """Return the parser; only the module of the given subcommand is imported and configured."""
-    parser = argparse.ArgumentParser(prog="patrol", description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog="patrol", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--version", action="version", version=version("border-patrol"))
+    parser.add_argument("--man", action=ManualPage, help="print the manual page and exit")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     for name, summary in COMMANDS.items():
         subparser = subparsers.add_parser(
@@ -101,6 +127,21 @@ def make_parser(command: str | None) -> argparse.ArgumentParser:
         if name == command:
             load_command(name).configure(subparser)
     return parser
+
+
+class ManualPage(argparse.Action):
+    """Prints the manual page of all commands: ``patrol --man | man -l -``."""
+
+    def __init__(self, option_strings: Sequence[str], dest: str, **options: Any) -> None:
+        """Take no value."""
+        super().__init__(option_strings, dest, nargs=0, **options)
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        """Print the page and end the command; imports the module of every command."""
+        for name, subparser in subparsers_of(parser).items():
+            load_command(name).configure(subparser)
+        print(manual_page(parser, version("border-patrol")), end="")
+        parser.exit()
 
 
 def load_command(name: str) -> ModuleType:
@@ -139,9 +180,9 @@ def main(arguments: list[str] | None = None) -> int:
         return 1
     fix_arithmetic()
     words = sys.argv[1:] if arguments is None else arguments
-    if arguments is None:
-        end_by_signals()
     try:
+        if arguments is None:
+            end_by_signals()
         return _run(words)
     except EndedBySignal as end:
         return 128 + end.number
@@ -160,23 +201,34 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _run(words: list[str]) -> int:
     """Run one subcommand; of its input's errors one line each."""
-    options = _parsed(words)
+    name = "patrol"
     try:
+        options = _parsed(words)
+        name = f"patrol {options.command}"
         status: int = load_command(options.command).run(options)
+        sys.stdout.flush()  # at the interpreter's end an error of it would be a traceback
     except OSError as error:
-        if error.filename is None or isinstance(error, BrokenPipeError):
+        words_of_error = _system_words(error)
+        if words_of_error is None:
             raise
-        print(
-            f"patrol {options.command}: {error.filename}: {error.strerror}; check path and rights",
-            file=sys.stderr,
-        )
+        print(f"{name}: {words_of_error}", file=sys.stderr)
         return 1
     except ValueError as error:
         if type(error).__module__.split(".")[0] not in ROOMS:
             raise  # only errors of these packages are about input; any other is a bug
-        print(f"patrol {options.command}: {error}", file=sys.stderr)
+        print(f"{name}: {error}", file=sys.stderr)
         return 1
     return status
+
+
+def _system_words(error: OSError) -> str | None:
+    """Return what the system refused, and the remedy; None for what is no matter of files."""
+    if isinstance(error, BrokenPipeError):
+        return None
+    place = "" if error.filename is None else f"{error.filename}: "
+    if error.errno in DISK_ERRORS:
+        return f"{place}{error.strerror}; {DISK_ERRORS[error.errno]}"
+    return f"{place}{error.strerror}; check path and rights" if place else None
 
 
 if __name__ == "__main__":

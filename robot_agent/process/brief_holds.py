@@ -8,6 +8,7 @@ from __future__ import annotations
 from robot_agent.messages.foxglove import Log
 from robot_agent.messages.streams import decode
 from robot_agent.motion.gate_reason import GateReason
+from robot_agent.motion.gate_words import GATE_WORDS
 
 BRIEF_S = 2.0
 """A hold for an obstacle that ends sooner is no line. Ours: at corners they last up to 1 s."""
@@ -30,7 +31,7 @@ class BriefHolds:
         if event.name != GATE:
             return [*before, payload]
         self._waiting = None
-        if event.message.endswith(f": {GateReason.OBSTACLE}"):
+        if event.message.endswith(f": {GATE_WORDS[GateReason.OBSTACLE]}"):
             self._waiting, self._since, self._unsaid = payload, t, True
             return before
         ends_unsaid = self._unsaid and event.message.startswith("lets")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import TextIO
+from typing import Protocol
 
 from robot_agent.messages.foxglove import Log
 from robot_agent.messages.log_level import LogLevel
@@ -20,13 +20,23 @@ _PRIORITY = {
 """Of syslog(3)."""
 
 
+class LineOutput(Protocol):
+    """What takes the lines: a file, a terminal."""
+
+    def write(self, text: str, /) -> object:
+        """Write a part of a line."""
+
+    def flush(self) -> object:
+        """Write out what was written."""
+
+
 class Journal:
     """Writes one line per event: severity, part, message. The journal adds its own time.
 
     Under systemd's journal each line starts with its priority, as in sd-daemon(3).
     """
 
-    def __init__(self, out: TextIO, environment: Mapping[str, str] = os.environ) -> None:
+    def __init__(self, out: LineOutput, environment: Mapping[str, str] = os.environ) -> None:
         """Write to ``out``, normally standard error."""
         self._out = out
         self._journald = "JOURNAL_STREAM" in environment

@@ -11,6 +11,7 @@ from robot_agent.messages.notice import Notice
 from robot_agent.motion.gate import GateDecision
 from robot_agent.motion.gate_hold import STOPPING
 from robot_agent.motion.gate_reason import LATCHED
+from robot_agent.motion.gate_words import GATE_WORDS
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.modifier import OverrideReason
 from robot_agent.patrol.patrol import PatrolDecision
@@ -93,7 +94,9 @@ def gate_notice(t: float, gate: GateDecision) -> Notice:
     if gate.reason not in STOPPING:
         return Notice(t, "gate", "lets the robot move", LogLevel.INFO)
     remedy = f" ({_REMEDY})" if gate.reason in LATCHED else ""
-    return Notice(t, "gate", f"holds the robot: {gate.reason}{remedy}", LogLevel.WARNING)
+    return Notice(
+        t, "gate", f"holds the robot: {GATE_WORDS[gate.reason]}{remedy}", LogLevel.WARNING
+    )
 
 
 def travel_notice(t: float, watch: TravelWatch, *, held: bool, warned: bool) -> Notice | None:

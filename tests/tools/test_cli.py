@@ -144,6 +144,54 @@ def test_unwritable_output_is_one_error(
     assert target in line
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("rules", "show", "-o"),
+        ("map", "show", "paper_lab", "-o"),
+        ("bench", "--sensing", "ideal", "--duration", "1", "--json"),
+    ],
+)
+def test_a_full_disk_is_one_error(
+    words: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    status, _, said = run(capsys, *words, "/dev/full")
+    assert status == 1
+    (line,) = said.splitlines()
+    assert line.startswith(f"patrol {words[0]}: No space left on device; make room on the disk")
+
+
+@pytest.mark.parametrize(
+    "words", [("map", "check", "paper_lab"), ("agent", "--list-settings"), ("--version",)]
+)
+def test_output_to_a_full_disk_is_no_traceback(words: tuple[str, ...]) -> None:
+    command = [sys.executable, "-m", "tools.start", *words]
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            command, cwd=ROOT, stdout=full, stderr=subprocess.PIPE, text=True, check=False
+        )
+    assert "Traceback" not in done.stderr
+    assert len(done.stderr.splitlines()) <= 1
+
+
+@pytest.mark.parametrize("module", ["tools.cli", "tools.commands.bench", "maps.map_folder"])
+def test_ctrl_c_while_starting_is_silent(module: str) -> None:
+    program = (
+        "import signal, sys\n"
+        "class Interrupting:\n"
+        "    def find_spec(self, name, *_):\n"
+        f"        if name == {module!r}: signal.raise_signal(signal.SIGINT)\n"
+        "sys.meta_path.insert(0, Interrupting())\n"
+        "from tools.start import main\n"
+        "sys.argv = ['patrol', 'bench']\n"
+        "sys.exit(main())"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+
+
 def test_a_missing_extra_is_one_line_that_names_it(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

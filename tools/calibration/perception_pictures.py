@@ -136,7 +136,7 @@ def draw_picture(moment: Moment, path: Path) -> None:
         _write(picture, words, (corners[0], corners[1] - 6), (0, 255, 255))
     for track in moment.agent.perception.tracker.tracks:
         _mark_track(picture, track, moment.pose, camera, scale, middle)
-    cv2.imwrite(str(path), picture)
+    path.write_bytes(cv2.imencode(path.suffix, picture)[1].tobytes())
 
 
 def _mark_track(

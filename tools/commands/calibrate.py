@@ -107,7 +107,7 @@ def _color(options: argparse.Namespace) -> int:
     print(f"covariance = {list(model.covariance)}")
     if options.mask:
         shown = mask_picture(pictures[0], config.camera, config.perception.color, model)
-        cv2.imwrite(str(options.mask), shown)
+        options.mask.write_bytes(cv2.imencode(".png", shown)[1].tobytes())
     if options.robot:
         values = {"mean": list(model.mean), "covariance": list(model.covariance)}
         set_keys(options.robot, "perception.color.band", values)

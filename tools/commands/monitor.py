@@ -42,7 +42,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--map", metavar="DIR", help="map folder or name, for the page")
     parser.add_argument("--border", default="border", metavar="NAME", help="border file of the map")
-    parser.add_argument("--text", action="store_true", help="a table in the terminal, no page")
+    parser.add_argument("--text", action="store_true", help="the team in the terminal, no page")
+    parser.add_argument(
+        "--robot", metavar="NAME", help="with --text: whose details are shown at first"
+    )
     parser.add_argument(
         "--record", type=Path, metavar="OUT.mcap", help="record every payload received"
     )
@@ -98,7 +101,7 @@ def run(options: argparse.Namespace) -> int:
     with closing(Monitor(chosen)) as monitor:
         going_on = while_sound(going_on, monitor.check)
         if options.text:
-            show_team(monitor.watch, going_on)
+            show_team(monitor.watch, going_on, robot=options.robot)
             return 0
         print(f"patrol monitor: {monitor.url} (robots report to {options.listen})", file=sys.stderr)
         while going_on():
@@ -122,7 +125,7 @@ def play(options: argparse.Namespace, going_on: Callable[[], bool]) -> int:
     if options.text:
         watch = Watch(TeamState(), site)
         with closing(PeriodicCall(lambda: playback.advance(watch))) as caller:
-            show_team(watch, while_sound(going_on, caller.check))
+            show_team(watch, while_sound(going_on, caller.check), robot=options.robot)
         return 0
     with playback_page(playback, site, options.http) as server:
         print(f"patrol monitor: {server.link} plays {len(options.play)} files", file=sys.stderr)

@@ -19,6 +19,7 @@ from robot_agent.recording.recorder import Recorder
 from robot_agent.recording.run_files import OneFile, refuse_existing
 from robot_agent.recording.run_header import header_of_run
 from tools.mapping.blank_map import blank_map
+from tools.teleop.drive_line import LineBelow, drive_line, size_of
 from tools.teleop.terminal_keys import HELP, terminal_keys
 
 
@@ -35,7 +36,7 @@ needs no map and no pose. Keys come from this terminal only."""
 
 
 def run(options: argparse.Namespace) -> int:
-    """Record until the key x, SIGINT or SIGTERM; the robot is stopped on every way out.
+    """Record until the key q, SIGINT or SIGTERM; the robot is stopped on every way out.
 
     Returns 1 when records were lost, else 0.
     """
@@ -59,13 +60,23 @@ def run(options: argparse.Namespace) -> int:
         telemetry = Telemetry(config.telemetry, robot=config.robot.name, team=config.robot.team)
         stack.callback(telemetry.close)
         agent = Agent(config, folder, clock.start_wall_ns)
-        runtime = Runtime(agent, clock, recorder, telemetry, Journal(sys.stderr))
+        below = LineBelow(sys.stderr) if sys.stderr.isatty() else None
+        journal = Journal(sys.stderr if below is None else below)
+        runtime = Runtime(agent, clock, recorder, telemetry, journal)
         end_on_signals(runtime)
         if options.teleop:
             stack.enter_context(terminal_keys(runtime.press, runtime.end))
             print(f"patrol record: {HELP}", file=sys.stderr, flush=True)
         else:
             print("patrol record: push the robot; Ctrl-C ends", file=sys.stderr, flush=True)
+        if below is not None:
+            stack.enter_context(
+                drive_line(
+                    below,
+                    lambda: agent.odometry.latest,
+                    lambda: size_of(recorder.files.path),
+                )
+            )
         runtime.run()
     if recorder.failed or recorder.lost:
         trouble = recorder.failed or f"{recorder.lost} records lost, the disk was full or too slow"

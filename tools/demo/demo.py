@@ -109,8 +109,9 @@ class Demo:
         """Run the demo with its monitor until the duration (s) is over or Ctrl-C.
 
         The duration counts from when every agent records: imports take long on a slow computer.
-        Returns whether every process was still running at the end; raises DemoError when the demo
-        cannot be started, WebError when the page cannot be served at ``http``.
+        Returns whether every process was still running at the end; raises KeyboardInterrupt for a
+        Ctrl-C before that, DemoError when the demo cannot be started, WebError when the page cannot
+        be served at ``http``.
         """
         with (
             closing(Monitor(MonitorOptions(self.options.operator, http, site))) as monitor,
@@ -118,9 +119,9 @@ class Demo:
         ):
             if monitor.url:
                 print(f"patrol demo: the team is shown at {monitor.url}", file=sys.stderr)
+            while self.alive() and not self._recording():
+                time.sleep(POLL_S)
             try:
-                while self.alive() and not self._recording():
-                    time.sleep(POLL_S)
                 going_on = until(duration)
                 if headless:
                     self._wait_while(going_on)

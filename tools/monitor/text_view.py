@@ -1,195 +1,210 @@
-"""The team as a live table in a terminal, or as plain text for other outputs."""
+"""The team in a terminal: alarms, one line a robot, details of one; or as plain text elsewhere."""
 
 from __future__ import annotations
 
-import math
+import io
+import os
 import sys
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple, TextIO
 
-from rich.console import Console, Group
+from rich.console import Console, ConsoleDimensions, Group
+from rich.layout import Layout
 from rich.live import Live
-from rich.table import Table
+from rich.padding import Padding
 from rich.text import Text
 
-from maps.input_limits import BAD_DATA
-from robot_agent.messages.foxglove import planar_pose
-from robot_agent.messages.streams import DecisionPayload, StatusPayload
+from tools.monitor.alarm import Severity
 from tools.monitor.alarm_board import Alarm
-from tools.monitor.reason import why
-from tools.monitor.robot_state import RobotState
-from tools.monitor.text_details import detail_lines
+from tools.monitor.robot_choice import HELP, RobotChoice
+from tools.monitor.robot_row import (
+    STYLES,
+    NumberedRobot,
+    numbered_robots,
+    printable,
+    robots_table,
+)
+from tools.monitor.text_details import detail_lines, idleness_words
+from tools.monitor.view_keys import view_keys
 from tools.monitor.watch import Watch
 
 REFRESH_S = 0.25
 PLAIN_PERIOD_S = 5.0
-ABSENT = "-"
+ENDLESS = 10_000
+"""Width of plain text, columns: nothing is cut."""
+DETAILS_LEAST = 5
+"""Lines that a long list of robots leaves to the details."""
+FRAME = 3
+"""Lines of header, headings and footer."""
 
 
-class Row(NamedTuple):
-    """One robot's row; the field names are the headings."""
+class Size(NamedTuple):
+    """Size of a terminal, characters."""
 
-    robot: str
-    pose: str  # x, y (m), heading (deg)
-    action: str
-    border: str  # distance from it, m
-    teammate: str  # distance of the nearest, m
-    battery: str  # V
-    base: str
-    laser: str
-    localization: str
-    speed: str  # m/s, rad/s, as sent
-    gate: str
-    age: str  # s since the last message
-    why: str  # what it does and why
+    width: int
+    height: int
 
 
-def row_of(robot: RobotState, now: float) -> Row:
-    """Return one robot's row at the operator's monotonic time now, s."""
-    decision, status = robot.decision, robot.status
-    row = Row(
-        robot=f"{robot.team}/{robot.robot}",
-        pose=_pose(robot),
-        action=ABSENT if decision is None else _action(decision),
-        border=ABSENT if decision is None else f"{decision.distance_from_border:.2f} m",
-        teammate=_quantity(None if decision is None else decision.distance_from_neighbor, "m", 2),
-        battery=_quantity(None if status is None else status.battery, "V", 1),
-        base=ABSENT if status is None else status.base.state,
-        laser=ABSENT if status is None else status.laser.state,
-        localization=ABSENT if status is None else status.localization.health,
-        speed=ABSENT if decision is None else _speed(decision),
-        gate=_gate(decision, status),
-        age=_age(robot, now),
-        why=why(robot, now),
-    )
-    return Row(*map(_printable, row))
+class Shares(NamedTuple):
+    """Lines of a terminal for alarms and robots; the rest is the details'."""
+
+    alarms: int
+    robots: int
 
 
-def _shown_row(robot: RobotState, now: float) -> Row:
-    """Return one robot's row, empty but for the reason if its telemetry makes none."""
-    try:
-        return row_of(robot, now)
-    except BAD_DATA:
-        return Row._make((robot.id, *[ABSENT] * (len(Row._fields) - 2), "cannot be read"))
+def active_alarms(watch: Watch) -> list[Alarm]:
+    """Return the active alarms, the worst first."""
+    return [alarm for alarm in watch.alarms.alarms() if alarm.active]
 
 
-def _printable(cell: str) -> str:
-    """Escape a cell with control characters: they came over the network."""
-    return cell if cell.isprintable() else repr(cell)
-
-
-def _pose(robot: RobotState) -> str:
-    if robot.pose is None:
-        return ABSENT
-    x, y, theta = planar_pose(robot.pose.pose)
-    return f"{x:.2f} {y:.2f} {math.degrees(theta):.0f}°"
-
-
-def _action(decision: DecisionPayload) -> str:
-    sense = "cw" if decision.direction > 0 else "ccw"
-    return f"{decision.action} ({sense})"
-
-
-def _speed(decision: DecisionPayload) -> str:
-    return f"{decision.command.v:.2f} m/s {decision.command.w:.2f} rad/s"
-
-
-def _quantity(value: float | None, unit: str, digits: int) -> str:
-    return ABSENT if value is None else f"{value:.{digits}f} {unit}"
-
-
-def _gate(decision: DecisionPayload | None, status: StatusPayload | None) -> str:
-    """Return the gate's reason, else the robot's health, else ``ABSENT``."""
-    if decision is not None and decision.gate_reason:
-        return decision.gate_reason
-    if status is not None and status.health != "ok":
-        return status.health
-    return ABSENT
-
-
-def _age(robot: RobotState, now: float) -> str:
-    age = "never" if robot.last_heard is None else f"{now - robot.last_heard:.1f} s"
-    return age if robot.online else f"offline ({age})"
-
-
-def team_table(team: Iterable[RobotState], now: float) -> Table:
-    """Return the table of the team at the operator's monotonic time now, s."""
-    table = Table()
-    for heading in Row._fields:
-        table.add_column(heading)
-    for robot in team:
-        style = None if robot.online else "dim"
-        table.add_row(*map(Text, _shown_row(robot, now)), style=style)
-    return table
-
-
-def plain_table(team: Iterable[RobotState], now: float) -> str:
-    """Return the table of the team as lines of text, columns aligned."""
-    rows = [Row._fields, *(_shown_row(robot, now) for robot in team)]
-    widths = [max(len(row[column]) for row in rows) for column in range(len(Row._fields))]
-    return "\n".join(
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    )
-
-
-def plain_alarm(alarm: Alarm, now: float) -> str:
-    """Return one alarm as a line of text; now: s on the board's clock."""
+def alarm_words(alarm: Alarm, now: float) -> str:
+    """Return one active alarm as a line of text; now: s on the board's clock."""
     robot = f"{alarm.robot}: " if alarm.robot else ""
-    until = "" if alarm.active else ", over"
-    words = f"{alarm.severity.name} {robot}{alarm.text} ({now - alarm.raised:.0f} s ago{until})"
-    return _printable(words)
+    seen = ", acknowledged" if alarm.acknowledged else ""
+    words = f"{alarm.severity.name} {robot}{alarm.text} ({now - alarm.raised:.0f} s ago{seen})"
+    return printable(words)
 
 
-def team_view(watch: Watch) -> Group:
-    """Return table, alarms and details of a team for a terminal."""
-    return Group(team_table(watch.robots, watch.now), *map(Text, _lines_below(watch)))
+def headline(watch: Watch, alarms: Sequence[Alarm]) -> Text:
+    """Return the first line: how many alarms of each severity, how many robots."""
+    counts = [(level, sum(alarm.severity == level for alarm in alarms)) for level in Severity]
+    told = [f"{count} {level.name.lower()}" for level, count in reversed(counts) if count]
+    robots = len(watch.robots)
+    state = ", ".join(told) or ("all well" if robots else "no robot has reported yet")
+    team = f"{robots} robot{'' if robots == 1 else 's'}"
+    words = "; ".join(filter(None, (state, team, idleness_words(watch))))
+    return _line(words, STYLES.get(alarms[0].severity, "") if alarms else "green")
 
 
-def plain_view(watch: Watch) -> str:
-    """Return table, alarms and details of a team as lines of text."""
-    return "\n".join([plain_table(watch.robots, watch.now), *_lines_below(watch)])
+def shares_of(height: int, alarms: int, robots: int) -> Shares:
+    """Return how many lines alarms and robots get of a terminal; details get what is left."""
+    most_alarms = max(3, height // 6)
+    shown_alarms = min(alarms, most_alarms)
+    room = height - FRAME - shown_alarms - DETAILS_LEAST
+    return Shares(shown_alarms, max(1, min(robots, room)))
 
 
-def _lines_below(watch: Watch) -> list[str]:
-    """Return the active alarms in the board's order, then the details."""
-    active = [alarm for alarm in watch.alarms.alarms() if alarm.active]
-    details = map(_printable, detail_lines(watch))
-    return [*(plain_alarm(alarm, watch.now) for alarm in active), *details]
+def team_view(watch: Watch, choice: RobotChoice, size: Size) -> Layout:
+    """Return the view of a team that fills a terminal of a size."""
+    alarms, robots = active_alarms(watch), numbered_robots(watch)
+    shares = shares_of(size.height, len(alarms), len(robots))
+    chosen = choice.chosen(robots)
+    listed = _window(robots, chosen, shares.robots)
+    table = robots_table(listed, watch, size.width, chosen.robot.id if chosen else None)
+    parts = [Layout(headline(watch, alarms), size=1)]
+    if alarms:
+        parts.append(Layout(_alarm_lines(alarms, watch.now, shares.alarms), size=shares.alarms))
+    parts += [Layout(table, size=1 + shares.robots), Layout(_details(watch, chosen), ratio=1)]
+    beyond = f"{len(robots) - len(listed)} more robots; " if len(listed) < len(robots) else ""
+    parts.append(Layout(_line(f"{beyond}{HELP}", "dim"), size=1))
+    view = Layout()
+    view.split_column(*parts)
+    return view
+
+
+def _window(
+    robots: Sequence[NumberedRobot], chosen: NumberedRobot | None, lines: int
+) -> Sequence[NumberedRobot]:
+    """Return as many robots as there are lines for, the chosen one among them."""
+    place = robots.index(chosen) if chosen else 0
+    first = max(0, min(place - lines // 2, len(robots) - lines))
+    return robots[first : first + lines]
+
+
+def _alarm_lines(alarms: Sequence[Alarm], now: float, lines: int) -> Group:
+    """Return the worst alarms, a line each; the last line counts those that have none."""
+    shown = alarms if len(alarms) <= lines else alarms[: lines - 1]
+    texts = [_line(alarm_words(alarm, now), STYLES.get(alarm.severity, "")) for alarm in shown]
+    if len(shown) < len(alarms):
+        texts.append(_line(f"and {len(alarms) - len(shown)} more alarms", ""))
+    return Group(*texts)
+
+
+def _details(watch: Watch, chosen: NumberedRobot | None) -> Group:
+    """Return a robot's alarms, uncut, and its details; nothing of none."""
+    if chosen is None:
+        return Group()
+    name, *lines = map(printable, detail_lines(watch, chosen.robot))
+    own = [alarm for alarm in active_alarms(watch) if alarm.robot == chosen.robot.id]
+    texts = [Text(printable(alarm.text), style=STYLES.get(alarm.severity, "")) for alarm in own]
+    texts += [Text(line) for line in lines]
+    return Group(Text(name, style="bold"), *(Padding(text, (0, 0, 0, 2)) for text in texts))
+
+
+def _line(words: str, style: str) -> Text:
+    return Text(words, style=style, no_wrap=True, overflow="ellipsis")
+
+
+def plain_view(watch: Watch, choice: RobotChoice | None = None) -> str:
+    """Return alarms, robots and details of one as lines of text, none of them cut.
+
+    choice: whose details; None: of no robot.
+    """
+    out = io.StringIO()
+    console = Console(file=out, width=ENDLESS, color_system=None, force_terminal=False)
+    alarms, robots = active_alarms(watch), numbered_robots(watch)
+    lines = [Text(alarm_words(alarm, watch.now)) for alarm in alarms]
+    details = _details(watch, None if choice is None else choice.chosen(robots))
+    table = robots_table(robots, watch, None)
+    console.print(Group(headline(watch, alarms), *lines, table, details))
+    return "\n".join(line.rstrip() for line in out.getvalue().splitlines() if line.strip())
 
 
 def show_team(
     watch: Watch,
     going_on: Callable[[], bool],
     *,
+    robot: str | None = None,
     out: TextIO | None = None,
     period: float = PLAIN_PERIOD_S,
 ) -> None:
-    """Show a team until ``going_on`` returns False.
+    """Show a team until ``going_on`` returns False or ``q`` is typed.
 
-    A terminal gets a live view; any other ``out`` (default: standard output) gets a plain one
-    every ``period`` seconds, and one at the end.
+    A terminal gets a live view and is left as it was; any other ``out`` (default: standard output)
+    gets plain text every ``period`` seconds, and once at the end. robot: whose details, at first.
     """
     out = sys.stdout if out is None else out
-    if out.isatty():
-        _show_live(watch, going_on, out)
+    if out.isatty() and not Console(file=out).is_dumb_terminal:
+        _show_live(watch, going_on, out, RobotChoice(robot))
     else:
-        _print_plain(watch, going_on, out, period)
+        choice = None if robot is None else RobotChoice(robot)
+        _print_plain(watch, going_on, out, period, choice)
 
 
-def _show_live(watch: Watch, going_on: Callable[[], bool], out: TextIO) -> None:
-    with Live(console=Console(file=out), auto_refresh=False) as live:
-        while going_on():
-            time.sleep(REFRESH_S)
-            live.update(team_view(watch), refresh=True)
+def _show_live(
+    watch: Watch, going_on: Callable[[], bool], out: TextIO, choice: RobotChoice
+) -> None:
+    """Draw on the terminal's other screen, so that its own one is untouched."""
+    console = Console(file=out)
+    with (
+        view_keys(out.fileno()) as typed,
+        Live(console=console, auto_refresh=False, screen=True) as live,
+    ):
+        while going_on() and not choice.ended:
+            size = terminal_size(out.fileno())  # anew: it may have been resized
+            console.size = ConsoleDimensions(*size)
+            live.update(team_view(watch, choice, size), refresh=True)
+            choice.type(typed(REFRESH_S), numbered_robots(watch))
 
 
-def _print_plain(watch: Watch, going_on: Callable[[], bool], out: TextIO, period: float) -> None:
+def terminal_size(terminal: int) -> Size:
+    """Return a terminal's size; 80 by 24 for one that does not know its own."""
+    width, height = os.get_terminal_size(terminal)
+    return Size(width or 80, height or 24)
+
+
+def _print_plain(
+    watch: Watch,
+    going_on: Callable[[], bool],
+    out: TextIO,
+    period: float,
+    choice: RobotChoice | None,
+) -> None:
     due = time.monotonic() + period
     while going_on():
         time.sleep(REFRESH_S)
         if time.monotonic() >= due:
             due += period
-            print(plain_view(watch), file=out, flush=True)
-    print(plain_view(watch), file=out, flush=True)
+            print(plain_view(watch, choice), file=out, flush=True)
+    print(plain_view(watch, choice), file=out, flush=True)

@@ -258,7 +258,7 @@ def report_lines(result: ReplayResult) -> list[str]:
         f"{result.duration:.1f} s replayed in {result.wall:.1f} s: {rate:.0f} x real time",
     ]
     if result.actions:
-        lines.append(f"control steps: {_shares(result.actions)}")
+        lines.append(f"control steps: {_shares(result.actions).replace('_', ' ')}")
     if result.health:
         lines.append(f"scans: {_shares(result.health)}")
     if result.position_errors:

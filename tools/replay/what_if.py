@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 from robot_agent.messages.effects import Effect, Publish
 from robot_agent.messages.streams import DecisionPayload, decode
+from robot_agent.motion.gate_words import GATE_WORDS
 
 ANOTHER_COMMAND = 0.01
 """Smallest difference of commands that counts, m/s or rad/s."""
@@ -117,4 +118,6 @@ def _decision(effects: Iterable[Effect]) -> DecisionPayload | None:
 def _describe_decision(decision: DecisionPayload | None) -> str:
     if decision is None:
         return "no decision"
-    return decision.action + (f" ({decision.gate_reason})" if decision.gate_reason else "")
+    reason = decision.gate_reason
+    held = f" ({GATE_WORDS.get(reason, reason)})" if reason else ""
+    return decision.action.replace("_", " ") + held

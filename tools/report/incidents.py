@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robot_agent.motion.gate_hold import STOPPING
+from robot_agent.motion.gate_words import GATE_WORDS
 from tools.report.run_log import Floats, RunLog
 
 SILENT_S = {"base": 0.35, "laser": 0.6}
@@ -241,7 +242,9 @@ _OWN_INCIDENT = frozenset(("stale_base", "stale_laser", "not_localized"))
 def _held(run: RunLog) -> Iterator[Span]:
     for span in gate_holds(run):
         if span.what not in _OWN_INCIDENT and span.end - span.start > MERGE_S:
-            yield Span(span.start, span.end, f"held by the gate: {span.what}")
+            yield Span(
+                span.start, span.end, f"held by the gate: {GATE_WORDS.get(span.what, span.what)}"
+            )
 
 
 def _recorder(run: RunLog) -> Iterator[Span]:

@@ -11,15 +11,15 @@ import tty
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-HELP = "hold an arrow key (or w a d) to drive, q and e for arcs; any other key stops; x ends"
+HELP = "hold an arrow key (or w a d) to drive, z and c for arcs; any other key stops; q ends"
 POLL_S = 0.1
 
 _DRIVES: dict[bytes, tuple[int, int]] = {
     b"w": (1, 0),
     b"a": (0, 1),
     b"d": (0, -1),
-    b"q": (1, 1),
-    b"e": (1, -1),
+    b"z": (1, 1),
+    b"c": (1, -1),
     b"\x1b[A": (1, 0),
     b"\x1b[D": (0, 1),
     b"\x1b[C": (0, -1),
@@ -28,7 +28,7 @@ _DRIVES: dict[bytes, tuple[int, int]] = {
     b"\x1bOC": (0, -1),
 }
 """(ahead, left) by key. There is no key for backwards: the laser does not see there."""
-_END = b"x"
+_END = b"q"
 
 
 class KeysError(ValueError):
@@ -48,7 +48,7 @@ def terminal_keys(
 ) -> Iterator[None]:
     """Read keys on a thread while the context lasts; restore the terminal's mode after it.
 
-    press: called with (ahead, left) of every key. end: called when x was typed or the terminal is
+    press: called with (ahead, left) of every key. end: called when q was typed or the terminal is
     closed. terminal: its file descriptor, None for standard input. Raises KeysError if it is no
     terminal.
     """

@@ -5,6 +5,8 @@ from __future__ import annotations
 from robot_agent.messages.foxglove import Log, timestamp_at
 from robot_agent.messages.log_level import LogLevel
 from robot_agent.messages.streams import encode
+from robot_agent.motion.gate_reason import GateReason
+from robot_agent.motion.gate_words import GATE_WORDS
 from robot_agent.process.brief_holds import BriefHolds
 
 
@@ -12,7 +14,10 @@ def event(message: str, name: str = "gate") -> bytes:
     return encode(Log(timestamp=timestamp_at(0.0), level=LogLevel.INFO, message=message, name=name))
 
 
-HELD, STALE = event("holds the robot: obstacle"), event("holds the robot: stale_laser")
+HELD, STALE = (
+    event(f"holds the robot: {GATE_WORDS[reason]}")
+    for reason in (GateReason.OBSTACLE, GateReason.STALE_LASER)
+)
 MOVES, OTHER = event("lets the robot move"), event("localized", "localization")
 
 

@@ -23,6 +23,7 @@ from robot_agent.messages.streams import (
     encode,
 )
 from robot_agent.motion.gate_reason import GateReason
+from robot_agent.motion.gate_words import GATE_WORDS
 from robot_agent.motion.obstacle_points import ObstacleSource
 from robot_agent.patrol.modifier import OverrideReason
 from robot_agent.patrol.turn_log import TurnCause
@@ -32,7 +33,6 @@ from tests.tools.monitor.reports import decision, device, status
 from tools.monitor.alarm import Condition, Severity
 from tools.monitor.alarm_board import MAX_ALARMS, Alarm, AlarmBoard
 from tools.monitor.reason import (
-    GATE_WORDS,
     OVERRIDE_WORDS,
     SOURCE_WORDS,
     turn_words,

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import io
 import json
 from typing import Any
 
 import pytest
+from rich.console import Console
 
 from robot_agent.messages.streams import STREAMS, PayloadError, decode, encode
 from tests.robot_agent.messages.extreme_payloads import extreme_payloads, full_payload
 from tests.tools.monitor.reports import decision, pose, status
 from tools.monitor.page_message import PageFeed
+from tools.monitor.robot_choice import RobotChoice
 from tools.monitor.site import Site
 from tools.monitor.team_state import TeamState
-from tools.monitor.text_view import plain_view, team_view
+from tools.monitor.text_view import Size, plain_view, team_view
 from tools.monitor.watch import Watch
 
 BAD, GOOD = "patrol/north/bad", "patrol/north/good"
@@ -22,8 +25,10 @@ BAD, GOOD = "patrol/north/bad", "patrol/north/good"
 def shown(watch: Watch) -> dict[str, Any]:
     """Return every part of a fresh page's first message, by robot, and draw the text views."""
     message: dict[str, Any] = json.loads(PageFeed(watch).message({}))
-    plain_view(watch).encode()
-    team_view(watch)
+    plain_view(watch, RobotChoice("bad")).encode()
+    Console(file=io.StringIO(), width=80, height=24).print(
+        team_view(watch, RobotChoice(), Size(80, 24))
+    )
     return {robot["name"]: robot for robot in message["robots"]}
 
 

@@ -17,6 +17,7 @@ from robot_agent.messages.streams import STREAMS, encode
 from tests.tools.monitor.reports import decision, pose, status
 from tests.tools.monitor.trouble_team import intruder
 from tools.monitor.page_message import PageFeed
+from tools.monitor.robot_choice import RobotChoice
 from tools.monitor.site import Site
 from tools.monitor.team_state import MAX_PAYLOAD_BYTES, MAX_ROBOTS, TeamState
 from tools.monitor.text_view import plain_view
@@ -86,7 +87,7 @@ def test_hostile_payloads_are_counted_and_raise_one_alarm() -> None:
         if number % 50 == 0:
             watch.advance(t, t)
             json.loads(feed.message({}))
-            plain_view(watch).encode()
+            plain_view(watch, RobotChoice("anna")).encode()
     (robot,) = team.snapshot()
     assert robot.malformed > COUNT / 2
     (alarm,) = [alarm for alarm in watch.alarms.alarms() if alarm.kind == "malformed"]

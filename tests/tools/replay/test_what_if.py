@@ -35,7 +35,7 @@ def test_a_slower_gate_gives_other_commands(recording: Recording) -> None:
     assert what_if.other_command > 3
     assert what_if.other_gate > 3
     assert what_if.largest_v > 0.05
-    assert any("unsure" in line for line in what_if.lines())
+    assert any("pose uncertain" in line for line in what_if.lines())
 
 
 def test_the_same_decisions_do_not_differ(recording: Recording) -> None:

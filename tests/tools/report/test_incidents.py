@@ -132,7 +132,7 @@ def test_gate_times_are_summed_by_reason() -> None:
     times = gate_times(run)
     assert times["obstacle"][0] == 2
     assert times["obstacle"][1] == pytest.approx(4.0)
-    assert [found.what for found in incidents(run)] == ["held by the gate: obstacle"]
+    assert [found.what for found in incidents(run)] == ["held by the gate: obstacle ahead"]
 
 
 def test_spans_of_a_kind_are_joined() -> None:

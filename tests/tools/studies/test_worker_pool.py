@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import os
+import signal
 import threading
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
 
 import cv2
 import numpy as np
+import pytest
 
 from tools.studies.worker_pool import START, worker_pool
 
@@ -28,6 +32,21 @@ def test_worker_does_not_inherit_locks_of_the_parents_threads() -> None:
         results = list(pool.map(use_lock_and_opencv, [3, 5]))
     assert [value for _pid, value in results] == [3, 5]
     assert os.getpid() not in {pid for pid, _value in results}
+
+
+def interrupt_and_wait(started: str) -> None:
+    Path(started).touch()
+    signal.raise_signal(signal.SIGINT)
+
+
+def test_ctrl_c_ends_a_worker_without_a_traceback(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    started = tmp_path / "started"
+    with worker_pool(1) as pool, pytest.raises(BrokenProcessPool):
+        pool.submit(interrupt_and_wait, str(started)).result()
+    assert started.exists()
+    assert capfd.readouterr().err == ""
 
 
 def test_start_method_is_spawn() -> None:

@@ -19,7 +19,9 @@ from tools.teleop.terminal_keys import KeysError, drive_of, terminal_keys
         (b"w ", (0, 0)),
         (b"\x1b", (0, 0)),
         (b"s", (0, 0)),
-        (b"q", (1, 1)),
+        (b"z", (1, 1)),
+        (b"c", (1, -1)),
+        (b"x", (0, 0)),
     ],
 )
 def test_last_key_is_used(typed: bytes, drive: tuple[int, int]) -> None:
@@ -39,7 +41,7 @@ def test_keys_are_reported_and_the_terminal_is_restored() -> None:
     with terminal_keys(press, ended.set, slave):
         os.write(master, b"w")
         assert pressed.wait(10.0)
-        os.write(master, b"x")
+        os.write(master, b"q")
         assert ended.wait(10.0)
     assert heard == [(1, 0)]
     assert termios.tcgetattr(slave) == before
