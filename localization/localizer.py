@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,7 @@ from localization.health import (
     LOCALIZED_SHARE,
     LOCALIZED_WALL_CROSSING,
     UNSURE_BELOW,
+    UNSURE_WALL_CROSSING,
     Evidence,
     Health,
     HealthMonitor,
@@ -43,15 +45,29 @@ MIN_SIGMA_XY = 0.0144  # m; lower bound of an estimate's: quantization by a cell
 MIN_SIGMA_THETA = 0.005  # rad; likewise: error of the laser's mount
 INDEPENDENT_BEAMS = 12.0  # that the beams of one scan count as together
 
+
+class Window(NamedTuple):
+    """A window of poses round the estimate."""
+
+    reach: tuple[float, float, float]
+    """m, m, rad either way."""
+    samples: int
+    least_fit: float
+    """Of a pose that is preferred."""
+
+
 # The search in a window round the estimate, when a scan does not fit at the predicted pose.
 WINDOW_BELOW = 0.8  # fit of a scan, without dynamic beams, that starts it
-WINDOW_ABOVE = 0.75  # fit of a pose that is preferred
 WINDOW_GAIN = 0.1  # by which it must fit better
-WINDOW_SAMPLES = 3000
-WINDOW_REACH = (1.0, 1.0, 0.6)  # m, m, rad either way
-TURNED_REACH = (0.4, 0.4, math.pi)  # likewise, of a robot that its wheels did not see turning
-WINDOW_TRIED = 4  # of the best samples
+WINDOW_TRIED = 6  # of the best samples, hypotheses apart
 EMPTY_ABOVE = 0.9  # fit of a pose at which there are no people in the scan
+WINDOW_ABOVE = 0.75  # fit of a pose that is preferred
+WINDOW = Window((1.0, 1.0, 0.6), 3000, WINDOW_ABOVE)
+TURNED_WINDOWS = (
+    Window((0.4, 0.4, math.pi), 3000, WINDOW_ABOVE),
+    Window((1.0, 1.0, math.pi), 12000, EMPTY_ABOVE),  # among so many poses some fit by chance
+)
+"""Of a robot that its wheels did not see turning."""
 REFUTED_BELOW = 0.6  # fit of what people cannot explain, below which one scan refutes a pose
 
 # The search over the whole map.
@@ -246,7 +262,13 @@ class Localizer:
         return hypothesis
 
     def _propose(
-        self, hypothesis: Hypothesis, other: Hypothesis, belief: Belief, *, at_once: bool
+        self,
+        hypothesis: Hypothesis,
+        other: Hypothesis,
+        belief: Belief,
+        points: NDArray[np.float64],
+        *,
+        at_once: bool,
     ) -> Hypothesis:
         """Return the hypothesis to go on with, and keep the other one of the two as its rival.
 
@@ -254,12 +276,19 @@ class Localizer:
         the first.
         """
         if not at_once:
-            if self._rival is None:
+            if self._rival is None or self._fits_better(other, self._rival, points):
                 self._rival = self._new_rival(belief, other.pose)
             return hypothesis
         self._rival = self._new_rival(self._filter.belief, hypothesis.pose)
         self._filter.belief = belief
         return other
+
+    def _fits_better(self, other: Hypothesis, rival: Rival, points: NDArray[np.float64]) -> bool:
+        """Whether a scan fits a hypothesis clearly better than the present rival."""
+        fit = self._matching.check.fit(rival.pose, points)
+        return (
+            other.fit is not None and fit is not None and other.fit.whole > fit.whole + WINDOW_GAIN
+        )
 
     def _new_rival(self, belief: Belief, pose: Pose) -> Rival:
         return Rival(belief, pose, self._motion, self._matching, self._rng)
@@ -279,7 +308,7 @@ class Localizer:
         cluster = replace(hypothesis.cluster, mean=pose)
         fit = self._matching.check.fit(pose, points)
         other = Hypothesis(cluster, slipped.refined, pose, fit)
-        return self._propose(hypothesis, other, moved, at_once=slipped.certain)
+        return self._propose(hypothesis, other, moved, points, at_once=slipped.certain)
 
     def _search_window(
         self, hypothesis: Hypothesis, points: NDArray[np.float64], information: float
@@ -290,10 +319,12 @@ class Localizer:
         """
         if hypothesis.fit is None or hypothesis.fit.fit_without_dynamic >= WINDOW_BELOW:
             return hypothesis
-        refuted = hypothesis.fit.beside < REFUTED_BELOW
-        found = self._in_window(hypothesis, points, information, WINDOW_REACH)
-        if found is None and refuted:  # wheels may miss a turn of any size
-            found = self._in_window(hypothesis, points, information, TURNED_REACH)
+        crossing = self._matching.check.wall_crossing(hypothesis.pose, points)
+        refuted = hypothesis.fit.beside < REFUTED_BELOW or crossing > UNSURE_WALL_CROSSING
+        found = self._in_window(WINDOW, hypothesis, points, information)
+        for window in TURNED_WINDOWS if refuted else ():  # wheels may miss a turn of any size
+            if found is None:
+                found = self._in_window(window, hypothesis, points, information)
         if found is None:
             return hypothesis
         other, belief = found
@@ -303,29 +334,29 @@ class Localizer:
         refuted = refuted or (empty and hypothesis.fit.fit_without_dynamic < UNSURE_BELOW)
         if refuted:
             self._restart_alternatives(points)
-        return self._propose(hypothesis, other, belief, at_once=refuted)
+        return self._propose(hypothesis, other, belief, points, at_once=refuted)
 
     def _in_window(
         self,
+        window: Window,
         hypothesis: Hypothesis,
         points: NDArray[np.float64],
         information: float,
-        reach: tuple[float, float, float],
     ) -> tuple[Hypothesis, Belief] | None:
-        """Return the best hypothesis within reach, m, m, rad, with its belief.
+        """Return the best hypothesis in a window round the given one, with its belief.
 
         None if the scan fits nowhere clearly better.
         """
         assert hypothesis.fit is not None
-        spread = np.array(reach)
-        offsets = self._rng.uniform(-1.0, 1.0, (WINDOW_SAMPLES, 3)) * spread
-        window = ParticleFilter(self._motion, self._matching.field, self._rng)
-        window.restart(np.array(hypothesis.cluster.mean) + offsets)
-        window.weigh(points, information * INDEPENDENT_BEAMS)
-        needed = max(WINDOW_ABOVE, hypothesis.fit.whole + WINDOW_GAIN)
-        covariance = np.diag(np.square(_WINDOW_STEP * np.minimum(spread, WINDOW_REACH)))
-        for best in np.argsort(-window.weights, kind="stable")[:WINDOW_TRIED]:
-            start = Pose(*window.particles[best].tolist())
+        spread = np.array(window.reach)
+        offsets = self._rng.uniform(-1.0, 1.0, (window.samples, 3)) * spread
+        inside = ParticleFilter(self._motion, self._matching.field, self._rng)
+        inside.restart(np.array(hypothesis.cluster.mean) + offsets)
+        inside.weigh(points, information * INDEPENDENT_BEAMS)
+        needed = max(window.least_fit, hypothesis.fit.whole + WINDOW_GAIN)
+        covariance = np.diag(np.square(_WINDOW_STEP * np.minimum(spread, WINDOW.reach)))
+        best: Hypothesis | None = None
+        for start in _apart(inside.belief, WINDOW_TRIED):
             refined = self._matching.refinement.refine(start, covariance, points)
             fit = None if refined is None else self._matching.check.fit(refined.pose, points)
             if refined is None or fit is None or fit.whole < needed:
@@ -333,10 +364,10 @@ class Localizer:
             # At a wrong pose beams cross mapped walls.
             crossing = self._matching.check.wall_crossing(refined.pose, points)
             if crossing <= LOCALIZED_WALL_CROSSING:
-                cluster = best_cluster(window.particles, window.weights)
-                found = Hypothesis(cluster, refined, refined.pose, fit, relocated=True)
-                return found, window.belief
-        return None
+                needed = fit.whole
+                cluster = best_cluster(inside.particles, inside.weights)
+                best = Hypothesis(cluster, refined, refined.pose, fit, relocated=True)
+        return None if best is None else (best, inside.belief)
 
     def _restart_alternatives(self, points: NDArray[np.float64]) -> None:
         """Search alternatives from this scan on, as odometry does not lead to the pose."""
@@ -454,3 +485,15 @@ class Localizer:
             self._tracking, self._search, self._rival = True, None, None
             self._search_due, self._contestable = 0.0, False
         return self._estimate_of(t, odometry, search.hypothesis, search.health)
+
+
+def _apart(belief: Belief, count: int) -> list[Pose]:
+    """Return the best particles of a belief that are different hypotheses, at most so many."""
+    found: list[Pose] = []
+    for index in np.argsort(-belief.weights, kind="stable"):
+        pose = Pose(*belief.particles[index].tolist())
+        if not any(is_same(pose, other) for other in found):
+            found.append(pose)
+            if len(found) == count:
+                break
+    return found

@@ -23,7 +23,7 @@ MOST_STRAIN = 4.03
 """Root of the 99.9 % quantile of chi-square with 3 degrees of freedom: more is no true loop."""
 _SAME = np.diag(np.square((0.13, 0.13, math.radians(1.3))))
 """Of the graph's poses of one place, m^2 and rad^2: at 3 sigmas 0.4 m and 4 degrees apart."""
-_SHORTEST_WAY = 8  # steps
+_SHORTEST_WAY = 64  # steps, about 16 m: errors of single steps are not bends
 _UNSEEN = 1e-6 * np.eye(3)
 """Information along directions that scans do not determine: as good as none."""
 

@@ -78,10 +78,10 @@ def test_a_bend_is_found_where_it_is() -> None:
     errors = errors_along(truth)
     assert worst_bend(truth, truth, errors)[0] == pytest.approx(0.0, abs=1e-6)
     steps = [STEP] * STEPS
-    steps[90] = Pose(0.25, 3.0, STEP.theta)
+    steps[90] = Pose(0.25, 8.0, STEP.theta)
     bend, place = worst_bend(chained(steps), truth, errors)
     assert bend > MOST_STRAIN
-    assert abs(place - 90) < 16
+    assert abs(place - 90) <= 32
 
 
 def test_loops_are_written_one_a_line(tmp_path: Path) -> None:
