@@ -19,6 +19,7 @@ COLOURS = {
     Verdict.OK: "green",
     Verdict.WARNING: "yellow",
     Verdict.FAILED: "red",
+    Verdict.NOT_YET: "cyan",
     Verdict.SKIPPED: "dim",
 }
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from tools.progress import progress_line
 from tools.report.alignment import AlignmentError, align
 from tools.report.numbers import numbers
-from tools.report.page import page
+from tools.report.page import FORMATS, figures_alone, page
 from tools.report.run_log import read_run
 from tools.report.sections import SECTIONS
 from tools.report.team import Team
@@ -24,6 +24,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("recordings", type=Path, nargs="+", metavar="REC.mcap")
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="DIR", help="for report.html and .json"
+    )
+    parser.add_argument(
+        "--figures", choices=FORMATS, help="write only the figures, a file each, in this format"
     )
     parser.add_argument(
         "--offset",
@@ -59,9 +62,13 @@ def run(options: argparse.Namespace) -> int:
             )
     team = Team(runs, align(runs, stated, trust_host=options.clocks == "host"))
     figures = numbers(team)
+    options.output.mkdir(parents=True, exist_ok=True)
+    if options.figures:
+        for path in figures_alone(team, figures, options.output, options.figures):
+            print(path)
+        return 0
     with progress_line("draw", len(SECTIONS), "sections") as progress:
         text = page(team, figures, progress)
-    options.output.mkdir(parents=True, exist_ok=True)
     (options.output / "report.html").write_text(text)
     (options.output / "report.json").write_text(json.dumps(figures, indent=2) + "\n")
     print(options.output / "report.html")

@@ -20,8 +20,8 @@ from drivers.p2os.model import RobotModel, UnknownModelError
 from drivers.p2os.model_choice import expected_model
 from drivers.scanner import kind_of
 from maps.clearance import needed_clearance
-from maps.map_folder import MapFolder
-from maps.occupancy_map import FREE
+from maps.map_folder import DEFAULT_BORDER, MAP_FILE, MapFolder
+from maps.occupancy_map import FREE, shipped_maps
 from robot_agent.config import AgentConfig, ConfigError, find_map, load_config
 from robot_agent.motion.gate_settings import gate_limits
 from robot_agent.patrol.patrol import Patrol
@@ -35,7 +35,15 @@ from tools.preflight.doctor_geometry import examine_geometry
 from tools.preflight.doctor_keys import examine_keys, examine_operator
 from tools.preflight.doctor_laser import LaserExamination
 from tools.preflight.doctor_sight import examine_sight
-from tools.preflight.finding import Finding, Verdict, failed, ok, skipped, warning
+from tools.preflight.finding import (
+    Finding,
+    failed,
+    not_yet,
+    ok,
+    prevents_patrol,
+    skipped,
+    warning,
+)
 
 TRIAL_LIMIT_S = 10.0
 """Time to wait for silent devices: one pass through all their rates."""
@@ -73,8 +81,8 @@ def examine(
 
 
 def is_fit(findings: list[Finding]) -> bool:
-    """Return whether a robot may patrol: no check failed."""
-    return all(finding.verdict is not Verdict.FAILED for finding in findings)
+    """Return whether a robot may patrol: no check failed, nothing is missing yet."""
+    return not any(map(prevents_patrol, findings))
 
 
 def examine_config(config: AgentConfig, model: RobotModel) -> list[Finding]:
@@ -100,7 +108,7 @@ def load_patrol_map(config: AgentConfig, relative_to: Path) -> MapFolder:
     reasons = [
         f"{finding.subject}: {finding.text}: {finding.remedy}"
         for finding in findings
-        if finding.verdict is Verdict.FAILED
+        if prevents_patrol(finding)
     ]
     if reasons or content is None:
         raise NeverDrivesError("; ".join(reasons))
@@ -125,6 +133,13 @@ def _examined_map(
     wrong = [
         str(finding).removeprefix("FAIL").strip() for finding in report.findings if not finding.ok
     ]
+    if not (folder / MAP_FILE).is_file():
+        return [_missing_map(folder)], None
+    drawn = (folder / f"{DEFAULT_BORDER}.toml").is_file()
+    if config.map.border == DEFAULT_BORDER and not drawn:
+        text = f"{folder}: {DEFAULT_BORDER}.toml is missing: no border has been drawn"
+        remedy = f"draw it with `patrol map border {folder}`, then `patrol map check {folder}`"
+        return [not_yet("map and border", text, remedy)], None
     if wrong:
         remedy = f"correct it; `patrol map show {folder} -o map.png` draws it"
         return [failed("map and border", "; ".join(wrong), remedy)], None
@@ -138,6 +153,16 @@ def _examined_map(
         _examine_rules(config, content),
     ]
     return findings, content
+
+
+def _missing_map(folder: Path) -> Finding:
+    """Return the finding that there is no map yet, with the steps to one."""
+    text = f"{folder}: no map is there; shipped maps are {', '.join(shipped_maps())}"
+    remedy = (
+        "first `patrol record ROBOT.toml --teleop -o drive.mcap`, then `patrol map build "
+        f"drive.mcap -o {folder} --from odometry`, then `patrol map border {folder}`"
+    )
+    return not_yet("map and border", text, remedy)
 
 
 def examine_start(config: AgentConfig, content: MapFolder) -> Finding:

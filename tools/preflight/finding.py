@@ -12,6 +12,7 @@ class Verdict(StrEnum):
     OK = "ok"
     WARNING = "warning"
     FAILED = "failed"
+    NOT_YET = "not yet"
     SKIPPED = "skipped"
 
 
@@ -38,6 +39,19 @@ def warning(subject: str, text: str, remedy: str) -> Finding:
 def failed(subject: str, text: str, remedy: str) -> Finding:
     """Return a finding that prevents a patrol."""
     return Finding(subject, Verdict.FAILED, text, remedy)
+
+
+def not_yet(subject: str, text: str, remedy: str) -> Finding:
+    """Return a finding of what a new robot still lacks; the remedy says what comes first.
+
+    It prevents a patrol as one that failed does.
+    """
+    return Finding(subject, Verdict.NOT_YET, text, remedy)
+
+
+def prevents_patrol(finding: Finding) -> bool:
+    """Return whether a robot with this finding may not patrol."""
+    return finding.verdict in (Verdict.FAILED, Verdict.NOT_YET)
 
 
 def skipped(subject: str, text: str) -> Finding:

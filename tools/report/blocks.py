@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from tools.report.style import Drawing
+from matplotlib.figure import Figure as MatplotlibFigure
+
+from tools.report.style import Drawing, drawing
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,8 +25,13 @@ class Figure:
     """A drawing with its caption."""
 
     form: ClassVar = "figure"
-    drawing: Drawing
+    drawn: MatplotlibFigure
     caption: str
+
+    @property
+    def drawing(self) -> Drawing:
+        """The drawing for the page."""
+        return drawing(self.drawn)
 
 
 @dataclass(frozen=True, slots=True)

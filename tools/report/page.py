@@ -13,10 +13,12 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from tools.report import style
-from tools.report.blocks import Block
+from tools.report.blocks import Block, Figure
 from tools.report.sections import SECTIONS
 from tools.report.team import Team
 
+FORMATS = ("svg", "png", "pdf")
+_DPI = 150
 _FOLDER = Path(__file__).parent
 
 
@@ -63,6 +65,22 @@ def page(team: Team, figures: dict[str, Any], progress: Callable[[float], None])
         tiles=_tiles(figures),
         sections=sections,
     )
+
+
+def figures_alone(team: Team, figures: dict[str, Any], folder: Path, form: str) -> list[Path]:
+    """Write every figure of the report as a file in a format: svg, png or pdf; return the files.
+
+    A file has the name of its section, with a number from the second one on.
+    """
+    files: list[Path] = []
+    with mpl.rc_context(style.RC):
+        for anchor, _, build in SECTIONS:
+            drawn = [block.drawn for block in build(team, figures) if isinstance(block, Figure)]
+            for number, figure in enumerate(drawn, 1):
+                name = anchor if number == 1 else f"{anchor}-{number}"
+                files.append(folder / f"{name}.{form}")
+                figure.savefig(files[-1], dpi=_DPI)
+    return files
 
 
 def _subtitle(team: Team) -> str:

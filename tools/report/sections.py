@@ -22,7 +22,7 @@ _LEVELS = {1: "debug", 2: "info", 3: "warning", 4: "error", 5: "fatal"}
 def _drawn(drawn: mpl_figure.Figure | None, caption: str) -> Blocks:
     """Yield a figure; nothing for None."""
     if drawn is not None:
-        yield Figure(style.drawing(drawn), caption)
+        yield Figure(drawn, caption)
 
 
 def _incidents(team: Team, _figures: dict[str, Any]) -> Blocks:
@@ -128,7 +128,7 @@ def _idleness(team: Team, figures: dict[str, Any]) -> Blocks:
         f"{_number(idle['worst_average'], '{:.1f}')} s, longest wait "
         f"{_number(idle['worst'], '{:.1f}')} s; counted from when the last robot had arrived."
     )
-    yield Figure(style.drawing(figure), f"Time between visits at each place. {words}")
+    yield Figure(figure, f"Time between visits at each place. {words}")
 
 
 def _gate(team: Team, _figures: dict[str, Any]) -> Blocks:

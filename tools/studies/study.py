@@ -115,7 +115,10 @@ class Case:
         return {key: value for key, value in self.values if key not in _BENCH_KEYS}
 
     def __str__(self) -> str:
-        return ", ".join(f"{key} {_label(key, value)}" for key, value in self.values) or "defaults"
+        return (
+            ", ".join(f"{key} {setting_label(key, value)}" for key, value in self.values)
+            or "defaults"
+        )
 
 
 @dataclass(frozen=True)
@@ -274,7 +277,7 @@ def configuration(
     return changed_config(config.encode(), source, [*changes, *varied])
 
 
-def _label(key: str, value: Setting) -> str:
+def setting_label(key: str, value: Setting) -> str:
     """Return a setting for people: of a list what it has more and less than the default one."""
     if not isinstance(value, tuple):
         return str(value)

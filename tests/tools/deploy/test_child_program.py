@@ -98,4 +98,4 @@ def test_run_script_starts_the_checkouts_code(elsewhere: Path) -> None:
     python.chmod(0o755)
     command = [sys.executable, str(checkout / "tools" / "run"), "demo", "--headless"]
     done = subprocess.run(command, capture_output=True, text=True)
-    assert done.stdout == "-P -m tools.cli demo --headless\n", done.stderr
+    assert done.stdout == "-P -m tools.start demo --headless\n", done.stderr

@@ -377,12 +377,18 @@ def test_border_too_near_a_wall_fails(room: Path) -> None:
     assert not failures(examine_map(config, room, MODEL))
 
 
-def test_map_without_border_or_folder_fails(room: Path) -> None:
+def test_what_a_new_robot_lacks_is_not_yet_there(room: Path) -> None:
     (room / "room" / "border.toml").unlink()
-    config = configured('[map]\nfolder = "room"\n', room)
-    assert "border.toml is missing" in examine_map(config, room, MODEL)[0].text
-    absent = examine_map(configured('[map]\nfolder = "nowhere"\n', room), room, MODEL)
-    assert absent[0].verdict is Verdict.FAILED
+    (undrawn,) = examine_map(configured('[map]\nfolder = "room"\n', room), room, MODEL)
+    (absent,) = examine_map(configured('[map]\nfolder = "nowhere"\n', room), room, MODEL)
+    for finding, text, first in (
+        (undrawn, "border.toml is missing", "draw it with `patrol map border"),
+        (absent, "no map is there; shipped maps are", "first `patrol record ROBOT.toml --teleop"),
+    ):
+        assert finding.verdict is Verdict.NOT_YET
+        assert text in finding.text
+        assert finding.remedy.startswith(first)
+        assert not is_fit([finding])
 
 
 @pytest.mark.parametrize(("x", "words"), [(0.02, "not on free ground"), (-5.0, "outside the map")])

@@ -21,7 +21,7 @@ from tools.cli import main
 from tools.report.alignment import AlignmentError, align
 from tools.report.incidents import override_times
 from tools.report.numbers import numbers
-from tools.report.page import page
+from tools.report.page import figures_alone, page
 from tools.report.run_log import RunLog, read_run
 from tools.report.team import Team
 
@@ -119,6 +119,14 @@ def test_hostile_texts_of_a_recording_are_escaped(runs: list[RunLog]) -> None:
     assert "<script" not in text
     assert text.count("</title>") == 1
     assert text.count("&lt;script&gt;") > 10
+
+
+def test_figures_can_be_had_alone(runs: list[RunLog], tmp_path: Path) -> None:
+    team = Team(runs, align(runs))
+    files = figures_alone(team, numbers(team), tmp_path, "pdf")
+    assert {"map.pdf", "map-2.pdf", "border.pdf", "idleness.pdf"} <= {path.name for path in files}
+    assert set(files) == set(tmp_path.iterdir())
+    assert all(path.read_bytes().startswith(b"%PDF") for path in files)
 
 
 def test_gate_reasons_are_those_of_the_fault(runs: list[RunLog]) -> None:
