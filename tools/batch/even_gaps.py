@@ -262,7 +262,7 @@ class EvenGapsOfMany:
         counted = team != _UNKNOWN
         even = self._feet.length / np.maximum(team, 1)
         back = self._direction[some] == COUNTER_CLOCKWISE
-        wide = self._sent_back[some] & (self._gap_left(some, t) >= even * even_gaps.SLACK)
+        wide = self._sent_back[some] & (self._gap_left(some, t) >= even)
         probes = counted & ~back & due & (self._probes[some] > 0) & keeps & ~self._are_even(some)
         self._probes[some[probes]] -= 1
         turns = np.where(counted, np.where(back, wide | due, probes), due)
