@@ -36,8 +36,8 @@ LONGEST_COUNTING_LAPS = 12.0  # when the way round proves blocked repeatedly
 TOLERANCE = 0.15  # of the gap ahead, within which it counts as even
 COUNT_LIFETIME = 3600.0  # s after which the team is counted anew
 MIN_TIME = 0.45  # laps one way and the other, and a meeting each, before the team is counted
-MIN_PROGRESS = 0.5  # laps onwards in every CHECK_LAPS that show that the way round is free
-CHECK_LAPS = 3.0
+MIN_PROGRESS = 0.25  # laps onwards in every CHECK_LAPS that show that the way round is free
+CHECK_LAPS = 1.5
 REST_LAPS = 0.5
 """Without a random reversal after any turn: meanwhile the turn, which all robots met pass on, has
 gone round the border at twice the patrol speed, and the gaps are even again."""
@@ -213,7 +213,7 @@ class EvenGaps:
         elif t >= self._check_at:
             if self._progress < MIN_PROGRESS * self._border.length:
                 self._given = None
-                self._counting_laps = min(2.0 * self._counting_laps, LONGEST_COUNTING_LAPS)
+                self._counting_laps = LONGEST_COUNTING_LAPS
                 self._start_counting(t)
             self._restart_check(t)
 

@@ -247,8 +247,7 @@ class EvenGapsOfMany:
                 continue
             if self._progress[robot] < even_gaps.MIN_PROGRESS * self._feet.length:
                 self._given[robot] = _UNKNOWN
-                longer = 2.0 * float(self._counting_laps[robot])
-                self._counting_laps[robot] = min(longer, even_gaps.LONGEST_COUNTING_LAPS)
+                self._counting_laps[robot] = even_gaps.LONGEST_COUNTING_LAPS
                 self._start_counting(robot, t)
             self._restart_check(robot, t)
 
