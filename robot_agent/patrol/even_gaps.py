@@ -33,12 +33,11 @@ from robot_agent.patrol.turn_log import Turn, TurnCause, TurnLog
 
 COUNTING_LAPS = 1.5  # of patrol by the rules alone, before the team is counted
 LONGEST_COUNTING_LAPS = 12.0  # when the way round proves blocked repeatedly
-SLACK = 1.0  # of the gap to leave: a robot met at that distance was where it should be
 TOLERANCE = 0.15  # of the gap ahead, within which it counts as even
 COUNT_LIFETIME = 3600.0  # s after which the team is counted anew
 MIN_TIME = 0.45  # laps one way and the other, and a meeting each, before the team is counted
-MIN_PROGRESS = 0.5  # laps onwards in every CHECK_LAPS that show that the way round is free
-CHECK_LAPS = 3.0
+MIN_PROGRESS = 0.25  # laps onwards in every CHECK_LAPS that show that the way round is free
+CHECK_LAPS = 1.5
 REST_LAPS = 0.5
 """Without a random reversal after any turn: meanwhile the turn, which all robots met pass on, has
 gone round the border at twice the patrol speed, and the gaps are even again."""
@@ -214,7 +213,7 @@ class EvenGaps:
         elif t >= self._check_at:
             if self._progress < MIN_PROGRESS * self._border.length:
                 self._given = None
-                self._counting_laps = min(2.0 * self._counting_laps, LONGEST_COUNTING_LAPS)
+                self._counting_laps = LONGEST_COUNTING_LAPS
                 self._start_counting(t)
             self._restart_check(t)
 
@@ -228,7 +227,7 @@ class EvenGaps:
         if self.team is None:
             return t >= self._probe_at  # no meeting for long: search the other direction
         if self._direction == COUNTER_CLOCKWISE:
-            even = self._border.length / self.team * SLACK
+            even = self._border.length / self.team
             return (self._sent_back and self._gap_left(t) >= even) or t >= self._probe_at
         if t < self._probe_at or self._probes == 0 or self._is_even():
             return False

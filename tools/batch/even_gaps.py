@@ -247,8 +247,7 @@ class EvenGapsOfMany:
                 continue
             if self._progress[robot] < even_gaps.MIN_PROGRESS * self._feet.length:
                 self._given[robot] = _UNKNOWN
-                longer = 2.0 * float(self._counting_laps[robot])
-                self._counting_laps[robot] = min(longer, even_gaps.LONGEST_COUNTING_LAPS)
+                self._counting_laps[robot] = even_gaps.LONGEST_COUNTING_LAPS
                 self._start_counting(robot, t)
             self._restart_check(robot, t)
 
@@ -262,7 +261,7 @@ class EvenGapsOfMany:
         counted = team != _UNKNOWN
         even = self._feet.length / np.maximum(team, 1)
         back = self._direction[some] == COUNTER_CLOCKWISE
-        wide = self._sent_back[some] & (self._gap_left(some, t) >= even * even_gaps.SLACK)
+        wide = self._sent_back[some] & (self._gap_left(some, t) >= even)
         probes = counted & ~back & due & (self._probes[some] > 0) & keeps & ~self._are_even(some)
         self._probes[some[probes]] -= 1
         turns = np.where(counted, np.where(back, wide | due, probes), due)
