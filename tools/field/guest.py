@@ -40,14 +40,18 @@ class Guest:
         """Disconnect."""
         self._channel.close()
 
-    def attempt(self, command: str, limit: float = 120.0) -> Done:
-        """Run shell lines; limit: s of the guest's clock, then TrialError is raised."""
+    def begin(self, command: str) -> int:
+        """Start shell lines, as those that end the machine; return the number of their process."""
         line = f"{_HOME}\n{command}"
         how = {"path": "/bin/bash", "arg": ["-c", line], "capture-output": True}
-        started = self._channel.ask("guest-exec", how)
+        return int(self._channel.ask("guest-exec", how)["pid"])
+
+    def attempt(self, command: str, limit: float = 120.0) -> Done:
+        """Run shell lines; limit: s of the guest's clock, then TrialError is raised."""
+        number = self.begin(command)
         deadline = self._clock.now() + limit
         while True:
-            state = self._channel.ask("guest-exec-status", {"pid": started["pid"]})
+            state = self._channel.ask("guest-exec-status", {"pid": number})
             if state["exited"]:
                 break
             if self._clock.now() > deadline:

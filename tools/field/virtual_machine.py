@@ -128,7 +128,7 @@ class VirtualMachine:
 
     def shut_down(self) -> None:
         """Shut the system down, then switch off; raises TrialError if it does not end."""
-        self.guest.run("systemctl --no-block poweroff")
+        self.guest.begin("systemctl --no-block poweroff")  # it may be off before the answer
         deadline = time.monotonic() + _END_S / self._clock.rate
         while self._process.poll() is None:
             if time.monotonic() > deadline:
