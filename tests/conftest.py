@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,9 @@ import pytest
 from tools.fixed_arithmetic import fix_arithmetic
 
 fix_arithmetic()  # as the program does, before numpy is imported
+# Programs that tests start inherit what is ignored, as by a shell that runs the tests with "&".
+signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 LONG_TEST_S = 1200
 """Limit of a test that takes minutes; all others have that of pyproject.toml."""

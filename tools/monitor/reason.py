@@ -31,6 +31,7 @@ OVERRIDE_WORDS: dict[str, str] = {
     OverrideReason.WAIT: "waits briefly, not to turn in step with others",
     OverrideReason.CLOSING_IN: "comes slowly closer than usual",
     OverrideReason.EVEN_GAPS: "for even gaps",
+    OverrideReason.COMMON_TURNS: "in step with the team",
 }
 HOLDING_REASONS = DENIALS | STANDING
 """Reasons of the gate that can stop a robot, not merely slow it."""

@@ -86,7 +86,7 @@ def test_numbers_equal_those_of_the_run(report: Path) -> None:
 
 def test_turns_are_told_with_their_cause(report: Path) -> None:
     found = json.loads((report / "report.json").read_text())
-    assert [robot["turns"] for robot in found["robots"]] == [{"teammate": 1}, {"teammate": 1}]
+    assert [robot["turns"]["teammate"] for robot in found["robots"]] == [1, 1]
     assert [robot["overrides"] for robot in found["robots"]] == [{}, {}]
     assert "from a teammate ahead" in (report / "report.html").read_text()
 
