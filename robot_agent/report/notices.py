@@ -25,6 +25,7 @@ TURN_WORDS: dict[str, str] = {
     TurnCause.CHANCE: "by chance",
     TurnCause.BLOCKAGE: "from an object on its way",
     TurnCause.EVEN_GAPS: "for even gaps",
+    TurnCause.COMMON: "together with the team",
 }
 """Why a robot turned back, by the cause in its decision."""
 TRAVEL_WORDS: dict[str, str] = {
