@@ -9,12 +9,12 @@ import pytest
 
 from robot_agent.config import ConfigError
 from robot_agent.patrol.settings import DEFAULT_MODIFIERS
+from tests.tools.studies.study_result import result_of
 from tools.commands import study as command
 from tools.simulation.truth.truth import TruthError
 from tools.studies.study import (
     Case,
     Result,
-    Run,
     StudyError,
     bench_run,
     configuration,
@@ -132,22 +132,7 @@ def test_interval_of_the_mean() -> None:
 def test_table_has_a_row_of_summaries_per_case() -> None:
     def result(probability: float, seed: int, worst: float | None) -> Result:
         case = Case((("patrol.reversal_probability", probability),))
-        figures = {
-            "idleness_s": {"average": worst, "worst": worst},
-            "unpredictability": {"per_place_bit": None, "conditional_bit": None},
-            "settled": {
-                "idleness_s": {"average": worst, "worst": worst},
-                "unpredictability": {"per_place_bit": None, "conditional_bit": None},
-            },
-            "interferences": 0,
-            "meetings": [],
-            "border_distance_m": {"p99": None, "max": None},
-            "closest_m": None,
-            "longest_avoid_s": 0.0,
-            "gate_stops": 0,
-            "contacts": 0,
-        }
-        return Result(Run(case, seed, "x", "border", 1.0), figures)
+        return result_of(case, seed, worst)
 
     rows = table([result(0.0, 1, 10.0), result(0.5, 1, None), result(0.0, 2, 14.0)])
     first, second = rows.values()

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import cv2
 import pytest
 
+from tests.tools.studies.study_result import result_of
 from tools.commands.study import print_table
 from tools.studies.case_names import CaseNames
-from tools.studies.study import Case, Result, Run
+from tools.studies.study import Case, Result
 from tools.studies.study_difference import differences, write_differences
 from tools.studies.study_plot import FORMATS, plot_figures, plot_study
 from tools.studies.study_table import table
@@ -23,28 +23,10 @@ CASES = [
 ]
 
 
-def result(case: Case, seed: int, worst: float | None) -> Result:
-    idleness = {"idleness_s": {"average": worst, "worst": worst}}
-    bits = {"unpredictability": {"per_place_bit": None, "conditional_bit": None}}
-    figures: dict[str, Any] = {
-        **idleness,
-        **bits,
-        "settled": {**idleness, **bits},
-        "interferences": 0,
-        "meetings": [],
-        "border_distance_m": {"p99": None, "max": None},
-        "closest_m": None,
-        "longest_avoid_s": 0.0,
-        "gate_stops": 0,
-        "contacts": 0,
-    }
-    return Result(Run(case, seed, "x", "border", 1.0), figures)
-
-
 def results() -> list[Result]:
     """Return runs that differ by 100 s and more a seed, and by 10 s a probability."""
     return [
-        result(case, seed, 100.0 * seed + 10.0 * CASES.index(case) + seed * seed)
+        result_of(case, seed, 100.0 * seed + 10.0 * CASES.index(case) + seed * seed)
         for seed in (1, 2, 3)
         for case in CASES
     ]
@@ -66,7 +48,7 @@ def test_study_without_variation_has_one_column() -> None:
     names = CaseNames([Case((("robots", 3),))])
     assert (names.title, names.column_key) == ("robots 3", "")
     assert names.column(Case((("robots", 3),))) == "all"
-    assert differences([result(Case((("robots", 3),)), 1, 2.0)], names) == []
+    assert differences([result_of(Case((("robots", 3),)), 1, 2.0)], names) == []
 
 
 def test_differences_are_paired_by_seed(tmp_path: Path) -> None:
@@ -88,7 +70,12 @@ def test_differences_are_paired_by_seed(tmp_path: Path) -> None:
 
 def test_seed_without_a_figure_is_no_pair() -> None:
     one, two = CASES[0], CASES[1]
-    runs = [result(one, 1, 5.0), result(two, 1, 7.0), result(one, 2, 5.0), result(two, 2, None)]
+    runs = [
+        result_of(one, 1, 5.0),
+        result_of(two, 1, 7.0),
+        result_of(one, 2, 5.0),
+        result_of(two, 2, None),
+    ]
     (found,) = differences(runs, CaseNames([one, two]))
     worst = found.figures["idleness_worst_s"]
     assert worst is not None
