@@ -32,6 +32,7 @@ from localization.health import (
 from localization.kld import SampleLimits
 from localization.map_search import MapSearch
 from localization.matching import Hypothesis, Matching
+from localization.refinement import Refined
 from localization.resampling import effective_sample_size
 from localization.rival import Rival, is_same
 from localization.scan_check import Fit
@@ -355,7 +356,7 @@ class Localizer:
         inside.weigh(points, information * INDEPENDENT_BEAMS)
         needed = max(window.least_fit, hypothesis.fit.whole + WINDOW_GAIN)
         covariance = np.diag(np.square(_WINDOW_STEP * np.minimum(spread, WINDOW.reach)))
-        best: Hypothesis | None = None
+        best: tuple[Refined, Fit] | None = None
         for start in _apart(inside.belief, WINDOW_TRIED):
             refined = self._matching.refinement.refine(start, covariance, points)
             fit = None if refined is None else self._matching.check.fit(refined.pose, points)
@@ -364,10 +365,12 @@ class Localizer:
             # At a wrong pose beams cross mapped walls.
             crossing = self._matching.check.wall_crossing(refined.pose, points)
             if crossing <= LOCALIZED_WALL_CROSSING:
-                needed = fit.whole
-                cluster = best_cluster(inside.particles, inside.weights)
-                best = Hypothesis(cluster, refined, refined.pose, fit, relocated=True)
-        return None if best is None else (best, inside.belief)
+                needed, best = fit.whole, (refined, fit)
+        if best is None:
+            return None
+        refined, fit = best
+        cluster = best_cluster(inside.particles, inside.weights)
+        return Hypothesis(cluster, refined, refined.pose, fit, relocated=True), inside.belief
 
     def _restart_alternatives(self, points: NDArray[np.float64]) -> None:
         """Search alternatives from this scan on, as odometry does not lead to the pose."""

@@ -40,12 +40,11 @@ class TeammateKeepOut:
         from driving into it but never from turning away; of robots that are ``passing`` (n,), None
         for none, only those within the footprint: a turn can wait until they have passed.
         """
-        points = middles[:, None, :] + self.radius * CIRCLE
-        flat = points.reshape(-1, 2)
-        kept = np.hypot(flat[:, 0], flat[:, 1]) > self.own
+        points = (middles[:, None, :] + self.radius * CIRCLE).reshape(-1, 2)
+        kept = np.hypot(points[:, 0], points[:, 1]) > self.own
         if passing is not None:
-            kept |= passing.repeat(_STEPS) & ~self._footprint.covers(flat)
-        return flat[kept]
+            kept |= passing.repeat(_STEPS) & ~self._footprint.covers(points)
+        return points[kept]
 
 
 def _whole_centimetres(metres: float) -> float:

@@ -10,6 +10,7 @@ the secret still cannot tell what comes.
 
 from __future__ import annotations
 
+import copy
 import math
 
 import numpy as np
@@ -58,8 +59,7 @@ class CommonSchedule:
 
     def going_on(self, rng: np.random.Generator) -> CommonSchedule:
         """Return a schedule with the same turns so far, and others from now on."""
-        other = CommonSchedule.__new__(CommonSchedule)
-        other.__dict__.update(self.__dict__)
+        other = copy.copy(self)
         other._rng, other._made = rng, list(self._made)
         other._visited = self._visited.copy()
         return other

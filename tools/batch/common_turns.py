@@ -101,10 +101,12 @@ class CommonTurnsOfMany:
             for robot in range(run, run + team):
                 self._secrets[robot] = f"{seed}/{run}"
                 schedule = self._schedules[robot]
-                if schedule is not None:
+                if schedule is None:
+                    continue
+                if id(schedule) not in replaced:
                     rng = np.random.default_rng((seed, run))
-                    other = replaced.setdefault(id(schedule), schedule.going_on(rng))
-                    self._schedules[robot] = other
+                    replaced[id(schedule)] = schedule.going_on(rng)
+                self._schedules[robot] = replaced[id(schedule)]
 
     def _join(self, robot: int, period: int) -> None:
         team = int(self._even.team[robot])

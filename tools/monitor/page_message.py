@@ -47,21 +47,17 @@ def robot_message(watch: Watch, robot: RobotState, since: int) -> dict[str, Any]
         "why": _text(watch.site.words.explained(watch.made(robot, partial(why, robot, now)) or "")),
         "turned": _text(watch.made(robot, partial(turn_words, robot, now)) or ""),
     }
-    for stream, make in _PARTS.items():
+    events: Callable[[RobotState], Any] = partial(_events, watch.site.words)
+    for stream, make in (*_PARTS.items(), ("event", events)):
         if robot.versions.get(stream, 0) > since and stream in robot.payloads:
-            part = watch.made(robot, partial(_encoded, make, robot, watch.site.words))
+            part = watch.made(robot, partial(_encoded, make, robot))
             if part is not None:
                 message[stream] = part
     return message
 
 
-def _encoded(
-    make: Callable[[RobotState], Any], robot: RobotState, words: PlaceWords
-) -> msgspec.Raw:
-    part = make(robot)
-    if make is _events:
-        part = [[*entry[:3], words.explained(entry[3])] for entry in part]
-    return msgspec.Raw(msgspec.json.encode(part))
+def _encoded(make: Callable[[RobotState], Any], robot: RobotState) -> msgspec.Raw:
+    return msgspec.Raw(msgspec.json.encode(make(robot)))
 
 
 def _text(words: str) -> str:
@@ -219,9 +215,14 @@ def _process(robot: RobotState) -> dict[str, Any]:
     }
 
 
-def _events(robot: RobotState) -> list[list[Any]]:
+def _events(words: PlaceWords, robot: RobotState) -> list[list[Any]]:
     return [
-        [round(event.wall, 1), event.log.level, _text(event.log.name), _text(event.log.message)]
+        [
+            round(event.wall, 1),
+            event.log.level,
+            _text(event.log.name),
+            words.explained(_text(event.log.message)),
+        ]
         for event in robot.events
     ]
 
@@ -234,7 +235,6 @@ _PARTS: dict[str, Callable[[RobotState], Any]] = {
     "particles": _particles,
     "tracks": _tracks,
     "process": _process,
-    "event": _events,
 }
 
 
