@@ -20,6 +20,8 @@ from tools.metrics.wreck import Wreck
 
 ARRIVED_M = 0.10
 MEETING_M = 2.5
+STUCK_S = 20.0
+"""Robots together for longer when the run ends have not ended their meeting, s. Ours."""
 INTERFERENCE_M = 2.0
 INTERFERENCE_PAUSE_S = 10.0
 """Time after which an interference of the same pair counts again, s (patrolling_sim)."""
@@ -49,6 +51,7 @@ class Meeting:
     actions: tuple[str, str]
     """The strongest reaction of each robot during the meeting."""
     closest_m: float
+    lasted_s: float
     parted: bool
     """Whether they separated before the run ended."""
     crossed: bool
@@ -58,7 +61,7 @@ class Meeting:
     def outcome(self) -> str:
         """The meeting's outcome, for people."""
         if not self.parted:
-            return "still together"
+            return "cut off" if self.lasted_s < STUCK_S else "still together"
         if Action.AVOID_TEAMMATE in self.actions:
             return "avoided"
         if self.crossed:
@@ -173,6 +176,7 @@ def _meetings_of(border: Border, a: RobotRun, b: RobotRun) -> list[Meeting]:
                 robots=(a.name, b.name),
                 actions=actions,
                 closest_m=float(distance[start:end].min()),
+                lasted_s=float(a.t[end - 1] - a.t[start]),
                 parted=bool(end < distance.size),
                 crossed=_ahead(border, a, b, start) * _ahead(border, a, b, end - 1) < 0.0,
             )

@@ -116,11 +116,14 @@ def test_robots_that_change_places_pass_each_other(border: Border) -> None:
     assert meeting.outcome == "passed by"
 
 
-def test_meeting_at_the_end_of_the_run_has_not_parted(border: Border) -> None:
-    a = run_along(border, np.full(5, 10.0), action=Action.AVOID_TEAMMATE)
-    b = run_along(border, np.full(5, 12.0), name="robot2")
+@pytest.mark.parametrize(("steps", "outcome"), [(5, "cut off"), (250, "still together")])
+def test_meeting_at_the_end_of_the_run_is_cut_off_unless_it_lasted(
+    border: Border, steps: int, outcome: str
+) -> None:
+    a = run_along(border, np.full(steps, 10.0), action=Action.AVOID_TEAMMATE)
+    b = run_along(border, np.full(steps, 12.0), name="robot2")
     (meeting,) = meetings(border, [a, b])
-    assert meeting.outcome == "still together"
+    assert meeting.outcome == outcome
 
 
 def test_figures_have_the_keys_scripts_rely_on(border: Border) -> None:
