@@ -50,7 +50,7 @@ class Residual:
 @dataclass(frozen=True, slots=True)
 class GeometryFit:
     """Fitted geometry with its standard deviations, residuals of the start and of the fit, number
-    of pairs of scans.
+    of pairs of scans, way driven, m.
 
     sigma: of the mount's x, y, m, and theta, rad; of the factors on left wheel, right wheel, track.
     """
@@ -60,6 +60,14 @@ class GeometryFit:
     before: Residual
     after: Residual
     pairs: int
+    way: float
+
+    def way_for(self, wanted: float) -> float:
+        """Return how long a drive gives the factors on both wheels a standard deviation, m.
+
+        Slip is independent from metre to metre: its mean falls with the root of the way.
+        """
+        return self.way * (max(self.sigma[3:5]) / wanted) ** 2
 
 
 def fit_geometry(
@@ -93,7 +101,12 @@ def fit_geometry(
         upside_down=mirrored,
     )
     return GeometryFit(
-        geometry, sigma, before.residual(start), problem.residual(found), len(motions)
+        geometry,
+        sigma,
+        before.residual(start),
+        problem.residual(found),
+        len(motions),
+        way=float(np.abs(way).sum()),
     )
 
 

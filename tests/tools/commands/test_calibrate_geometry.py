@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -64,6 +65,21 @@ def test_a_drive_recorded_with_the_calibration_needs_no_other(tmp_path: Path) ->
     assert main(["calibrate", "odometry", str(again), "--robot", str(robot)]) == 0
     found = load_config(robot).base.wheel_scale
     assert found == pytest.approx([1.0 / scale for scale in COUNTED], rel=0.003)
+
+
+def test_a_drive_too_short_for_its_slip_says_how_long_a_one_is_needed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    truth = truth_file(tmp_path, MOUNT, upside_down=False, slips=True)
+    slipped = record_drive(tmp_path, truth)
+    assert main(["calibrate", "odometry", str(slipped)]) == 0
+    advice = re.search(
+        r"for wheels \+- 0.15 % drive (\d+) m instead of (\d+)", capsys.readouterr().err
+    )
+    assert advice is not None
+    needed, driven = map(int, advice.groups())
+    assert driven == pytest.approx(7, abs=1)
+    assert 2 * driven < needed < 30 * driven
 
 
 def test_a_drive_that_turns_one_way_is_refused_in_one_line(
