@@ -44,6 +44,23 @@ def _bits(figures: dict[str, Any], kind: str) -> float | None:
     return value
 
 
+def _meetings_ended(figures: dict[str, Any]) -> float | None:
+    """Return the share of the meetings that ended as the paper tells: turned back or avoided.
+
+    Those that the end of the run cuts off do not count; None without others.
+    """
+    outcomes = [meeting["outcome"] for meeting in figures["meetings"]]
+    ended = [outcome for outcome in outcomes if outcome != "cut off"]
+    well = sum(outcome in {"turned back", "avoided"} for outcome in ended)
+    return well / len(ended) if ended else None
+
+
+def _arrived(figures: dict[str, Any]) -> float:
+    """Return the share of the robots that came to the border."""
+    reached: list[float | None] = figures["reach_s"]
+    return sum(each is not None for each in reached) / len(reached)
+
+
 COLUMNS: dict[str, Extract] = {
     "idleness_average_s": lambda figures: figures["idleness_s"]["average"],
     "idleness_worst_s": lambda figures: figures["idleness_s"]["worst"],
@@ -55,6 +72,8 @@ COLUMNS: dict[str, Extract] = {
     "settled_conditional_bit": lambda figures: _bits(figures["settled"], "conditional_bit"),
     "interferences": lambda figures: figures["interferences"],
     "meetings": lambda figures: len(figures["meetings"]),
+    "meetings_ended": _meetings_ended,
+    "arrived": _arrived,
     "border_distance_p99_m": lambda figures: figures["border_distance_m"]["p99"],
     "border_distance_max_m": lambda figures: figures["border_distance_m"]["max"],
     "closest_m": lambda figures: figures["closest_m"],

@@ -17,6 +17,7 @@ def result_of(case: Case, seed: int, worst: float | None) -> Result:
         "settled": {**idleness, **bits},
         "interferences": 0,
         "meetings": [],
+        "reach_s": [0.0],
         "border_distance_m": {"p99": None, "max": None},
         "closest_m": None,
         "longest_avoid_s": 0.0,
