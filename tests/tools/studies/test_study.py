@@ -24,6 +24,7 @@ from tools.studies.study import (
 from tools.studies.study_cluster import ClusterError
 from tools.studies.study_table import summarize, table
 
+STUDIES = Path(command.__file__).parents[1] / "studies"
 SMALL = """
 [study]
 duration = 4.0
@@ -235,3 +236,8 @@ def test_a_changed_setting_that_does_not_exist_is_named(tmp_path: Path) -> None:
     path.write_text("[study]\nseeds = 1\n")
     with pytest.raises(ConfigError, match=r"patrol\.magic: unknown key"):
         read_study(path, ["patrol.magic=1"])
+
+
+@pytest.mark.parametrize("path", sorted(STUDIES.glob("*.toml")), ids=lambda path: path.stem)
+def test_every_shipped_study_is_in_order(path: Path) -> None:
+    assert read_study(path, truth="rough").runs
