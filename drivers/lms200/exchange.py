@@ -67,6 +67,11 @@ class Exchange:
         return self._framer.counters.discarded_bytes != self._noise_before
 
     @property
+    def heard(self) -> bool:
+        """Whether an ACK or a telegram has come since the command was sent."""
+        return self.is_acknowledged or self._framer.counters.good != self._good_before
+
+    @property
     def only_noise(self) -> bool:
         """Whether bytes arrived but no telegram: most likely sent at another rate."""
         received = self._framer.pending or self.amid_noise

@@ -94,6 +94,7 @@ class Lms200Session:
         self._watch = HealthWatch()
         self._requests: list[Request] = []
         self._rates: list[int] = []
+        self._thorough = 0  # of the rates left, the last ones, which get all tries
         self._streamed_at: int | None = None  # the rate at which scans last came
         self._status: DeviceStatus | None = None
         self._variant = settings.variant  # of the laser: sub-ranges count its beams
@@ -243,7 +244,7 @@ class Lms200Session:
         elif self.state is SessionState.STREAMING:
             silent = f"no scan for {self._settings.silence:g} s"
             self._start_over(self._with_health(silent), t)
-        elif self.state is SessionState.SEARCHING and self._exchange.only_noise and self._rates:
+        elif self.state is SessionState.SEARCHING and self._rates and self._is_unlikely:
             self._try_next_rate(t)
         elif self._exchange.tries_left:
             # While it is looked for, silence is what most rates and dialects answer with.
@@ -291,7 +292,11 @@ class Lms200Session:
 
     def _search(self, first_baud: int, t: float) -> None:
         self.counters.searches += 1
-        self._rates = rates_to_try(first_baud, self._settings.baud, self._streamed_at)
+        rates = rates_to_try(first_baud, self._settings.baud, self._streamed_at)
+        # A laser just switched on has its own rate, not the wanted one: a quick look at each first.
+        glances = rates if self._streamed_at is None else []
+        self._rates = [*glances, *rates]
+        self._thorough = len(rates)
         self._watch.restart()
         self._rate_ordered = False
         self._try_next_rate(t)
@@ -303,6 +308,13 @@ class Lms200Session:
             return
         self._set_baud(self._rates.pop(0))
         self._request(SessionState.SEARCHING, telegrams.SELECT_ON_REQUEST, t, MODE_LIMIT)
+
+    @property
+    def _is_unlikely(self) -> bool:
+        """Whether a search leaves its rate before all tries: for noise, or in the first sweep."""
+        if self._exchange.only_noise:
+            return True
+        return len(self._rates) >= self._thorough and not self._exchange.heard
 
     def _set_baud(self, baud: int) -> None:
         self.baud = baud

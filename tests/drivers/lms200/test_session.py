@@ -57,7 +57,7 @@ def test_fresh_laser_is_found_at_9600_and_set_up_in_order(line: Any) -> None:
     wire.connect()
     assert wire.run_until(STREAMING, limit=6.0) < 4.0
     assert sent_codes(wire) == (
-        ["2025"] * 3  # at 38400, where no laser answers
+        ["2025"]  # at 38400, where no laser answers
         + ["2025", "2040", "3a", "31", "32", "3b", "74", "2000", "77", "2024"]
     )
     assert wire.host_baud == emulator.baud == 38400
@@ -182,6 +182,41 @@ def test_power_on_telegram_starts_over_at_its_rate(line: Any) -> None:
     assert wire.session.state is not STREAMING
     assert wire.run_until(STREAMING, limit=1.0) < 1.0
     assert wire.session.counters.timeouts == 0
+
+
+def test_laser_that_misses_its_first_look_is_found_in_the_next_sweep(line: Any) -> None:
+    emulator = Lms200Emulator(scan_source=Corner())
+    wire = line(laser(), emulator)
+    missed: list[bytes] = []
+
+    def miss_the_first_at_9600(data: bytes) -> bytes:
+        if wire.host_baud == 9600 and not missed:
+            missed.append(data)
+            return b""
+        return data
+
+    wire.spoil = miss_the_first_at_9600
+    wire.connect()
+    assert wire.run_until(STREAMING, limit=6.0) < 5.0
+    assert wire.session.counters.searches == 1
+
+
+def test_streaming_laser_that_misses_a_look_is_asked_again_at_its_rate(line: Any) -> None:
+    emulator = Lms200Emulator(scan_source=Corner(), baud=38400)
+    first = line(laser(), emulator)
+    first.connect()
+    first.run_until(STREAMING, limit=3.0)
+    wire = line(laser(), emulator)
+    rates: list[int] = []
+
+    def miss_the_first(data: bytes) -> bytes:
+        rates.append(wire.host_baud)
+        return data if len(rates) > 1 else b""
+
+    wire.spoil = miss_the_first
+    wire.connect()
+    wire.run_until(STREAMING, limit=3.0)
+    assert set(rates) == {38400}
 
 
 def test_absent_laser_is_searched_for_until_it_answers(line: Any) -> None:
