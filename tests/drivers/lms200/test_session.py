@@ -56,10 +56,9 @@ def test_fresh_laser_is_found_at_9600_and_set_up_in_order(line: Any) -> None:
     wire = line(laser(), emulator)
     wire.connect()
     assert wire.run_until(STREAMING, limit=6.0) < 4.0
-    assert sent_codes(wire) == (
-        ["2025"]  # at 38400, where no laser answers
-        + ["2025", "2040", "3a", "31", "32", "3b", "74", "2000", "77", "2024"]
-    )
+    at_38400, at_9600 = ["2025"], ["2025", "2040"]
+    set_up = ["3a", "31", "32", "3b", "74", "2000", "77", "2024"]
+    assert sent_codes(wire) == [*at_38400, *at_9600, *set_up]
     assert wire.host_baud == emulator.baud == 38400
     assert emulator.state.variant == Variant(180, 100)
     assert (emulator.state.configuration.measuring_mode, emulator.state.configuration.units) == (
