@@ -21,14 +21,13 @@ from drivers.lms200.health import LaserHealth
 from drivers.lms200.health_watch import HealthWatch
 from drivers.lms200.measured_parts import OUTPUT_CODES, decode_output, stream_command
 from drivers.lms200.measurement import MEASURING_MODES
+from drivers.lms200.rate_search import COMMON_RATES, RateSearch
 from drivers.lms200.scan import scan_of
 from drivers.lms200.settings import LaserSettings
 from drivers.lms200.telegrams import Configuration, DeviceStatus, VariantReply
 from drivers.mounting import Mounting, as_mounted
 from drivers.requests import Request, SetBaud, Write
 from drivers.scan import Scan
-
-COMMON_BAUDS = (38400, 9600, 19200, 500000)
 
 REPLY_LIMIT = 1.0  # s after the ACK
 MODE_LIMIT = 3.0  # s, mode changes
@@ -82,7 +81,6 @@ class Lms200Session:
 
     def __init__(self, settings: LaserSettings) -> None:
         self.state = SessionState.DOWN
-        self.baud: int = settings.baud
         self.identity: str | None = None
         self.trouble: str | None = None
         self.counters = LaserCounters()
@@ -93,9 +91,7 @@ class Lms200Session:
         self._exchange = Exchange(self.framer)
         self._watch = HealthWatch()
         self._requests: list[Request] = []
-        self._rates: list[int] = []
-        self._thorough = 0  # of the rates left, the last ones, which get all tries
-        self._streamed_at: int | None = None  # the rate at which scans last came
+        self._rates = RateSearch(settings.baud)
         self._status: DeviceStatus | None = None
         self._variant = settings.variant  # of the laser: sub-ranges count its beams
         self._last_received = 0.0
@@ -120,6 +116,11 @@ class Lms200Session:
     def health(self) -> LaserHealth | None:
         """The laser's condition as it reports it; None until the first report."""
         return self._watch.health
+
+    @property
+    def baud(self) -> int:
+        """The present rate of the line."""
+        return self._rates.baud
 
     @property
     def manner(self) -> str:
@@ -226,7 +227,7 @@ class Lms200Session:
             return []
         self._watch.on_scan_status(measurement.status)
         self.state = SessionState.STREAMING
-        self._streamed_at = self.baud
+        self._rates.on_scan()
         self.counters.scans += 1
         self._exchange.deadline = t + self._settings.silence
         byte_time = _BITS_PER_BYTE / self.baud
@@ -244,7 +245,7 @@ class Lms200Session:
         elif self.state is SessionState.STREAMING:
             silent = f"no scan for {self._settings.silence:g} s"
             self._start_over(self._with_health(silent), t)
-        elif self.state is SessionState.SEARCHING and self._rates and self._is_unlikely:
+        elif self.state is SessionState.SEARCHING and self._is_unlikely and not self._rates.ends:
             self._try_next_rate(t)
         elif self._exchange.tries_left:
             # While it is looked for, silence is what most rates and dialects answer with.
@@ -292,32 +293,29 @@ class Lms200Session:
 
     def _search(self, first_baud: int, t: float) -> None:
         self.counters.searches += 1
-        rates = rates_to_try(first_baud, self._settings.baud, self._streamed_at)
-        # A laser just switched on has its own rate, not the wanted one: a quick look at each first.
-        glances = rates if self._streamed_at is None else []
-        self._rates = [*glances, *rates]
-        self._thorough = len(rates)
+        self._rates.restart(first_baud)
         self._watch.restart()
         self._rate_ordered = False
         self._try_next_rate(t)
 
     def _try_next_rate(self, t: float) -> None:
-        if not self._rates:
-            rates = ", ".join(map(str, COMMON_BAUDS))
+        if self._rates.ends:
+            rates = ", ".join(map(str, COMMON_RATES))
             self._start_over(f"no laser answers at {rates} baud: check its power and cable", t)
             return
-        self._set_baud(self._rates.pop(0))
+        self._rates.advance()
+        self._set_baud(self.baud)
         self._request(SessionState.SEARCHING, telegrams.SELECT_ON_REQUEST, t, MODE_LIMIT)
 
     @property
     def _is_unlikely(self) -> bool:
-        """Whether a search leaves its rate before all tries: for noise, or in the first sweep."""
+        """Whether a search leaves its rate before all tries: noise, or a quick look in silence."""
         if self._exchange.only_noise:
             return True
-        return len(self._rates) >= self._thorough and not self._exchange.heard
+        return self._rates.glances and not self._exchange.heard
 
     def _set_baud(self, baud: int) -> None:
-        self.baud = baud
+        self._rates.baud = baud
         self.framer.reset()
         self._requests.append(SetBaud(baud))
 
@@ -434,19 +432,3 @@ class Lms200Session:
             return
         self.state = SessionState.STREAMING
         self._exchange.deadline = t + self._settings.silence
-
-
-def rates_to_try(first: int, wanted: int, streamed_at: int | None) -> list[int]:
-    """Return the rates, baud, at which to search for the laser, in order.
-
-    The rate at which scans last came is tried between any two others: a laser whose cable is
-    plugged in again is still streaming at it.
-    """
-    order = [first]
-    for rate in dict.fromkeys((wanted, *COMMON_BAUDS)):
-        if rate in (first, streamed_at):
-            continue
-        if streamed_at is not None and order[-1] != streamed_at:
-            order.append(streamed_at)
-        order.append(rate)
-    return order
