@@ -39,7 +39,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=whole(), default=1, metavar="N")
     parser.add_argument(
         "--sensing",
-        choices=list(Sensing),
+        choices=[sensing.value for sensing in Sensing],
         default=Sensing.BYTES,
         help="bytes: the real agents, every byte; ideal: the decision layer alone, far faster",
     )

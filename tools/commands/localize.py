@@ -26,7 +26,7 @@ from tools.logs.recorded_scans import recorded_scans
 from tools.logs.recording import read_recording
 from tools.logs.ros_bag import is_ros_bag
 from tools.mapping.map_build import Scans
-from tools.number_range import not_negative, whole
+from tools.number_range import not_negative, share, whole
 from tools.progress import progress_line
 
 _EPILOG = """examples:
@@ -60,9 +60,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="many runs over CARMEN logs and a table of them; may be given several times",
     )
     size = parser.add_mutually_exclusive_group()
-    size.add_argument("--particles", type=_positive, metavar="N", help="a fixed number")
+    size.add_argument("--particles", type=whole(1), metavar="N", help="a fixed number")
     size.add_argument("--kld", action="store_true", help="KLD-adaptive number (the default)")
-    parser.add_argument("--beams", type=_positive, metavar="N", help="beams used per scan")
+    parser.add_argument("--beams", type=whole(1), metavar="N", help="beams used per scan")
     parser.add_argument(
         "--global", dest="anywhere", action="store_true", help="start without an initial pose"
     )
@@ -75,17 +75,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--start-noise", action="store_true", help="start off the true pose")
     parser.add_argument("--first-scan", type=whole(), default=0, metavar="N", help="as LOG:N")
     parser.add_argument("--seed", type=whole(), default=0, metavar="N")
-    parser.add_argument("--seeds", type=_positive, default=20, metavar="N", help="of a study")
-    parser.add_argument("--trials", type=_positive, default=100, metavar="N", help="of a study")
+    parser.add_argument("--seeds", type=whole(1), default=20, metavar="N", help="of a study")
+    parser.add_argument("--trials", type=whole(1), default=100, metavar="N", help="of a study")
     parser.add_argument(
-        "--map-every", type=_positive, default=1, metavar="N", help="study's map: every Nth scan"
+        "--map-every", type=whole(1), default=1, metavar="N", help="study's map: every Nth scan"
     )
     hidden = parser.add_mutually_exclusive_group()
     hidden.add_argument(
-        "--short", type=_share, metavar="SHARE", help="share of a study's beams that end short"
+        "--short", type=share, metavar="SHARE", help="share of a study's beams that end short"
     )
     hidden.add_argument(
-        "--people", type=_share, metavar="SHARE", help="share of its beams that end on people"
+        "--people", type=share, metavar="SHARE", help="share of its beams that end on people"
     )
     add_no_return(parser)
     add_topics(parser)
@@ -218,17 +218,3 @@ def _print_summary(summary: dict[str, object], path: Path | None) -> None:
     if path is not None:
         path.write_text(text + "\n", encoding="utf-8")
     print(text)
-
-
-def _share(text: str) -> float:
-    value = float(text)
-    if not 0.0 < value < 1.0:
-        raise argparse.ArgumentTypeError(f"{text} is not a share between 0 and 1")
-    return value
-
-
-def _positive(text: str) -> int:
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"{text} is not a positive number")
-    return value
