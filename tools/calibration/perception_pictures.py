@@ -15,6 +15,7 @@ from drivers.camera_source import CameraSettings
 from maps.map_folder import map_folder_from_files
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose
+from maps.whole_file import whole_file, write_whole
 from robot_agent.agent import Agent
 from robot_agent.messages.blob import Blob
 from robot_agent.messages.events import BlobsSeen, Event, PictureTaken
@@ -101,7 +102,8 @@ def draw_scan(moment: Moment, path: Path) -> None:
     axes.set_aspect("equal")
     axes.legend(loc="upper right", fontsize=8)
     figure.tight_layout()
-    figure.savefig(path)
+    with whole_file(path) as part:
+        figure.savefig(part)
     plt.close(figure)
 
 
@@ -136,7 +138,7 @@ def draw_picture(moment: Moment, path: Path) -> None:
         _write(picture, words, (corners[0], corners[1] - 6), (0, 255, 255))
     for track in moment.agent.perception.tracker.tracks:
         _mark_track(picture, track, moment.pose, camera, scale, middle)
-    path.write_bytes(cv2.imencode(path.suffix, picture)[1].tobytes())
+    write_whole(path, cv2.imencode(path.suffix, picture)[1].tobytes())
 
 
 def _mark_track(

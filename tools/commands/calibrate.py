@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from drivers.camera import Camera, wait_for_picture
 from drivers.camera_source import CameraSettings
 from drivers.p2os.model_choice import expected_model
+from maps.whole_file import write_whole
 from robot_agent.config import AgentConfig, load_config
 from robot_agent.perception.band_detector import BandDetector
 from robot_agent.perception.color_settings import ColorModelSettings, ColorSettings
@@ -107,7 +108,7 @@ def _color(options: argparse.Namespace) -> int:
     print(f"covariance = {list(model.covariance)}")
     if options.mask:
         shown = mask_picture(pictures[0], config.camera, config.perception.color, model)
-        options.mask.write_bytes(cv2.imencode(".png", shown)[1].tobytes())
+        write_whole(options.mask, cv2.imencode(".png", shown)[1].tobytes())
     if options.robot:
         values = {"mean": list(model.mean), "covariance": list(model.covariance)}
         set_keys(options.robot, "perception.color.band", values)

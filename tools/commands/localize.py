@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 
 from maps.map_folder import MapFolder, load_map_folder
+from maps.whole_file import write_whole
 from robot_agent.config import find_map
 from tools.commands.log_option import add_no_return, add_topics, print_notes, topics_of
 from tools.localize.localize import LocalizeOptions, localize_steps, log_steps, map_of_log
@@ -131,9 +132,9 @@ def _localize(path: Path, first_scan: int, options: argparse.Namespace) -> int:
     summary = result.summary
     if event is not None and all(step.reference is not None for step in steps):
         summary["after_event"] = outcome(result, steps, event).summary
+    _print_summary(summary, options.json)
     if options.csv:
         result.write_csv(options.csv)
-    _print_summary(summary, options.json)
     return 0
 
 
@@ -192,7 +193,7 @@ def _study(paths: list[tuple[Path, int]], options: argparse.Namespace) -> int:
             tables[name] = run_study(name, logs, options.seeds, options.trials, progress)
         print(f"{name}\n{format_table(tables[name])}\n", flush=True)
     if options.json:
-        options.json.write_text(json.dumps(tables, indent=2) + "\n", encoding="utf-8")
+        write_whole(options.json, json.dumps(tables, indent=2) + "\n")
     return 0
 
 
@@ -215,6 +216,6 @@ def _split(word: str, first_scan: int) -> tuple[Path, int]:
 
 def _print_summary(summary: dict[str, object], path: Path | None) -> None:
     text = json.dumps(summary, indent=2)
-    if path is not None:
-        path.write_text(text + "\n", encoding="utf-8")
     print(text)
+    if path is not None:
+        write_whole(path, text + "\n")

@@ -7,6 +7,7 @@ import json
 import sys
 from pathlib import Path
 
+from maps.whole_file import write_whole
 from robot_agent.config import find_map
 from tools.progress import progress_line
 from tools.report.alignment import AlignmentError, align
@@ -81,8 +82,8 @@ def run(options: argparse.Namespace) -> int:
         return 0
     with progress_line("draw", len(SECTIONS), "sections") as progress:
         text = page(team, figures, progress)
-    (options.output / "report.html").write_text(text)
-    (options.output / "report.json").write_text(json.dumps(figures, indent=2) + "\n")
+    write_whole(options.output / "report.html", text)
+    write_whole(options.output / "report.json", json.dumps(figures, indent=2) + "\n")
     print(options.output / "report.html")
     return 0
 

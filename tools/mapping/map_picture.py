@@ -15,6 +15,7 @@ from maps.map_folder import DEFAULT_BORDER, MAP_FILE, MapFolder, load_map_folder
 from maps.occupancy_map import OccupancyMap, load_map
 from maps.place_words import PlaceWords
 from maps.pose import Pose
+from maps.whole_file import write_whole
 from maps.zone import Zone
 from maps.zone_file import load_zones
 
@@ -60,7 +61,7 @@ def draw_map_alone(folder: Path, png: Path, caption: str) -> None:
 
 def _write(picture: NDArray[np.uint8], png: Path) -> None:
     png.parent.mkdir(parents=True, exist_ok=True)
-    png.write_bytes(cv2.imencode(".png", picture)[1].tobytes())
+    write_whole(png, cv2.imencode(".png", picture)[1].tobytes())
 
 
 def render_map(
