@@ -20,6 +20,7 @@ from robot_agent.agent import Agent
 from robot_agent.messages.blob import Blob
 from robot_agent.messages.events import BlobsSeen, Event, PictureTaken
 from robot_agent.perception.identity import Kind
+from robot_agent.perception.jpeg import decode_jpeg
 from robot_agent.perception.scan_points import move_points
 from robot_agent.perception.track import Track
 from tools.logs.recorded_config import recorded_config
@@ -68,13 +69,11 @@ def moment_of(recording: Recording) -> Moment:
                 agent.pose_tracker.localized_pose_at(item.taken),
                 agent.odometry.at(item.taken),
             )
-            if pose is None or odometry is None:
+            picture = decode_jpeg(item.jpeg)
+            if pose is None or odometry is None or picture is None:
                 continue
-            picture = cv2.imdecode(np.frombuffer(item.jpeg, np.uint8), cv2.IMREAD_COLOR)
             points = move_points(agent.surroundings.seen_around(odometry), pose)
-            return Moment(
-                folder.map, agent, pose, points, blobs, np.asarray(picture, dtype=np.uint8)
-            )
+            return Moment(folder.map, agent, pose, points, blobs, picture)
     raise RecordingError(
         f"{recording.path}: no picture was taken, as no intruder came: record with strangers"
     )
