@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drivers.camera_source import (
+    SILENCE_MS,
     CameraError,
     CameraSettings,
     CameraTrouble,
@@ -29,6 +30,8 @@ from drivers.camera_source import (
 
 FIRST_PAUSE = 0.25  # s before the source is opened again; doubles
 LONGEST_PAUSE = 1.0  # s
+BROKEN_IN_A_ROW = 5
+"""Broken pictures after which the source is lost; one costs no other."""
 
 _WAIT = 0.05  # s
 
@@ -60,7 +63,8 @@ class CameraStatus:
 
     trouble, reason: why there are no pictures, as a code and in words with a remedy.
     fixed: the automatic adjustments that are switched off.
-    pictures: pictures received. times_lost: how often the source was lost.
+    pictures: pictures received. times_lost: how often the source was lost. broken: how often a
+    picture could not be read, also at each loss.
     """
 
     state: CameraState
@@ -69,6 +73,7 @@ class CameraStatus:
     fixed: tuple[str, ...]
     pictures: int
     times_lost: int
+    broken: int = 0
 
 
 class CameraListener(Protocol):
@@ -159,12 +164,16 @@ class Camera:
         try:
             fixed = fix_adjustments(capture, self._settings)
             frames = _Pacer(capture, self._clock) if is_file(self._settings.url) else None
-            grabbed = 0
+            grabbed = broken = 0
             while not self._closing.is_set():
+                begun = time.monotonic()
                 there, pixels = capture.read()
                 if there:
                     grabbed += 1
+                    broken = 0
                     self._keep(pixels, fixed)
+                elif frames is None and self._passes_over(time.monotonic() - begun, broken):
+                    broken += 1
                 elif frames is not None and grabbed:
                     self._note(CameraState.ENDED)
                     return
@@ -174,6 +183,18 @@ class Camera:
                     self._closing.wait(frames.until_next())
         finally:
             capture.release()
+
+    def _passes_over(self, waited: float, before: int) -> bool:
+        """Return whether a failure to read after a wait, s, is one broken picture; count it.
+
+        before: broken pictures in a row before this one. A source that has ended fails at once too,
+        again and again.
+        """
+        if before == BROKEN_IN_A_ROW or 1000.0 * waited > SILENCE_MS / 2:
+            return False
+        with self._lock:
+            self._status = replace(self._status, broken=self._status.broken + 1)
+        return True
 
     def _keep(self, pixels: cv2.typing.MatLike, fixed: tuple[str, ...]) -> None:
         with self._lock:

@@ -16,6 +16,8 @@ from drivers.port import CONNECT_LIMIT
 from drivers.port_error import PortTrouble, explain
 
 SILENCE_MS = 2000  # limit for opening and for reading a picture
+LARGEST = 4096 * 4096
+"""Pixels of a picture: the largest that the settings ask for. FFmpeg refuses 2**28 by itself."""
 DEFAULT_PORTS = {"http": 80, "https": 443}
 QUIET = "-8"  # FFmpeg's log level; failures show in the camera's state
 
@@ -33,6 +35,7 @@ class CameraTrouble(StrEnum):
     UNREACHABLE = "unreachable"
     NO_PICTURES = "no pictures"  # the source exists, but is no camera or is in use
     LOST = "lost"  # pictures ceased
+    TOO_LARGE = "too large"
     OTHER = "other"
 
 
@@ -159,6 +162,15 @@ def open_capture(settings: CameraSettings) -> cv2.VideoCapture:
     if not capture.isOpened():
         capture.release()
         raise no_pictures(url)
+    width, height = (
+        int(capture.get(side)) for side in (cv2.CAP_PROP_FRAME_WIDTH, cv2.CAP_PROP_FRAME_HEIGHT)
+    )
+    if width * height > LARGEST:
+        capture.release()
+        raise CameraError(
+            f"pictures from {url} have {width} x {height} pixels: set the camera to smaller ones",
+            CameraTrouble.TOO_LARGE,
+        )
     return capture
 
 

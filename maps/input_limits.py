@@ -31,6 +31,8 @@ MAX_RECORDER_QUEUE_BYTES = 64 * 1024 * 1024
 """Payloads of a team that wait for the disk."""
 MAX_PICTURE_TEXT = 192 * 1024
 """Characters of a picture in a payload, base64."""
+MAX_PICTURE_PIXELS = 4096 * 4096
+"""Pixels of a camera's picture: the largest that a robot asks its camera for."""
 
 MAX_DESCRIPTION_BYTES = 1024 * 1024
 """A text that people write: configuration, map description, border, floor plan."""

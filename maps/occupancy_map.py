@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from maps.image_size import HEAD_BYTES, image_size
 from maps.input_limits import MAX_CELLS, MAX_MAP_NUMBER, MAX_RECORD_BYTES, MAX_WORD
 from maps.pose import Pose
+from maps.whole_file import whole_file
 from maps.yaml_text import YamlError, read_yaml
 
 FREE = 0
@@ -178,9 +179,9 @@ def save_map(occupancy: OccupancyMap, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     pixels = _PIXEL_OF_STATE[occupancy.cells[::-1]]
     rows, cols = pixels.shape
-    (folder / "map.pgm").write_bytes(b"P5\n%d %d\n255\n" % (cols, rows) + pixels.tobytes())
+    image = b"P5\n%d %d\n255\n" % (cols, rows) + pixels.tobytes()
     x, y, theta = (float(value) for value in occupancy.origin)
-    (folder / "map.yaml").write_text(
+    description = (
         "image: map.pgm\n"
         "mode: trinary\n"
         f"resolution: {_yaml_number(occupancy.resolution)}\n"
@@ -188,9 +189,11 @@ def save_map(occupancy: OccupancyMap, folder: Path) -> None:
         "negate: 0\n"
         f"occupied_thresh: {_OCCUPIED_THRESH}\n"
         f"free_thresh: {_FREE_THRESH}\n"
-        f"surface: {occupancy.surface}\n",
-        encoding="utf-8",
+        f"surface: {occupancy.surface}\n"
     )
+    with whole_file(folder / "map.yaml") as described, whole_file(folder / "map.pgm") as drawn:
+        described.write_text(description, encoding="utf-8")
+        drawn.write_bytes(image)
 
 
 def read_description(data: bytes, place: str) -> MapDescription:

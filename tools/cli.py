@@ -18,6 +18,7 @@ from importlib.metadata import version
 from types import FrameType, ModuleType
 from typing import Any
 
+from tools.command_parser import CommandParser
 from tools.computer_check import unfit_computer
 from tools.fixed_arithmetic import fix_arithmetic
 from tools.manual_page import manual_page, subparsers_of
@@ -111,7 +112,7 @@ def end_by_signals() -> None:
 
 def make_parser(command: str | None) -> argparse.ArgumentParser:
     """Return the parser; only the module of the given subcommand is imported and configured."""
-    parser = argparse.ArgumentParser(
+    parser = CommandParser(
         prog="patrol", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--version", action="version", version=version("border-patrol"))

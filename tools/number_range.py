@@ -13,13 +13,15 @@ MOST = 2**31
 def whole(least: int = 0, most: int = MOST) -> Callable[[str], int]:
     """Return an argparse type of whole numbers from ``least`` to ``most``."""
 
+    wanted = f"a whole number from {least} to {most}"
+
     def parse(text: str) -> int:
         try:
             number = int(text)
         except ValueError:
-            raise argparse.ArgumentTypeError(f"{text!r:.40} is no whole number") from None
+            raise _refused(text, "no whole number", wanted) from None
         if not least <= number <= most:
-            raise argparse.ArgumentTypeError(f"{text:.40} is not from {least} to {most}")
+            raise _refused(text, "out of range", wanted)
         return number
 
     return parse
@@ -29,7 +31,7 @@ def positive(text: str) -> float:
     """Parse a number above 0."""
     number = real(text)
     if number <= 0.0:
-        raise argparse.ArgumentTypeError(f"{text:.40} is not above 0")
+        raise _refused(text, "out of range", "a number above 0")
     return number
 
 
@@ -37,24 +39,30 @@ def not_negative(text: str) -> float:
     """Parse a number from 0 on."""
     number = real(text)
     if number < 0.0:
-        raise argparse.ArgumentTypeError(f"{text:.40} is below 0")
+        raise _refused(text, "out of range", "a number from 0 on")
     return number
 
 
 def share(text: str) -> float:
     """Parse a share between 0 and 1, both left out."""
-    number = positive(text)
-    if number >= 1.0:
-        raise argparse.ArgumentTypeError(f"{text:.40} is not below 1")
+    number = real(text)
+    if not 0.0 < number < 1.0:
+        raise _refused(text, "out of range", "a number between 0 and 1")
     return number
 
 
 def real(text: str) -> float:
     """Parse a finite number."""
+    wanted = f"a number from {-LARGEST:g} to {LARGEST:g}"
     try:
         number = float(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r:.40} is no number") from None
+        raise _refused(text, "no number", wanted) from None
     if not (math.isfinite(number) and abs(number) <= LARGEST):
-        raise argparse.ArgumentTypeError(f"{text:.40} is not within {LARGEST:g}")
+        raise _refused(text, "out of range", wanted)
     return number
+
+
+def _refused(text: str, why: str, wanted: str) -> argparse.ArgumentTypeError:
+    """Return the error of a value, in whose words the parser names the option."""
+    return argparse.ArgumentTypeError(f"{text!r:.40} is {why}: give {wanted}")

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from drivers.camera_source import CameraSettings
 from maps.pose import Pose
+from robot_agent.perception.jpeg import decode_jpeg
 from robot_agent.perception.scan_points import move_points
 
 NEAR = 0.8
@@ -37,7 +38,7 @@ def cut_out(jpeg: bytes, camera: CameraSettings, pose: Pose, place: tuple[float,
     map_from_base when it was taken. place: (x, y), m, map frame.
     """
     at = pose.compose(Pose(*camera.mount)).between(Pose(*place, 0.0))
-    picture = cv2.imdecode(np.frombuffer(jpeg, dtype=np.uint8), cv2.IMREAD_COLOR)
+    picture = decode_jpeg(jpeg)
     if picture is None or at.x < 0.2:
         return ""
     rows, columns = picture.shape[:2]

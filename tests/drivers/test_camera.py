@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import resource
+import struct
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -14,7 +16,7 @@ import cv2
 import numpy as np
 import pytest
 
-from drivers.camera import Camera, CameraState, wait_for_picture
+from drivers.camera import BROKEN_IN_A_ROW, Camera, CameraState, wait_for_picture
 from drivers.camera_source import (
     CameraError,
     CameraSettings,
@@ -37,6 +39,8 @@ class PictureServer:
 
     def __init__(self, port: int = 0, period: float = 0.02) -> None:
         self.silent = threading.Event()
+        self.broken: list[bytes] = []  # sent in turn, each after two whole pictures
+        self.whole = True
         self.level = 0
         self.streams = 0
         server = self
@@ -71,6 +75,8 @@ class PictureServer:
     def part(self) -> bytes:
         self.level = (self.level + 1) % 250
         jpeg = cv2.imencode(".jpg", grey(self.level))[1].tobytes()
+        if self.broken and (self.level % 3 == 0 or not self.whole):
+            jpeg = self.broken[self.level // 3 % len(self.broken)]
         head = f"--x\r\nContent-Type: image/jpeg\r\nContent-Length: {len(jpeg)}\r\n\r\n"
         return head.encode() + jpeg + b"\r\n"
 
@@ -82,8 +88,8 @@ class PictureServer:
 
 
 @contextmanager
-def served(port: int = 0) -> Iterator[PictureServer]:
-    server = PictureServer(port)
+def served(port: int = 0, period: float = 0.02) -> Iterator[PictureServer]:
+    server = PictureServer(port, period)
     try:
         yield server
     finally:
@@ -295,3 +301,67 @@ def test_configuration_section_is_parsed() -> None:
         parse_config(b"[camera]\ngain = 1\n", "robot.toml")
     with pytest.raises(ConfigError, match=r"camera\.white_balance"):
         parse_config(b"[camera]\nwhite_balance = 100\n", "robot.toml")
+
+
+JPEG = cv2.imencode(".jpg", np.random.default_rng(1).integers(0, 255, (48, 64, 3), np.uint8))[1]
+
+
+def claiming(width: int, height: int) -> bytes:
+    """Return a picture whose head claims another size."""
+    jpeg = JPEG.tobytes()
+    at = jpeg.index(b"\xff\xc0")
+    return jpeg[: at + 5] + struct.pack(">HH", height, width) + jpeg[at + 9 :]
+
+
+def flipped(jpeg: bytes) -> bytes:
+    """Return a picture with a bit in twenty of its bytes changed."""
+    changed = bytearray(jpeg)
+    for at in np.random.default_rng(2).integers(200, len(changed), 20):
+        changed[at] ^= 0x54
+    return bytes(changed)
+
+
+BROKEN = [
+    np.random.default_rng(3).bytes(500),
+    b"no picture",
+    JPEG.tobytes()[:100],
+    JPEG.tobytes()[:700],
+    flipped(JPEG.tobytes()),
+    claiming(65500, 65500),
+    claiming(15000, 15000),
+    claiming(640, 480),
+    cv2.imencode(".jpg", grey(50)[:, :, 0])[1].tobytes(),
+    cv2.imencode(".jpg", np.zeros((480, 640, 3), np.uint8))[1].tobytes(),
+]
+
+
+def test_broken_picture_costs_one_picture_and_is_counted() -> None:
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with served(period=0.005) as server, running(CameraSettings(url=server.url)) as camera:
+        assert wait_for_picture(camera, LIMIT)
+        server.broken = BROKEN
+        wait_until(lambda: camera.status.pictures > 200)
+        status = camera.status
+    assert status.times_lost == 0
+    assert status.broken > 20
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 100_000  # kB
+
+
+def test_source_of_broken_pictures_alone_is_lost() -> None:
+    with served(period=0.005) as server, running(CameraSettings(url=server.url)) as camera:
+        assert wait_for_picture(camera, LIMIT)
+        server.broken, server.whole = BROKEN[:1], False
+        wait_until(lambda: camera.status.times_lost == 1)
+        assert camera.status.broken >= BROKEN_IN_A_ROW
+        server.whole = True
+        assert wait_for_picture(camera, LIMIT)
+
+
+def test_pictures_that_are_too_large_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "huge.jpg"
+    path.write_bytes(cv2.imencode(".jpg", np.zeros((8, 16_400), np.uint8))[1].tobytes())
+    assert open_capture(CameraSettings(url=str(path))).isOpened()
+    path.write_bytes(cv2.imencode(".jpg", np.zeros((4100, 4100), np.uint8))[1].tobytes())
+    with pytest.raises(CameraError, match="4100 x 4100 pixels: set the camera") as caught:
+        open_capture(CameraSettings(url=str(path)))
+    assert caught.value.trouble is CameraTrouble.TOO_LARGE

@@ -158,7 +158,7 @@ def test_a_full_disk_is_one_error(
     status, _, said = run(capsys, *words, "/dev/full")
     assert status == 1
     (line,) = said.splitlines()
-    assert line.startswith(f"patrol {words[0]}: No space left on device; make room on the disk")
+    assert line.startswith(f"patrol {words[0]}: /dev/full: No space left on device; make room on")
 
 
 @pytest.mark.parametrize(

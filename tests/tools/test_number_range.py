@@ -17,9 +17,9 @@ def test_what_is_no_count_of_robots_is_one_short_line(
     with pytest.raises(SystemExit) as ended:
         main(["bench", f"--robots={text}"])
     assert ended.value.code == 2
-    last = capsys.readouterr().err.splitlines()[-1]
-    assert "--robots" in last
-    assert len(last) < 200
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "--robots" in line
+    assert len(line) < 200
 
 
 @pytest.mark.parametrize(

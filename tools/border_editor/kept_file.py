@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from maps.whole_file import write_whole
+
 
 def write_kept(path: Path, text: str) -> None:
     """Write a text; another one that is there is kept as ``.before``. Raises OSError."""
-    new = path.with_name(path.name + ".new")
-    new.write_text(text, encoding="utf-8")
-    if path.exists() and path.read_text(encoding="utf-8", errors="replace") != text:
-        path.replace(path.with_name(path.name + ".before"))
-    new.replace(path)
+    if path.exists() and (before := path.read_bytes()) != text.encode():
+        write_whole(path.with_name(path.name + ".before"), before)
+    write_whole(path, text)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -13,6 +11,7 @@ import tomlkit
 from tomlkit.exceptions import TOMLKitError
 from tomlkit.items import Item, Table
 
+from maps.whole_file import write_whole
 from robot_agent.config import ConfigError, parse_config
 
 
@@ -27,7 +26,7 @@ def set_keys(path: Path, section: str, values: Mapping[str, Any]) -> None:
         parse_config(content, str(path))
         changed = with_keys(content.decode(), section, values).encode()
         parse_config(changed, str(path))
-        _replace(path.resolve(), changed)
+        write_whole(path, changed)
     except OSError as error:
         raise ConfigError(
             f"{path}: cannot be changed ({error.strerror}); make file and folder writable"
@@ -100,18 +99,3 @@ def _pop_trailing_comments(table: Table) -> list[Any]:
 
 def _line_end(text: str) -> str:
     return "\r\n" if "\r\n" in text else "\n"
-
-
-def _replace(path: Path, content: bytes) -> None:
-    """Replace a file's content atomically, keeping its mode."""
-    part = path.with_name(f".{path.name}.part")
-    try:
-        with part.open("wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        if path.exists():
-            shutil.copymode(path, part)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)

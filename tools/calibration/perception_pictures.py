@@ -15,10 +15,12 @@ from drivers.camera_source import CameraSettings
 from maps.map_folder import map_folder_from_files
 from maps.occupancy_map import OCCUPIED, OccupancyMap
 from maps.pose import Pose
+from maps.whole_file import whole_file, write_whole
 from robot_agent.agent import Agent
 from robot_agent.messages.blob import Blob
 from robot_agent.messages.events import BlobsSeen, Event, PictureTaken
 from robot_agent.perception.identity import Kind
+from robot_agent.perception.jpeg import decode_jpeg
 from robot_agent.perception.scan_points import move_points
 from robot_agent.perception.track import Track
 from tools.logs.recorded_config import recorded_config
@@ -67,13 +69,11 @@ def moment_of(recording: Recording) -> Moment:
                 agent.pose_tracker.localized_pose_at(item.taken),
                 agent.odometry.at(item.taken),
             )
-            if pose is None or odometry is None:
+            picture = decode_jpeg(item.jpeg)
+            if pose is None or odometry is None or picture is None:
                 continue
-            picture = cv2.imdecode(np.frombuffer(item.jpeg, np.uint8), cv2.IMREAD_COLOR)
             points = move_points(agent.surroundings.seen_around(odometry), pose)
-            return Moment(
-                folder.map, agent, pose, points, blobs, np.asarray(picture, dtype=np.uint8)
-            )
+            return Moment(folder.map, agent, pose, points, blobs, picture)
     raise RecordingError(
         f"{recording.path}: no picture was taken, as no intruder came: record with strangers"
     )
@@ -101,7 +101,8 @@ def draw_scan(moment: Moment, path: Path) -> None:
     axes.set_aspect("equal")
     axes.legend(loc="upper right", fontsize=8)
     figure.tight_layout()
-    figure.savefig(path)
+    with whole_file(path) as part:
+        figure.savefig(part)
     plt.close(figure)
 
 
@@ -136,7 +137,7 @@ def draw_picture(moment: Moment, path: Path) -> None:
         _write(picture, words, (corners[0], corners[1] - 6), (0, 255, 255))
     for track in moment.agent.perception.tracker.tracks:
         _mark_track(picture, track, moment.pose, camera, scale, middle)
-    path.write_bytes(cv2.imencode(path.suffix, picture)[1].tobytes())
+    write_whole(path, cv2.imencode(path.suffix, picture)[1].tobytes())
 
 
 def _mark_track(

@@ -7,6 +7,7 @@ from pathlib import Path
 import matplotlib as mpl
 import numpy as np
 
+from maps.whole_file import whole_file
 from tools.calibration.teammate_calibration import LearnedSilhouette
 
 mpl.use("Agg")
@@ -26,5 +27,6 @@ def draw_silhouette(learned: LearnedSilhouette, path: Path) -> None:
     axes.set_aspect("equal")
     axes.legend(loc="upper right", fontsize=8)
     figure.tight_layout()
-    figure.savefig(path)
+    with whole_file(path) as part:
+        figure.savefig(part)
     plt.close(figure)

@@ -7,13 +7,13 @@ detection and the laser's return come from the recording.
 
 from __future__ import annotations
 
-import shutil
 import tempfile
 import time
 from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 
+from maps.whole_file import write_whole
 from tools.campaign.agent_stage import AgentStage, Moment
 from tools.campaign.fault import Fault, FaultError
 from tools.campaign.loop_disk import NotHereError
@@ -136,7 +136,7 @@ def run_faults(
 def _keep_recordings(source: Path, target: Path) -> None:
     target.mkdir(parents=True, exist_ok=True)
     for recording in sorted(source.glob("*.mcap")):
-        shutil.copy(recording, target)
+        write_whole(target / recording.name, recording.read_bytes())
 
 
 HEADINGS = (

@@ -12,6 +12,7 @@ import cv2
 
 from maps.border import BorderError
 from maps.map_folder import load_map_folder
+from maps.whole_file import write_whole
 from robot_agent.config import find_map
 from tools.batch.batch import Batch
 from tools.batch.batch_bench import MOMENTS, run_batch
@@ -39,7 +40,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=whole(), default=1, metavar="N")
     parser.add_argument(
         "--sensing",
-        choices=list(Sensing),
+        choices=[sensing.value for sensing in Sensing],
         default=Sensing.BYTES,
         help="bytes: the real agents, every byte; ideal: the decision layer alone, far faster",
     )
@@ -128,5 +129,5 @@ def run(options: argparse.Namespace) -> int:
     else:
         print(bench_table(figures))
         if options.json:
-            options.json.write_text(text + "\n")
+            write_whole(options.json, text + "\n")
     return 0 if figures["contacts"] == 0 else 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import math
 import sys
@@ -18,9 +19,13 @@ from numpy.typing import NDArray
 from drivers.camera import Camera, wait_for_picture
 from drivers.camera_source import CameraSettings
 from drivers.p2os.model_choice import expected_model
+from maps.image_size import image_size
+from maps.input_limits import MAX_PICTURE_PIXELS
+from maps.whole_file import write_whole
 from robot_agent.config import AgentConfig, load_config
 from robot_agent.perception.band_detector import BandDetector
 from robot_agent.perception.color_settings import ColorModelSettings, ColorSettings
+from robot_agent.perception.jpeg import jpeg_size
 from robot_agent.perception.silhouette import Silhouettes, body_corners
 from tools.calibration.camera_calibration import fit_camera, pairs_of
 from tools.calibration.color_calibration import (
@@ -109,7 +114,7 @@ def _color(options: argparse.Namespace) -> int:
     print(f"covariance = {list(model.covariance)}")
     if options.mask:
         shown = mask_picture(pictures[0], config.camera, config.perception.color, model)
-        options.mask.write_bytes(cv2.imencode(".png", shown)[1].tobytes())
+        write_whole(options.mask, cv2.imencode(".png", shown)[1].tobytes())
     if options.robot:
         values = {"mean": list(model.mean), "covariance": list(model.covariance)}
         set_keys(options.robot, "perception.color.band", values)
@@ -117,9 +122,16 @@ def _color(options: argparse.Namespace) -> int:
 
 
 def _read(path: Path) -> NDArray[np.uint8]:
-    picture = cv2.imread(str(path), cv2.IMREAD_COLOR)
+    data = path.read_bytes()
+    width, height = jpeg_size(data) or image_size(data) or (0, 0)
+    picture = None
+    if 0 < width * height <= MAX_PICTURE_PIXELS:
+        with contextlib.suppress(cv2.error):
+            picture = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_COLOR)
     if picture is None:
-        raise CalibrationError(f"{path}: is no picture that can be read; give a PNG or JPEG")
+        raise CalibrationError(
+            f"{path}: is no picture that can be read; give a PNG or JPEG of at most 4096 x 4096"
+        )
     return np.asarray(picture, dtype=np.uint8)
 
 

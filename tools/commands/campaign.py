@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 
+from maps.whole_file import write_whole
 from tools.commands import faults
 from tools.number_range import whole
 from tools.progress import progress_line
@@ -64,7 +65,7 @@ def _tell_lies(options: argparse.Namespace) -> int:
         with progress_line(lie.name, seconds_of(seeds)) as progress:
             told.append(tell(lie, seeds, progress))
     table = lies_table(told)
-    if options.output:
-        options.output.write_text(table)
     print(table, end="")
+    if options.output:
+        write_whole(options.output, table)
     return 1 if any(each.complaints for each in told) else 0

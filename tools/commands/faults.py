@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG
+from maps.whole_file import write_whole
 from tools.campaign.fault_list import FAULTS, chosen_faults
 from tools.campaign.fault_table import markdown, run_faults
 from tools.campaign.reaction import Reaction
@@ -53,10 +54,10 @@ def run(options: argparse.Namespace) -> int:
                 print(f"patrol faults: {reaction.fault}: {verdict}", file=sys.stderr, flush=True)
 
         reactions = run_faults(faults, report, options.record, options.watchdog)
-    if options.output:
-        options.output.write_text(markdown(reactions))
     if options.json:
         print(json.dumps([dataclasses.asdict(reaction) for reaction in reactions], indent=2))
     else:
         print(markdown(reactions), end="")
+    if options.output:
+        write_whole(options.output, markdown(reactions))
     return 1 if any(reaction.complaints for reaction in reactions) else 0

@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 
 from maps.map_folder import MapFolder, load_map_folder
+from maps.whole_file import write_whole
 from robot_agent.config import find_map
 from tools.commands.log_option import add_no_return, add_topics, print_notes, topics_of
 from tools.localize.localize import LocalizeOptions, localize_steps, log_steps, map_of_log
@@ -26,7 +27,7 @@ from tools.logs.recorded_scans import recorded_scans
 from tools.logs.recording import read_recording
 from tools.logs.ros_bag import is_ros_bag
 from tools.mapping.map_build import Scans
-from tools.number_range import not_negative, whole
+from tools.number_range import not_negative, share, whole
 from tools.progress import progress_line
 
 _EPILOG = """examples:
@@ -60,9 +61,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="many runs over CARMEN logs and a table of them; may be given several times",
     )
     size = parser.add_mutually_exclusive_group()
-    size.add_argument("--particles", type=_positive, metavar="N", help="a fixed number")
+    size.add_argument("--particles", type=whole(1), metavar="N", help="a fixed number")
     size.add_argument("--kld", action="store_true", help="KLD-adaptive number (the default)")
-    parser.add_argument("--beams", type=_positive, metavar="N", help="beams used per scan")
+    parser.add_argument("--beams", type=whole(1), metavar="N", help="beams used per scan")
     parser.add_argument(
         "--global", dest="anywhere", action="store_true", help="start without an initial pose"
     )
@@ -75,17 +76,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--start-noise", action="store_true", help="start off the true pose")
     parser.add_argument("--first-scan", type=whole(), default=0, metavar="N", help="as LOG:N")
     parser.add_argument("--seed", type=whole(), default=0, metavar="N")
-    parser.add_argument("--seeds", type=_positive, default=20, metavar="N", help="of a study")
-    parser.add_argument("--trials", type=_positive, default=100, metavar="N", help="of a study")
+    parser.add_argument("--seeds", type=whole(1), default=20, metavar="N", help="of a study")
+    parser.add_argument("--trials", type=whole(1), default=100, metavar="N", help="of a study")
     parser.add_argument(
-        "--map-every", type=_positive, default=1, metavar="N", help="study's map: every Nth scan"
+        "--map-every", type=whole(1), default=1, metavar="N", help="study's map: every Nth scan"
     )
     hidden = parser.add_mutually_exclusive_group()
     hidden.add_argument(
-        "--short", type=_share, metavar="SHARE", help="share of a study's beams that end short"
+        "--short", type=share, metavar="SHARE", help="share of a study's beams that end short"
     )
     hidden.add_argument(
-        "--people", type=_share, metavar="SHARE", help="share of its beams that end on people"
+        "--people", type=share, metavar="SHARE", help="share of its beams that end on people"
     )
     add_no_return(parser)
     add_topics(parser)
@@ -131,9 +132,9 @@ def _localize(path: Path, first_scan: int, options: argparse.Namespace) -> int:
     summary = result.summary
     if event is not None and all(step.reference is not None for step in steps):
         summary["after_event"] = outcome(result, steps, event).summary
+    _print_summary(summary, options.json)
     if options.csv:
         result.write_csv(options.csv)
-    _print_summary(summary, options.json)
     return 0
 
 
@@ -192,7 +193,7 @@ def _study(paths: list[tuple[Path, int]], options: argparse.Namespace) -> int:
             tables[name] = run_study(name, logs, options.seeds, options.trials, progress)
         print(f"{name}\n{format_table(tables[name])}\n", flush=True)
     if options.json:
-        options.json.write_text(json.dumps(tables, indent=2) + "\n", encoding="utf-8")
+        write_whole(options.json, json.dumps(tables, indent=2) + "\n")
     return 0
 
 
@@ -215,20 +216,6 @@ def _split(word: str, first_scan: int) -> tuple[Path, int]:
 
 def _print_summary(summary: dict[str, object], path: Path | None) -> None:
     text = json.dumps(summary, indent=2)
-    if path is not None:
-        path.write_text(text + "\n", encoding="utf-8")
     print(text)
-
-
-def _share(text: str) -> float:
-    value = float(text)
-    if not 0.0 < value < 1.0:
-        raise argparse.ArgumentTypeError(f"{text} is not a share between 0 and 1")
-    return value
-
-
-def _positive(text: str) -> int:
-    value = int(text)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"{text} is not a positive number")
-    return value
+    if path is not None:
+        write_whole(path, text + "\n")

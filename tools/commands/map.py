@@ -11,8 +11,9 @@ from pathlib import Path
 import cv2
 
 from maps.border import BorderError
-from maps.map_folder import DEFAULT_BORDER, MAP_FILE
+from maps.map_folder import DEFAULT_BORDER, MAP_FILE, load_map_folder
 from maps.occupancy_map import MapError, load_map, save_map
+from maps.zone_file import load_zones
 from robot_agent.config import SHIPPED_MAPS, find_map
 from tools.commands.log_option import add_no_return, add_topics, print_notes, topics_of
 from tools.logs.carmen import LogError
@@ -27,6 +28,7 @@ from tools.mapping.slam.loop_check import write_loops
 from tools.mapping.slam.mapper import Mapping, map_from_odometry
 from tools.mapping.slam.relations import read_relations, relation_error, synchronize
 from tools.mapping.slam.trajectory import Trajectory
+from tools.mapping.zone_stretches import zone_lines
 from tools.number_range import positive, real, share, whole
 from tools.progress import progress_line
 
@@ -95,7 +97,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     imported.set_defaults(act=_import)
 
-    show = actions.add_parser("show", help="write a picture of a map and its border")
+    show = actions.add_parser(
+        "show", help="write a picture of a map, its border and zones; list the zones"
+    )
     show.epilog = "example: patrol map show paper_lab -o paper_lab.png"
     _add_folder(show)
     show.add_argument("-o", "--output", type=Path, required=True, metavar="PNG")
@@ -204,6 +208,8 @@ def _show(options: argparse.Namespace) -> int:
         print(f"{options.output}: without the border: {error}", file=sys.stderr)
         return 1
     print(options.output)
+    for line in zone_lines(load_zones(folder), load_map_folder(folder, options.border).border):
+        print(line)
     return 0
 
 

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from maps.map_folder import load_map_folder
+from maps.whole_file import write_whole
 from robot_agent.config import find_map
 from tools.bench.sensing import Sensing
 from tools.commands.settings_option import add_set_option, chosen_config
@@ -60,7 +61,7 @@ def run(options: argparse.Namespace) -> int:
         for done in run_seeds(trial, seeds, options.jobs):
             claimed.append(claims(done))
             # Written after every run: an interrupted command keeps its results so far.
-            (options.output / "claims.json").write_text(json.dumps(claimed, indent=2) + "\n")
+            write_whole(options.output / "claims.json", json.dumps(claimed, indent=2) + "\n")
             if len(claimed) == 1 and not write_figures(done, options.output):
                 print("patrol paper: no two robots met, no figure of it", file=sys.stderr)
             progress(len(claimed))

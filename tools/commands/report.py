@@ -7,10 +7,13 @@ import json
 import sys
 from pathlib import Path
 
+from maps.whole_file import write_whole
+from robot_agent.config import find_map
 from tools.progress import progress_line
 from tools.report.alignment import AlignmentError, align
 from tools.report.numbers import numbers
 from tools.report.page import FORMATS, figures_alone, page
+from tools.report.recorded_zones import stated_zones, zones_here
 from tools.report.run_log import read_run
 from tools.report.sections import SECTIONS
 from tools.report.team import Team
@@ -27,6 +30,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--figures", choices=FORMATS, help="write only the figures, a file each, in this format"
+    )
+    parser.add_argument(
+        "--map",
+        metavar="DIR",
+        help="map folder, or shipped map, whose zones name the places; default: the one that the "
+        "recordings name, if it is here",
     )
     parser.add_argument(
         "--offset",
@@ -61,6 +70,10 @@ def run(options: argparse.Namespace) -> int:
                 file=sys.stderr,
             )
     team = Team(runs, align(runs, stated, trust_host=options.clocks == "host"))
+    if options.map is None:
+        team.zones = zones_here(team.folder, find_map(team.map_named, Path.cwd()))
+    else:
+        team.zones = stated_zones(team.folder, find_map(options.map, Path.cwd()))
     figures = numbers(team)
     options.output.mkdir(parents=True, exist_ok=True)
     if options.figures:
@@ -69,8 +82,8 @@ def run(options: argparse.Namespace) -> int:
         return 0
     with progress_line("draw", len(SECTIONS), "sections") as progress:
         text = page(team, figures, progress)
-    (options.output / "report.html").write_text(text)
-    (options.output / "report.json").write_text(json.dumps(figures, indent=2) + "\n")
+    write_whole(options.output / "report.html", text)
+    write_whole(options.output / "report.json", json.dumps(figures, indent=2) + "\n")
     print(options.output / "report.html")
     return 0
 

@@ -9,6 +9,7 @@ import tempfile
 from pathlib import Path
 from types import FrameType
 
+from maps.whole_file import write_whole
 from tools.field.field_row import FieldRow, Outcome, markdown, verdict
 from tools.field.field_trial import run_trial
 from tools.field.row_list import ROWS, chosen_rows
@@ -55,11 +56,14 @@ def run(options: argparse.Namespace) -> int:
         done.append((row, outcome))
         _report(f"{row.name}: {verdict(outcome)} ({'; '.join(outcome.measured)})")
         if options.output:
-            options.output.write_text(markdown(done))
+            write_whole(options.output, markdown(done))
 
-    with tempfile.TemporaryDirectory(prefix="patrol-trial-") as own:
-        run_trial(rows, options.folder or Path(own), options.rate, _report, ended)
-    print(markdown(done), end="")
+    try:
+        with tempfile.TemporaryDirectory(prefix="patrol-trial-") as own:
+            run_trial(rows, options.folder or Path(own), options.rate, _report, ended)
+    finally:
+        if done:  # rows take minutes: what is done is told, whatever ends them
+            print(markdown(done), end="")
     return 1 if any(outcome.complaints for _, outcome in done) else 0
 
 

@@ -12,6 +12,8 @@ import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
+from maps.whole_file import write_whole
+
 ROOT = Path(__file__).resolve().parents[2]
 PYTHON = "3.11"
 GLIBC = (17, 24, 27, 28, 31, 34, 35)
@@ -63,13 +65,13 @@ def make_bundle(
     for machine in machines:
         report(f"downloading its dependencies for {MACHINES[machine]}")
         _pip("download", *download_arguments(machine, wheels / machine))
-    (target / "INSTALL.txt").write_text(INSTRUCTIONS)
+    write_whole(target / "INSTALL.txt", INSTRUCTIONS)
     for document in documents():
         copy = target / "documents" / document.relative_to(ROOT)
         copy.parent.mkdir(parents=True, exist_ok=True)
-        copy.write_bytes(document.read_bytes())
+        write_whole(copy, document.read_bytes())
     sums = [f"{_digest(path)}  {path.relative_to(target)}\n" for path in _files(target)]
-    (target / "SHA256SUMS").write_text("".join(sums))
+    write_whole(target / "SHA256SUMS", "".join(sums))
     return _files(target)
 
 

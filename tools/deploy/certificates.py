@@ -9,6 +9,7 @@ office. Each of these has ``ca.pem``, ``certificate.pem`` and ``key.pem``; the o
 from __future__ import annotations
 
 import datetime
+import errno
 import ipaddress
 import os
 from collections.abc import Sequence
@@ -21,6 +22,7 @@ from cryptography.hazmat.primitives import hashes, serialization
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
+from maps.whole_file import whole_file, write_whole
 from robot_agent.config import KeyPart
 
 CA, CERTIFICATE, KEY = "ca.pem", "certificate.pem", "key.pem"
@@ -96,7 +98,7 @@ def make_keys(
             issuer.issue(folder / own, team, ())
             made.append(own)
         sites = sorted({*known_sites(folder / OPERATOR), team})
-        (folder / OPERATOR / SITES).write_bytes(msgspec.json.encode(sites) + b"\n")
+        write_whole(folder / OPERATOR / SITES, msgspec.json.encode(sites) + b"\n")
     return made
 
 
@@ -147,7 +149,7 @@ def _checked(team: str, robot: str) -> RobotName:
 def _add_robots(path: Path, names: Sequence[RobotName]) -> None:
     known = known_robots(path.parent) if path.exists() else []
     wanted = sorted({*known, *names}, key=lambda name: name.common_name)
-    path.write_bytes(msgspec.json.format(msgspec.json.encode(wanted)) + b"\n")
+    write_whole(path, msgspec.json.format(msgspec.json.encode(wanted)) + b"\n")
 
 
 def _make_authority(folder: Path, days: int) -> None:
@@ -158,8 +160,9 @@ def _make_authority(folder: Path, days: int) -> None:
         .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
         .sign(key, hashes.SHA256())
     )
+    folder.mkdir(parents=True, exist_ok=True)
+    write_whole(folder / CA, certificate.public_bytes(serialization.Encoding.PEM))
     _write_key(folder, key)
-    _write(folder / CA, certificate.public_bytes(serialization.Encoding.PEM))
 
 
 class _Issuer:
@@ -200,9 +203,10 @@ class _Issuer:
             alternatives = x509.SubjectAlternativeName([_host_name(host) for host in hosts])
             builder = builder.add_extension(alternatives, critical=False)
         certificate = builder.sign(self._key, hashes.SHA256())
+        folder.mkdir(parents=True, exist_ok=True)
+        write_whole(folder / CERTIFICATE, certificate.public_bytes(serialization.Encoding.PEM))
+        write_whole(folder / CA, self._ca)
         _write_key(folder, key)
-        _write(folder / CERTIFICATE, certificate.public_bytes(serialization.Encoding.PEM))
-        _write(folder / CA, self._ca)
 
 
 def _builder(
@@ -228,17 +232,18 @@ def _host_name(host: str) -> x509.GeneralName:
 
 
 def _write_key(folder: Path, key: ec.EllipticCurvePrivateKey) -> None:
-    """Write a private key readable by its owner only; raises FileExistsError if there is one."""
-    folder.mkdir(parents=True, exist_ok=True)
+    """Write a private key readable by its owner only; raises FileExistsError if there is one.
+
+    The last of a party's files: with it the party is complete.
+    """
+    if (folder / KEY).exists():
+        raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(folder / KEY))
     pem = key.private_bytes(
         serialization.Encoding.PEM,
         serialization.PrivateFormat.PKCS8,
         serialization.NoEncryption(),
     )
-    descriptor = os.open(folder / KEY, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-    with os.fdopen(descriptor, "wb") as file:
-        file.write(pem)
-
-
-def _write(path: Path, content: bytes) -> None:
-    path.write_bytes(content)
+    with whole_file(folder / KEY) as part:
+        descriptor = os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(pem)

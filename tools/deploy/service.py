@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from maps.map_folder import MAP_FILE
+from maps.whole_file import write_whole
 from robot_agent.config import AgentConfig, load_config, parse_config
 from tools.deploy.service_paths import examine_paths
 from tools.preflight.doctor import NeverDrivesError, load_patrol_map
@@ -121,7 +122,7 @@ def _movable(file: Path) -> bytes:
 
 def _write(done: Deployment, path: Path, content: str | bytes) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    write_whole(path, content)
     done.written.append(path)
 
 

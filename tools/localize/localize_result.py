@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from localization.estimate import Estimate
 from localization.health import Health
 from maps.pose import Pose, wrap_angle
+from maps.whole_file import whole_file
 from tools.logs.csv_cells import csv_cells
 
 ASTRAY_M = 1.0
@@ -175,7 +176,7 @@ class LocalizeResult:
 
     def write_csv(self, path: Path) -> None:
         """Write a heading and one line per scan."""
-        with path.open("w", newline="", encoding="utf-8") as file:
+        with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(LocalizeRow.__dataclass_fields__)
             for row in self.rows:

@@ -19,6 +19,7 @@ import msgspec
 
 from drivers.lms200.settings import LaserSettings
 from maps.input_limits import BAD_DATA, MAX_DURATION_S, MAX_PAUSE_S
+from maps.whole_file import whole_file
 from robot_agent.config import AgentConfig, RobotSettings, format_config
 from robot_agent.messages.effects import ChangeBaud, Send
 from robot_agent.messages.events import BytesReceived, LinkName, LinkUp, Tick
@@ -132,7 +133,7 @@ def capture_to_recording(source: Path, target: Path) -> CaptureSummary:
         configuration=format_config(_configuration(lines, default, source.stem)).encode(),
     )
     received = sent = 0
-    with target.open("wb") as file:
+    with whole_file(target) as part, part.open("wb") as file:
         writer = RecordingWriter(file, header)
         for device in sorted({line.device for line in lines if line.device}):
             writer.write_event(LinkUp(0.0, _DEVICES[device]))
@@ -169,7 +170,7 @@ def recording_to_capture(recording: Recording, target: Path) -> int:
     """Write a recording's traffic as a capture; return the number of lines."""
     encode = msgspec.json.Encoder().encode
     count = 0
-    with target.open("wb") as file:
+    with whole_file(target) as part, part.open("wb") as file:
         for line in _lines(recording):
             file.write(encode(line) + b"\n")
             count += 1

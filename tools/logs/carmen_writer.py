@@ -10,6 +10,7 @@ import numpy as np
 
 from drivers.scan import Scan
 from maps.pose import Pose
+from maps.whole_file import whole_file
 from robot_agent.config import AgentConfig
 from robot_agent.messages.effects import Publish
 from robot_agent.messages.events import Event
@@ -44,7 +45,7 @@ def recording_to_carmen(recording: Recording, target: Path) -> int:
     config, _ = recorded_config(recording)
     mount = recorded_mount(recording, config)
     scans = 0
-    with target.open("w") as file:
+    with whole_file(target) as part, part.open("w") as file:
         file.write(_HEAD)
         file.write(f"PARAM robot_frontlaser_offset {mount.x:.6f} nohost 0\n")
         file.write(f"PARAM robot_frontlaser_side_offset {mount.y:.6f} nohost 0\n")

@@ -6,9 +6,10 @@ The frames are those of REP-105: ``map``, ``odom``, ``base_link``, ``laser``. Ti
 from __future__ import annotations
 
 import math
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -25,6 +26,9 @@ from tools.logs.recorded_config import recorded_config
 from tools.logs.recorded_scans import NEAREST_REFERENCE_S, ScanDecoder, recorded_mount
 from tools.logs.recording import Recording
 from tools.logs.ros_bag import ODOMETRY_TYPE, SCAN_TYPE, TF_TYPES
+
+if TYPE_CHECKING:
+    from rosbags.rosbag2 import Writer
 
 _MAP_TYPE = "nav_msgs/msg/OccupancyGrid"
 _TF_TYPE = TF_TYPES[0]
@@ -46,25 +50,34 @@ def recording_to_ros(recording: Recording, target: Path) -> int:
         from rosbags.rosbag2 import StoragePlugin, Writer
     except ImportError as error:
         raise LogError(f"{target}: needs rosbags: pip install 'border-patrol[ros]'") from error
+    try:
+        with Writer(target, version=_BAG_VERSION, storage_plugin=StoragePlugin.MCAP) as writer:
+            return _write(writer, recording)
+    except BaseException:
+        shutil.rmtree(target, ignore_errors=True)  # half a bag is none
+        raise
+
+
+def _write(writer: Writer, recording: Recording) -> int:
+    """Write all messages; return the number of scans; raises LogError if there is none."""
     messages = _Messages(recording.header.start_wall_ns)
-    with Writer(target, version=_BAG_VERSION, storage_plugin=StoragePlugin.MCAP) as writer:
-        topics = {
-            name: writer.add_connection(
-                name, kind, typestore=messages.types, offered_qos_profiles=_qos(latched=latched)
-            )
-            for name, kind, latched in (
-                ("/scan", SCAN_TYPE, False),
-                ("/odom", ODOMETRY_TYPE, False),
-                ("/tf", _TF_TYPE, False),
-                ("/tf_static", _TF_TYPE, True),
-                ("/map", _MAP_TYPE, True),
-            )
-        }
-        scans = 0
-        for name, t, message in _messages(recording, messages):
-            data = messages.types.serialize_cdr(message, message.__msgtype__)
-            writer.write(topics[name], messages.wall_ns(t), data)
-            scans += name == "/scan"
+    topics = {
+        name: writer.add_connection(
+            name, kind, typestore=messages.types, offered_qos_profiles=_qos(latched=latched)
+        )
+        for name, kind, latched in (
+            ("/scan", SCAN_TYPE, False),
+            ("/odom", ODOMETRY_TYPE, False),
+            ("/tf", _TF_TYPE, False),
+            ("/tf_static", _TF_TYPE, True),
+            ("/map", _MAP_TYPE, True),
+        )
+    }
+    scans = 0
+    for name, t, message in _messages(recording, messages):
+        data = messages.types.serialize_cdr(message, message.__msgtype__)
+        writer.write(topics[name], messages.wall_ns(t), data)
+        scans += name == "/scan"
     if not scans:
         raise LogError(f"{recording.path}: no scan with odometry in it: record some driving")
     return scans

@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 
 from maps.input_limits import BAD_DATA
+from maps.whole_file import whole_file
 from tools.logs.csv_cells import csv_cells
 from tools.logs.recording import Recording, RecordingError
 
@@ -27,7 +28,7 @@ def stream_to_csv(recording: Recording, topic: str, target: Path) -> int:
             f"{', '.join(_topics(recording))}"
         )
     columns = list(dict.fromkeys(name for row in rows for name in row))
-    with target.open("w", newline="") as file:
+    with whole_file(target) as part, part.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(csv_cells(columns))
         for row in rows:

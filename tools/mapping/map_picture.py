@@ -1,4 +1,4 @@
-"""A picture of a map folder: the map, its border, the direction of s and the clearance."""
+"""A picture of a map folder: map, border, the direction of s, clearance, and named zones."""
 
 from __future__ import annotations
 
@@ -13,7 +13,11 @@ from maps.border import Border
 from maps.clearance import NEEDED_CLEARANCE, border_clearance
 from maps.map_folder import DEFAULT_BORDER, MAP_FILE, MapFolder, load_map_folder
 from maps.occupancy_map import OccupancyMap, load_map
+from maps.place_words import PlaceWords
 from maps.pose import Pose
+from maps.whole_file import write_whole
+from maps.zone import Zone
+from maps.zone_file import load_zones
 
 Color = tuple[int, int, int]
 
@@ -24,6 +28,7 @@ _LABEL: Color = (150, 90, 30)
 _ENOUGH_ROOM: Color = (60, 150, 0)
 _TOO_NARROW: Color = (0, 0, 220)
 _TICK: Color = (190, 0, 120)
+_ZONE: Color = (150, 120, 0)
 
 _WIDTH = 1400  # pixels, about
 _FONT = cv2.FONT_HERSHEY_SIMPLEX
@@ -35,14 +40,15 @@ _FOOT = 40  # pixels below the map for the caption
 def draw_map(
     folder: Path, png: Path, border: str = DEFAULT_BORDER, doubts: Sequence[Pose] = ()
 ) -> None:
-    """Write a PNG of a map folder and one of its borders.
+    """Write a PNG of a map folder, one of its borders and its zones.
 
     Green border: enough clearance, red: too little; arrows point along +s, ticks each 5 m of s; a
     circle marks the narrowest place. doubts: places (map_from_laser) to mark in red.
 
-    Raises MapError or BorderError as ``load_map_folder`` does; OSError if it cannot be written.
+    Raises MapError or BorderError as ``load_map_folder`` does, ZoneError as ``load_zones``; OSError
+    if it cannot be written.
     """
-    _write(render_map(load_map_folder(folder, border), doubts), png)
+    _write(render_map(load_map_folder(folder, border), doubts, load_zones(folder)), png)
 
 
 def draw_map_alone(folder: Path, png: Path, caption: str) -> None:
@@ -55,16 +61,21 @@ def draw_map_alone(folder: Path, png: Path, caption: str) -> None:
 
 def _write(picture: NDArray[np.uint8], png: Path) -> None:
     png.parent.mkdir(parents=True, exist_ok=True)
-    png.write_bytes(cv2.imencode(".png", picture)[1].tobytes())
+    write_whole(png, cv2.imencode(".png", picture)[1].tobytes())
 
 
-def render_map(folder: MapFolder, doubts: Sequence[Pose] = ()) -> NDArray[np.uint8]:
+def render_map(
+    folder: MapFolder, doubts: Sequence[Pose] = (), zones: Sequence[Zone] = ()
+) -> NDArray[np.uint8]:
     """Return the picture, (height, width, 3) uint8, blue green red."""
     canvas = _Canvas(folder.map)
     canvas.draw_grid()
+    for zone in zones:
+        _draw_zone(canvas, zone)
     caption = f"{folder.name}: {folder.map.size[0]:.1f} x {folder.map.size[1]:.1f} m"
     if folder.border is not None:
-        caption += _draw_border(canvas, folder.map, folder.border)
+        told = _draw_border(canvas, folder.map, folder.border)
+        caption += PlaceWords(zones, folder.border).explained(told)
     for place in doubts:
         cv2.circle(canvas.pixels, canvas.pixel(place.x, place.y), 8, _TOO_NARROW, 2, cv2.LINE_AA)
     canvas.write(caption, (10, canvas.pixels.shape[0] - 14), _LABEL, 0.6)
@@ -109,6 +120,14 @@ class _Canvas:
         """Draw a thick line along points (n, 2), m in the map frame."""
         corners = np.array([self.pixel(x, y) for x, y in points], dtype=np.int32)
         cv2.polylines(self.pixels, [corners], False, color, 2, cv2.LINE_AA)
+
+
+def _draw_zone(canvas: _Canvas, zone: Zone) -> None:
+    """Draw a zone's outline, and its name from its upper left corner on."""
+    corners = [canvas.pixel(x, y) for x, y in zone.polygon]
+    cv2.polylines(canvas.pixels, [np.array(corners)], True, _ZONE, 1, cv2.LINE_AA)
+    left, top = min(col for col, _ in corners), min(row for _, row in corners)
+    canvas.write(zone.name, (left + 6, top + 18), _ZONE, 0.5)
 
 
 def _draw_border(canvas: _Canvas, occupancy: OccupancyMap, border: Border) -> str:

@@ -1,25 +1,32 @@
-"""Serves the live telemetry to Foxglove viewers, through Foxglove's SDK (extra ``foxglove``)."""
+"""Serves live telemetry and zones to Foxglove viewers, by Foxglove's SDK (extra ``foxglove``)."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
+from maps.zone import Zone
 from robot_agent.messages.streams import STREAMS
+from tools.monitor.foxglove_zones import ZONES_TOPIC, zones_scene
 from tools.monitor.page_server import WebError, parsed_address
 
 if TYPE_CHECKING:
     import foxglove
+    from foxglove.websocket import ChannelView, Client
 
 MAX_CHANNELS = 2000
 
 
 class FoxgloveServer:
-    """One channel per telemetry key, with the stream's schema; payloads are passed unchanged."""
+    """One channel per telemetry key, with the stream's schema; payloads are passed unchanged.
 
-    def __init__(self, address: str) -> None:
-        """Listen for viewers on an address such as ``127.0.0.1:8765``.
+    One channel more draws the zones, if there are any.
+    """
+
+    def __init__(self, address: str, zones: Sequence[Zone] = ()) -> None:
+        """Listen for viewers on an address such as ``127.0.0.1:8765``; zones: the site's.
 
         Raises:
             WebError: the address is invalid or taken, or the SDK is not installed.
@@ -34,9 +41,15 @@ class FoxgloveServer:
         self._foxglove = foxglove
         self._context = foxglove.Context()
         self._channels: dict[str, foxglove.Channel] = {}
+        # Its protocol names every call; the server makes those that are there.
+        drawn: Any = _ZonesChannel(self._context, zones) if zones else None
         try:
             self._server = foxglove.start_server(
-                name="border patrol", host=host, port=port, context=self._context
+                name="border patrol",
+                host=host,
+                port=port,
+                context=self._context,
+                server_listener=drawn,
             )
         except Exception as error:
             raise WebError(f"--foxglove {address}: {error}; give a free address") from error
@@ -70,3 +83,18 @@ class FoxgloveServer:
     def close(self) -> None:
         """Stop listening."""
         self._server.stop()
+
+
+class _ZonesChannel:
+    """Draws the zones for each viewer when it subscribes: they never change."""
+
+    def __init__(self, context: foxglove.Context, zones: Sequence[Zone]) -> None:
+        from foxglove import channels
+
+        self._scene = zones_scene(zones)
+        self._channel = channels.SceneUpdateChannel(ZONES_TOPIC, context=context)
+
+    def on_subscribe(self, client: Client, channel: ChannelView) -> None:
+        """Send the zones; called by Foxglove's server."""
+        if channel.topic == ZONES_TOPIC:
+            self._channel.log(self._scene, sink_id=client.id)

@@ -110,7 +110,7 @@ class Monitor:
             stack.callback(self._forwarder.close)
             yield self._forwarder.on_payload
         if options.foxglove is not None:
-            viewers = FoxgloveServer(options.foxglove)
+            viewers = FoxgloveServer(options.foxglove, options.site.zones)
             stack.callback(viewers.close)
             yield viewers.on_payload
 

@@ -13,11 +13,11 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from maps.place_words import PlaceWords
 from robot_agent.messages.foxglove import LaserScan, PosesInFrame, SceneEntity, planar_pose
 from robot_agent.messages.streams import ACTIONS, DecisionPayload, DeviceStatus, StatusPayload
 from tools.monitor.alarm_board import Alarm
 from tools.monitor.history import HistorySample
-from tools.monitor.place_words import PlaceWords
 from tools.monitor.reason import turn_words, why
 from tools.monitor.robot_state import RobotState
 from tools.monitor.watch import Watch

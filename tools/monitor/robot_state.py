@@ -182,16 +182,23 @@ class RobotState:
         if isinstance(payload, DecisionPayload) and payload.turn is not None:
             return replace(updated, last_turn=(t, payload.turn))
         if isinstance(payload, IntruderPayload):
-            return replace(updated, intruders=self._with_intruder(payload, wall))
+            sighting = sighting_of(payload, wall)
+            if payload.picture and not sighting.picture:
+                updated = updated.with_malformed(t)
+            return replace(updated, intruders=self._with_sighting(payload.number, sighting))
         if isinstance(payload, Log):
             event = HeardEvent(t, wall, payload)
             return replace(updated, events=(*self.events[-EVENTS_KEPT + 1 :], event))
         return updated
 
-    def _with_intruder(self, payload: IntruderPayload, wall: float) -> Mapping[int, Sighting]:
+    def with_malformed(self, t: float) -> RobotState:
+        """Return the state after a payload, or a picture in one, that cannot be used."""
+        return replace(self, malformed=self.malformed + 1, malformed_at=t)
+
+    def _with_sighting(self, number: int, sighting: Sighting) -> Mapping[int, Sighting]:
         known = dict(self.intruders)
-        before = known.pop(payload.number, None)
-        known[payload.number] = sighting_of(payload, wall).after(before)
+        before = known.pop(number, None)
+        known[number] = sighting.after(before)
         return dict(list(known.items())[-_INTRUDERS_KEPT:])
 
 

@@ -8,10 +8,10 @@ import math
 from dataclasses import dataclass, replace
 
 from robot_agent.messages.streams import IntruderPayload
+from robot_agent.perception.jpeg import is_shown
 
 _MOVED_M = 0.5
 _LATER_S = 1.0
-_JPEG = b"\xff\xd8\xff"
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ class Sighting:
 def sighting_of(payload: IntruderPayload, wall: float) -> Sighting:
     """Return the sighting that a payload received at wall, s since 1970, tells.
 
-    A picture that is no JPEG is left out.
+    A picture that is no JPEG, or claims to be huge, is left out.
     """
     return Sighting(payload.x, payload.y, wall, _picture(payload.picture))
 
@@ -53,4 +53,4 @@ def _picture(text: str) -> bytes:
         data = base64.b64decode(text, validate=True)
     except (binascii.Error, ValueError):
         return b""
-    return data if data.startswith(_JPEG) else b""
+    return data if is_shown(data) else b""

@@ -13,11 +13,11 @@ from drivers.p2os.model import DEFAULT_MODEL, load_model
 from maps.map_folder import DEFAULT_BORDER, MapFolder, load_map_folder
 from maps.map_identity import HASH_SHOWN, identity
 from maps.occupancy_map import OccupancyMap
+from maps.place_words import PlaceWords
 from maps.zone import Zone
 from maps.zone_file import load_zones
 from robot_agent.messages.streams import ACTIONS
 from robot_agent.perception.visibility import VISIBILITY
-from tools.monitor.place_words import PlaceWords
 
 _BORDER_STEP = 0.1  # m between the points of the line drawn
 

@@ -64,7 +64,7 @@ class TeamState:
 
     def refuse(self, parts: list[str], t: float) -> None:
         """Count a payload that cannot be used, of the robot that a key's parts name."""
-        self._update(parts, t, lambda robot: _with_malformed(robot, t))
+        self._update(parts, t, lambda robot: robot.with_malformed(t))
 
     def set_liveliness(self, key: str, *, online: bool, t: float = 0.0) -> None:
         """Set whether the robot of ``patrol/<team>/<robot>`` is online.
@@ -165,7 +165,3 @@ def robot_name(parts: list[str]) -> tuple[str, str] | None:
     if len(parts) != 3 or parts[0] != "patrol" or not all(map(_NAME.fullmatch, parts[1:])):
         return None
     return parts[1], parts[2]
-
-
-def _with_malformed(robot: RobotState, t: float) -> RobotState:
-    return replace(robot, malformed=robot.malformed + 1, malformed_at=t)

@@ -39,10 +39,14 @@ class CameraExamination:
         last = self._last_picture(first)
         status = self._camera.status
         self._camera.close()
-        return [
+        found = [
             examine_picture(self._settings.url, last, _rate(first, last)),
             examine_adjustments(status.fixed),
         ]
+        if status.broken:
+            words = f"{status.broken} of {status.broken + status.pictures} cannot be read"
+            found.append(warning("camera pictures", words, "check its cable and its network"))
+        return found
 
     def _last_picture(self, first: Picture) -> Picture:
         """Return the last picture within LISTENING_S, or of a file that ends sooner."""

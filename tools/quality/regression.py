@@ -20,6 +20,7 @@ from pathlib import Path
 
 from maps.map_folder import load_map_folder
 from maps.pose import Pose
+from maps.whole_file import write_whole
 from robot_agent.config import find_map
 from robot_agent.messages.streams import DecisionPayload, decode
 from tools.bench.bench_fault import parse_fault
@@ -142,7 +143,7 @@ def read_reference(case: Case) -> list[str]:
 def write_reference(case: Case, lines: list[str]) -> None:
     """Store these decisions as the reference."""
     case.reference.parent.mkdir(parents=True, exist_ok=True)
-    case.reference.write_bytes(zlib.compress("\n".join(lines).encode(), 9))
+    write_whole(case.reference, zlib.compress("\n".join(lines).encode(), 9))
 
 
 def difference(kept: list[str], now: list[str]) -> list[str]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from drivers.lms200.settings import LaserSettings
 from maps.map_folder import MapFolder
+from maps.whole_file import whole_file
 from robot_agent.agent import Agent
 from robot_agent.config import AgentConfig, MapSettings, RobotSettings
 from robot_agent.messages.effects import Effect
@@ -77,7 +78,7 @@ def convert(
     start_wall_ns = time.time_ns()
     header = header_of_run(config, folder, source=log.path.name, start_wall_ns=start_wall_ns)
     rig = LogRig(config.robot.name)
-    with path.open("wb") as file:
+    with whole_file(path) as part, part.open("wb") as file:
         writer = RecordingWriter(file, header)
         lockstep = LockstepAgent(
             Agent(config, folder, start_wall_ns),

@@ -50,6 +50,7 @@ def numbers(team: Team) -> dict[str, Any]:
                 "actions": list(meeting.actions),
                 "closest_m": meeting.closest_m,
                 "outcome": meeting.outcome,
+                "zone": team.words.zone(*team.middle(meeting)),
             }
             for meeting in team.meetings
         ],
@@ -63,10 +64,16 @@ def numbers(team: Team) -> dict[str, Any]:
                 "reaction": incident.reaction,
                 "stopped_after_s": incident.stopped_after,
                 "moved_after_s": incident.moved_after,
+                "zone": _zone(team, team.place(incident.robot, incident.start)),
             }
             for incident in team.incidents
         ],
     }
+
+
+def _zone(team: Team, place: tuple[float, float] | None) -> str:
+    """Return the name of the zone of a place, m, map frame; empty: of none, or None."""
+    return "" if place is None else team.words.zone(*place)
 
 
 def _robot(team: Team, run: RunLog) -> dict[str, Any]:

@@ -12,6 +12,7 @@ import matplotlib as mpl
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from maps.whole_file import whole_file
 from tools.report import style
 from tools.report.blocks import Block, Figure
 from tools.report.sections import SECTIONS
@@ -79,7 +80,8 @@ def figures_alone(team: Team, figures: dict[str, Any], folder: Path, form: str) 
             for number, figure in enumerate(drawn, 1):
                 name = anchor if number == 1 else f"{anchor}-{number}"
                 files.append(folder / f"{name}.{form}")
-                figure.savefig(files[-1], dpi=_DPI)
+                with whole_file(files[-1]) as part:
+                    figure.savefig(part, dpi=_DPI)
     return files
 
 

@@ -9,9 +9,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, Polygon
 
 from maps.occupancy_map import FREE, OCCUPIED
+from maps.zone import Zone
 from tools.metrics.idleness import longest_of, mean_of
 from tools.metrics.metrics import Meeting, RobotRun, action_share
 from tools.report import style
@@ -43,7 +44,7 @@ def trajectories(team: Team) -> Figure:
         if log.reference.size:
             axes.plot(*log.reference[:, :2].T, ".", color=style.INK, ms=1.5, label="reference")
     for meeting in team.meetings:
-        x, y = _middle(team, meeting)
+        x, y = team.middle(meeting)
         axes.plot(x, y, "x", color=style.ALARM, ms=6, mew=1.6)
     handles, _labels = axes.get_legend_handles_labels()
     if team.meetings:
@@ -86,8 +87,27 @@ def _draw_map(axes: Axes, team: Team) -> None:
     if team.folder.border is not None:
         line = team.folder.border.polyline(0.1)
         axes.plot(*line.T, color="#9fb3c8", lw=4, alpha=0.55, label="border", zorder=1)
+    for zone in team.zones:
+        _draw_zone(axes, zone)
     (x0, y0), (x1, y1) = _corners(team)
     axes.set(xlim=(x0, x1), ylim=(y0, y1), xlabel="x (m)", ylabel="y (m)", aspect="equal")
+
+
+def _draw_zone(axes: Axes, zone: Zone) -> None:
+    """Draw a zone's outline, and its name in its upper left corner."""
+    axes.add_patch(Polygon(zone.polygon, fill=False, ec=style.ZONE, lw=0.7, ls=(0, (1, 2))))
+    left, top = min(x for x, _ in zone.polygon), max(y for _, y in zone.polygon)
+    axes.annotate(
+        zone.name,
+        (left, top),
+        xytext=(3, -3),
+        textcoords="offset points",
+        va="top",
+        color=style.ZONE,
+        fontsize=7.5,
+        parse_math=False,
+        clip_on=True,
+    )
 
 
 def places(team: Team) -> Figure | None:
@@ -109,7 +129,7 @@ def places(team: Team) -> Figure | None:
         kept |= np.isnan(s)
         axes.plot(t[kept], s[kept], color=colors[run.name], lw=1.4, label=run.name)
     for meeting in team.meetings:
-        at = border.project(*_middle(team, meeting)).abscissa
+        at = border.project(*team.middle(meeting)).abscissa
         axes.plot(meeting.t, at, "o", ms=7, mfc="none", mec=style.ALARM, mew=1.3)
     axes.set(ylim=(0.0, border.length), ylabel="s (m)")
     axes.grid(axis="y")
@@ -229,8 +249,8 @@ def _distinct_closest(meetings: Sequence[Meeting]) -> list[Meeting]:
 def _close_up(axes: Axes, team: Team, meeting: Meeting) -> None:
     """Draw one meeting: a dot each 0.5 s in the action's color, a line at the closest approach."""
     colors = style.robot_colors(team.names)
-    a, b = _pair(team, meeting)
-    closest = _closest(team, meeting)
+    a, b = team.pair(meeting)
+    closest = team.closest(meeting)
     pair = np.array([a.position[closest], b.position[closest]])
     x, y = pair.mean(axis=0)
     inside = slice(max(0, closest - int(AROUND_S * 10)), closest + int(AROUND_S * 10) + 1)
@@ -257,27 +277,6 @@ def _close_up(axes: Axes, team: Team, meeting: Meeting) -> None:
     axes.set_title(f"{style.clock(meeting.t)}, closest {meeting.closest_m:.2f} m")
     axes.grid()
     axes.tick_params(length=0, labelsize=8)
-
-
-def _pair(team: Team, meeting: Meeting) -> tuple[RobotRun, RobotRun]:
-    by_name = {run.name: run for run in team.sampled}
-    return by_name[meeting.robots[0]], by_name[meeting.robots[1]]
-
-
-def _closest(team: Team, meeting: Meeting) -> int:
-    """Return the index of a meeting's closest approach."""
-    a, b = _pair(team, meeting)
-    start = int(np.searchsorted(team.t, meeting.t))
-    distance = np.hypot(*(a.position[start:] - b.position[start:]).T)
-    far = np.flatnonzero(~(distance < 2.5))
-    end = int(far[0]) if far.size else distance.size
-    return start + int(np.nanargmin(distance[: max(end, 1)]))
-
-
-def _middle(team: Team, meeting: Meeting) -> tuple[float, float]:
-    a, b = _pair(team, meeting)
-    x, y = (a.position[_closest(team, meeting)] + b.position[_closest(team, meeting)]) / 2.0
-    return float(x), float(y)
 
 
 def idleness(team: Team) -> Figure | None:

@@ -7,10 +7,13 @@ from typing import Any
 
 from matplotlib import figure as mpl_figure
 
+from robot_agent.messages.log_level import LogLevel
 from robot_agent.report.notices import TURN_WORDS
+from tools.metrics.metrics import Meeting
 from tools.report import machine_figures, patrol_figures, style
 from tools.report.blocks import Block, Figure, Folded, Paragraph, Table, row, table
 from tools.report.numbers import process_numbers
+from tools.report.run_log import LogLine
 from tools.report.team import Team
 
 Blocks = Iterator[Block]
@@ -34,7 +37,7 @@ def _incidents(team: Team, _figures: dict[str, Any]) -> Blocks:
             style.clock(incident.start),
             f"{incident.end - incident.start:.1f}",
             incident.robot,
-            incident.what,
+            team.words.placed(incident.what, team.place(incident.robot, incident.start)),
             incident.reaction,
         )
         for incident in team.incidents
@@ -102,6 +105,7 @@ def _meetings(team: Team, _figures: dict[str, Any]) -> Blocks:
     rows = [
         (
             style.clock(meeting.t),
+            _meeting_place(team, meeting),
             " and ".join(meeting.robots),
             " / ".join(map(style.words, meeting.actions)),
             f"{meeting.closest_m:.2f}",
@@ -114,8 +118,17 @@ def _meetings(team: Team, _figures: dict[str, Any]) -> Blocks:
         "The closest meetings, 6 s before and after: a dot each half second, in the color of the "
         "action; dashed: the closest approach; axes in m.",
     )
-    heads = ("at", "robots", "what each did", "closest (m)", "ended")
+    heads = ("at", "where", "robots", "what each did", "closest (m)", "ended")
     yield Folded(f"all {len(rows)} meetings", table(heads, rows), len(rows) <= 12)
+
+
+def _meeting_place(team: Team, meeting: Meeting) -> str:
+    """Return a meeting's place along the border, in words; empty without a border."""
+    border = team.folder.border
+    if border is None:
+        return ""
+    s = border.project(*team.middle(meeting)).abscissa
+    return team.words.explained(f"s = {s:.1f} m")
 
 
 def _idleness(team: Team, figures: dict[str, Any]) -> Blocks:
@@ -253,7 +266,13 @@ def _events(team: Team, _figures: dict[str, Any]) -> Blocks:
     )
     rows = [
         row(
-            (style.clock(t), name, _LEVELS.get(line.level, ""), line.part, line.message),
+            (
+                style.clock(t),
+                name,
+                _LEVELS.get(line.level, ""),
+                line.part,
+                _told(team, t, name, line),
+            ),
             f"level{line.level}",
         )
         for t, name, line in lines[:SHOWN_EVENTS]
@@ -261,6 +280,12 @@ def _events(team: Team, _figures: dict[str, Any]) -> Blocks:
     more = f", the first {SHOWN_EVENTS} of them" if len(lines) > SHOWN_EVENTS else ""
     events = Table(("at", "robot", "level", "part", "what"), rows)
     yield Folded(f"{len(lines)} events{more}", events, len(lines) <= 25)
+
+
+def _told(team: Team, t: float, robot: str, line: LogLine) -> str:
+    """Return an event's text with its places' zones; a warning without any: its robot's zone."""
+    place = team.place(robot, t) if line.level >= LogLevel.WARNING else None
+    return team.words.placed(line.message, place)
 
 
 Section = tuple[str, str, Callable[[Team, dict[str, Any]], Blocks]]

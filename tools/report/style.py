@@ -31,6 +31,7 @@ ACTIONS = {
     str(Action.AVOID_TEAMMATE): "#c8323f",
 }
 ALARM = "#c8323f"
+ZONE = "#00708f"
 WIDTH = 11.0
 """Width of a figure, inches."""
 POINTS = 1600

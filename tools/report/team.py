@@ -11,6 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from maps.map_folder import MapFolder, map_folder_from_files
+from maps.place_words import PlaceWords
+from maps.zone import Zone
+from robot_agent.config import MapSettings
 from tools.logs.recorded_config import parse_old_config
 from tools.metrics.border_visits import BorderVisits, border_visits
 from tools.metrics.metrics import Meeting, RobotRun, arrival_index, meetings
@@ -23,6 +26,8 @@ VISIT_STEPS = 5
 """Steps between samples for idleness, 0.5 s: a robot moves less than the visit radius meanwhile."""
 PAUSE_S = 1.0
 """Age of a decision from which the robot's position is unknown."""
+_APART_M = 2.5
+"""Distance from which on two robots are past their meeting."""
 
 
 @dataclass(eq=False)
@@ -31,6 +36,19 @@ class Team:
 
     runs: list[RunLog]
     clocks: list[ClockNote]
+    zones: tuple[Zone, ...] = ()
+    """Names of places on the map; none: texts tell numbers alone."""
+
+    @cached_property
+    def words(self) -> PlaceWords:
+        """What names the places in texts."""
+        return PlaceWords(self.zones, self.folder.border)
+
+    def place(self, robot: str, t: float) -> tuple[float, float] | None:
+        """Return where a robot was by its own pose at a time, m, map frame; None: unknown."""
+        run = next(run for run in self.sampled if run.name == robot)
+        x, y = run.position[int(np.clip(np.searchsorted(self.t, t), 0, self.t.size - 1))].tolist()
+        return None if np.isnan(x) else (x, y)
 
     @cached_property
     def names(self) -> list[str]:
@@ -45,11 +63,19 @@ class Team:
     @cached_property
     def folder(self) -> MapFolder:
         """The map of the first recording; raises MapError or BorderError."""
-        header = self.runs[0].header
-        config, _ = parse_old_config(header.configuration, str(self.runs[0].path))
         return map_folder_from_files(
-            Path(config.map.folder).name, header.map_files, config.map.border
+            Path(self.map_named).name, self.runs[0].header.map_files, self._map_settings.border
         )
+
+    @property
+    def map_named(self) -> str:
+        """The map folder, or name of a shipped map, of the first recording's configuration."""
+        return self._map_settings.folder
+
+    @cached_property
+    def _map_settings(self) -> MapSettings:
+        first = self.runs[0]
+        return parse_old_config(first.header.configuration, str(first.path))[0].map
 
     @cached_property
     def t(self) -> Floats:
@@ -69,6 +95,27 @@ class Team:
         """All meetings of two robots of the team."""
         border = self.folder.border
         return [] if border is None else meetings(border, self.sampled)
+
+    def pair(self, meeting: Meeting) -> tuple[RobotRun, RobotRun]:
+        """Return the runs of the two robots that met."""
+        by_name = {run.name: run for run in self.sampled}
+        return by_name[meeting.robots[0]], by_name[meeting.robots[1]]
+
+    def closest(self, meeting: Meeting) -> int:
+        """Return the index of a meeting's closest approach."""
+        a, b = self.pair(meeting)
+        start = int(np.searchsorted(self.t, meeting.t))
+        distance = np.hypot(*(a.position[start:] - b.position[start:]).T)
+        far = np.flatnonzero(~(distance < _APART_M))
+        end = int(far[0]) if far.size else distance.size
+        return start + int(np.nanargmin(distance[: max(end, 1)]))
+
+    def middle(self, meeting: Meeting) -> tuple[float, float]:
+        """Return the place between two robots at their closest approach, m, map frame."""
+        a, b = self.pair(meeting)
+        closest = self.closest(meeting)
+        x, y = (a.position[closest] + b.position[closest]) / 2.0
+        return float(x), float(y)
 
     @cached_property
     def incidents(self) -> list[Incident]:

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from maps.map_folder import MapFolder
 from maps.occupancy_map import OCCUPIED
+from maps.whole_file import whole_file
 from robot_agent.patrol.actions import Action
 from tools.metrics.metrics import Meeting, RobotRun, distance_from_border
 from tools.report import style
@@ -32,7 +33,8 @@ def write_figures(run: PaperRun, folder: Path) -> bool:
     for name, figure in drawn.items():
         if figure is not None:
             for suffix in ("svg", "png"):
-                figure.savefig(folder / f"{name}.{suffix}")
+                with whole_file(folder / f"{name}.{suffix}") as part:
+                    figure.savefig(part)
     return drawn["meeting"] is not None
 
 

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from maps.whole_file import whole_file
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.fuzzy import MamdaniSystem, Variable
 from robot_agent.patrol.rules import load_rules
@@ -78,7 +79,8 @@ def draw_rules(
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
     FigureCanvasAgg(figure)
     png.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(png, dpi=100, format="png")
+    with whole_file(png) as part:
+        figure.savefig(part, dpi=100, format="png")
 
 
 def decision_map(

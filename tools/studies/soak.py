@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from maps.map_folder import MapFolder
+from maps.whole_file import write_whole
 from robot_agent.config import AgentConfig, RecorderSettings
 from robot_agent.messages.effects import Effect
 from robot_agent.messages.events import Event
@@ -315,9 +316,8 @@ class SoakLog:
         self._rows.append(row)
         with self._path.open("a") as file:
             file.write(json.dumps(dataclasses.asdict(row)) + "\n")
-        fresh = self._path.with_suffix(".new")
-        fresh.write_text(json.dumps(summary(self._rows), indent=2) + "\n")
-        fresh.replace(self._path.with_suffix(".summary.json"))
+        content = json.dumps(summary(self._rows), indent=2) + "\n"
+        write_whole(self._path.with_suffix(".summary.json"), content)
 
 
 def summary(rows: list[SoakHour]) -> dict[str, Any]:

@@ -39,6 +39,7 @@ import tomli_w
 from maps.border import BorderError
 from maps.map_folder import load_map_folder
 from maps.toml_text import TomlError, read_toml
+from maps.whole_file import write_whole
 from robot_agent.config import AgentConfig, find_map, parse_config
 from tools.batch.batch import Batch, is_possible
 from tools.batch.batch_bench import MOMENTS, run_batch
@@ -399,10 +400,7 @@ def _store(folder: Path, result: Result) -> None:
         "seed": result.run.seed,
         "figures": result.figures,
     }
-    path = folder / result.run.file_name
-    part = path.with_suffix(".part")
-    part.write_text(json.dumps(content), encoding="utf-8")
-    part.replace(path)
+    write_whole(folder / result.run.file_name, json.dumps(content))
 
 
 def _stored(folder: Path, run: Run) -> Result | None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from maps.whole_file import whole_file
 from tools.logs.csv_cells import csv_cells
 from tools.studies.case_names import CaseNames
 from tools.studies.study import Case, Result
@@ -55,7 +56,7 @@ def _paired(
 
 def write_differences(found: Sequence[Difference], names: CaseNames, path: Path) -> None:
     """Write one line for each difference and figure."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         heads = ["case", "setting", "less", "figure", "mean", "half_width", "seeds"]
         writer.writerow(csv_cells(heads))

@@ -9,6 +9,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from maps.whole_file import whole_file
 from tools.studies.case_names import CaseNames
 from tools.studies.study import Case
 from tools.studies.study_table import COLUMNS, Summary
@@ -45,7 +46,8 @@ def plot_study(rows: Rows, names: CaseNames, folder: Path) -> None:
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # the layout takes long, and is the same in every format
     for form in FORMATS:
-        figure.savefig(folder / f"study.{form}", dpi=DPI)
+        with whole_file(folder / f"study.{form}") as part:
+            figure.savefig(part, dpi=DPI)
 
 
 def plot_figures(rows: Rows, names: CaseNames, folder: Path, form: str) -> list[Path]:
@@ -57,7 +59,8 @@ def plot_figures(rows: Rows, names: CaseNames, folder: Path, form: str) -> list[
         _draw(axes, name, rows, names)
         _finish(figure, axes, names)
         files.append(folder / f"{name}.{form}")
-        figure.savefig(files[-1], dpi=DPI)
+        with whole_file(files[-1]) as part:
+            figure.savefig(part, dpi=DPI)
     return files
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
+from maps.whole_file import whole_file
 from tools.logs.csv_cells import csv_cells
 from tools.metrics.intruder_exposure import DWELL_S
 from tools.studies.study import Case, Result
@@ -140,7 +141,7 @@ def _column(extract: Extract, runs: Sequence[dict[str, Any]]) -> Summary | None:
 def write_csv(results: Sequence[Result], path: Path) -> None:
     """Write one line per run: varied settings, seed, every column. results: at least one."""
     varied = [key for key, _ in results[0].run.case.values]
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(csv_cells([*varied, "seed", *COLUMNS]))
         for result in results:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from maps.whole_file import whole_file
 from tools.studies.study_plot import DPI, FORMATS, Rows
 
 
@@ -40,4 +41,5 @@ def plot_trade_off(rows: Rows, bounds: Mapping[str, Any], folder: Path) -> None:
         axes.set_ylim(-0.03, 1.05)
         axes.legend(fontsize=6)
     for form in FORMATS:
-        figure.savefig(folder / f"trade_off.{form}", dpi=DPI)
+        with whole_file(folder / f"trade_off.{form}") as part:
+            figure.savefig(part, dpi=DPI)

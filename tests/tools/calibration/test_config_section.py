@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -157,7 +158,7 @@ def test_unwritable_file_is_an_error_and_unchanged(
     def full(*_: object) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(config_section.os, "fsync", full)
+    monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(ConfigError, match=r"robot\.toml: cannot be changed \(No space left"):
         set_keys(robot, "camera", CAMERA)
     assert robot.read_text() == "[robot]\nname = 'anna'\n"

@@ -79,6 +79,19 @@ def test_grey_or_dark_pictures_are_refused() -> None:
         learn_color([(np.zeros_like(seen), wall)])
 
 
+@pytest.mark.parametrize(
+    "data", [b"", b"no picture", b"\xff\xd8\xff\xc0\x00\x0b\x08\xff\xdc\xff\xdc" + bytes(8)]
+)
+def test_what_is_no_picture_or_a_huge_one_is_one_line(
+    data: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "band.jpg"
+    path.write_bytes(data)
+    assert main(["calibrate", "color", str(path)]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "band.jpg: is no picture that can be read" in line
+
+
 def test_direction_and_focal_length_are_found_among_outliers() -> None:
     rng = np.random.default_rng(2)
     theta, focal = 0.07, 231.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import struct
 import time
 from collections.abc import Callable
 from contextlib import closing
@@ -12,6 +13,7 @@ import aiohttp
 import pytest
 import zenoh
 
+from maps.zone import Zone
 from robot_agent.config import TelemetrySettings
 from robot_agent.messages.streams import encode
 from robot_agent.process.telemetry import Telemetry, session_config
@@ -182,6 +184,38 @@ def test_foxglove_viewer_gets_channels_with_schemas_and_payloads() -> None:
         asyncio.run(look(server.port, server))
         with pytest.raises(WebError, match="--foxglove"):
             FoxgloveServer(f"127.0.0.1:{server.port}")
+
+
+def test_foxglove_viewer_gets_the_zones_whenever_it_subscribes() -> None:
+    pytest.importorskip("foxglove", reason="foxglove-sdk is not installed")
+    zone = Zone("küchen corridor", ((2.5, 1.25), (8.0, 1.25), (8.0, 3.0)))
+
+    async def zones_seen(port: int) -> bytes:
+        async with (
+            aiohttp.ClientSession() as session,
+            session.ws_connect(
+                f"http://127.0.0.1:{port}/", protocols=["foxglove.sdk.v1"]
+            ) as viewer,
+        ):
+            while True:
+                message = await viewer.receive(timeout=TIMEOUT_S)
+                if message.type is aiohttp.WSMsgType.BINARY:
+                    return bytes(message.data)
+                if message.type is aiohttp.WSMsgType.TEXT and '"advertise"' in message.data:
+                    (channel,) = message.json()["channels"]
+                    assert (channel["topic"], channel["schemaName"]) == (
+                        "/zones",
+                        "foxglove.SceneUpdate",
+                    )
+                    wanted = {"id": 1, "channelId": channel["id"]}
+                    await viewer.send_json({"op": "subscribe", "subscriptions": [wanted]})
+
+    with closing(FoxgloveServer("127.0.0.1:0", [zone])) as server:
+        for _ in range(2):  # a viewer that comes later gets them too
+            scene = asyncio.run(zones_seen(server.port))
+            assert zone.name.encode() in scene
+            for number in (2.5, 1.25, 8.0, 3.0):
+                assert struct.pack("<d", number) in scene
 
 
 def test_silent_robot_gives_its_place_at_the_office_to_a_later_one(

@@ -90,3 +90,20 @@ def test_two_intruders_are_two_alarms_and_a_later_one_is_new() -> None:
 def test_what_is_no_jpeg_is_no_picture(text: str) -> None:
     payload = msgspec.structs.replace(intruder(TROUBLE_AT), picture=text)
     assert sighting_of(payload, START).picture == b""
+
+
+HUGE = b"\xff\xd8\xff\xc0\x00\x0b\x08\xff\xdc\xff\xdc" + bytes(8)
+"""The head of a picture of 65500 x 65500 pixels, which would fill a browser's memory."""
+
+
+@pytest.mark.parametrize("data", [HUGE, b"\xff\xd8\xff", b"\xff" * 60_000, b"<svg/>"])
+def test_picture_that_cannot_be_shown_is_counted_and_costs_nothing_else(data: bytes) -> None:
+    team = TeamState()
+    for number, shown in ((1, picture()), (2, data)):
+        text = base64.b64encode(shown).decode()
+        report = msgspec.structs.replace(intruder(TROUBLE_AT), x=float(number), picture=text)
+        team.receive(KEY, encode(report), float(number), START)
+    (robot,) = team.snapshot()
+    assert robot.malformed == 1
+    assert robot.intruders[1].place == (2.0, INTRUDER[1])
+    assert robot.intruders[1].picture == picture(), "the last that can be shown"

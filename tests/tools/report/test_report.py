@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import shutil
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +15,7 @@ import pytest
 
 from maps.map_folder import load_map_folder
 from maps.pose import Pose
+from maps.zone_file import ZONES_FILE
 from robot_agent.config import find_map
 from tools.bench.bench_fault import parse_fault
 from tools.bench.fleet import Fleet
@@ -22,6 +25,7 @@ from tools.report.alignment import AlignmentError, align
 from tools.report.incidents import override_times
 from tools.report.numbers import numbers
 from tools.report.page import figures_alone, page
+from tools.report.recorded_zones import zones_here
 from tools.report.run_log import RunLog, read_run
 from tools.report.team import Team
 
@@ -107,6 +111,36 @@ def test_fault_is_an_incident_with_time_and_reaction(report: Path) -> None:
     assert 28.0 < incident["end"] < 29.5, "a silent laser is polled once a second"
     assert 0.0 < incident["stopped_after_s"] < 0.6
     assert 0.0 < incident["moved_after_s"] < 2.0
+
+
+def test_places_are_told_with_their_zone(report: Path) -> None:
+    text = (report / "report.html").read_text()
+    found = json.loads((report / "report.json").read_text())
+    (meeting,), (incident,) = found["meetings"], found["incidents"]
+    assert meeting["zone"] == incident["zone"] == "south corridor"
+    assert "laser silent (south corridor)" in text
+    assert re.search(r"<td>s = [0-9.]+ m \(south corridor\)</td>", text)
+    assert ">north corridor</text>" in text, "drawn on the map"
+
+
+def test_report_takes_the_zones_of_the_stated_folder(
+    recordings: list[Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copytree(find_map("paper_lab", Path()), tmp_path / "lab")
+    (tmp_path / "lab" / ZONES_FILE).write_text(
+        "[[zone]]\nname = '$a$ <b>'\npolygon = [[0, 0], [26, 0], [26, 18], [0, 18]]\n"
+    )
+    words = ["report", str(recordings[0]), "-o", str(tmp_path), "--map"]
+    assert main([*words, str(tmp_path / "lab")]) == 0
+    assert "laser silent ($a$ &lt;b&gt;)" in (tmp_path / "report.html").read_text()
+    assert main([*words, "large_hall"]) == 1
+    assert "another map than that of the recordings" in capsys.readouterr().err
+
+
+def test_map_that_is_not_here_has_no_zones(runs: list[RunLog], tmp_path: Path) -> None:
+    team = Team(runs, align(runs))
+    assert zones_here(team.folder, tmp_path / "gone") == ()
+    assert zones_here(team.folder, find_map("large_hall", Path())) == ()
 
 
 def test_hostile_texts_of_a_recording_are_escaped(runs: list[RunLog]) -> None:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from maps.pose import Pose, wrap_angle
+from maps.whole_file import whole_file
 from tools.mapping.slam.pose_graph import Edge
 from tools.mapping.slam.way_error import WayError
 
@@ -76,7 +77,7 @@ def worst_bend(poses: Sequence[Pose], chain: Sequence[Pose], errors: WayError) -
 
 def write_loops(path: Path, loops: Sequence[CheckedLoop]) -> None:
     """Write a CSV with one line per loop."""
-    with path.open("w", newline="", encoding="utf-8") as file:
+    with whole_file(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(("x_m", "y_m", "way_m", "shift_m", "turn_deg", "strain", "kept"))
         for loop in loops:

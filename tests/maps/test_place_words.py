@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
+from maps.place_words import PlaceWords
 from maps.zone import Zone
 from robot_agent.messages.streams import encode
 from tests.tools.monitor.agent_recordings import FOLDER
 from tests.tools.monitor.reports import pose, status
-from tools.monitor.place_words import PlaceWords
 from tools.monitor.site import Site
 from tools.monitor.team_state import TeamState
 from tools.monitor.watch import Watch
