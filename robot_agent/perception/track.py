@@ -20,7 +20,8 @@ class Track:
     (2, 2) of the position, m^2. first_seen, last_seen: times of the laser's first and latest
     detection. robot_sized: as large as a Pioneer in most detections that show it whole. moving: it
     has moved farther than errors explain. by_color: whether there is evidence by pictures. small:
-    its outline is that of a scanner's housing; a robot's body may lie below the laser's plane.
+    its outline is that of a scanner's housing; a robot's body may lie below the laser's plane. legs:
+    it was a pair of legs in several scans in a row.
     """
 
     id: int
@@ -37,6 +38,7 @@ class Track:
     moving: bool
     by_color: bool
     small: bool = False
+    legs: bool = False
 
     @property
     def teammate(self) -> bool:
@@ -50,8 +52,8 @@ class Track:
 
     @property
     def person_like(self) -> bool:
-        """Whether it has moved and is narrower than a robot."""
-        return self.moving and not self.robot_sized and not self.needs_room
+        """Whether it is a pair of legs, or has moved and is narrower than a robot."""
+        return (self.moving or self.legs) and not self.robot_sized and not self.needs_room
 
     @property
     def robot_like(self) -> bool:

@@ -41,7 +41,8 @@ class Detection:
 
     whole: enough of it was seen to start a track. robot_sized: it may be a robot by its size.
     small: by a silhouette that a leg or a post has too. misfit: of the best silhouette
-    (``OutlineFit``). reflecting: it wears reflecting tape, if the laser reports that.
+    (``OutlineFit``). reflecting: it wears reflecting tape, if the laser reports that. legs: it is
+    a pair of them.
     """
 
     x: float
@@ -54,6 +55,7 @@ class Detection:
     small: bool = False
     misfit: float = math.inf
     reflecting: bool = False
+    legs: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +97,8 @@ class TrackFilter:
         self._has_moved = False
         self._next_evidence = t
         self._whole, self._robot_sized = 1, int(detection.robot_sized)
-        self._fits = self._small_fits = 0  # in a row
+        self._fits = self._small_fits = self._legs = 0  # in a row
+        self._has_legs = False  # from then on: one leg may hide the other
         self._approached = -math.inf  # when it last came nearer
         self._past: deque[_PastPosition] = deque()
         self._kalman = KalmanFilter(dim_x=4, dim_z=2)
@@ -254,6 +257,7 @@ class TrackFilter:
             moving=self._has_moved,
             by_color=self.identity.by_color,
             small=self._is_small,
+            legs=self._has_legs,
         )
 
     @property
@@ -293,6 +297,8 @@ class TrackFilter:
             fits = detection.robot_sized and detection.misfit < _FITS
             self._fits = self._fits + 1 if fits else 0
             self._small_fits = self._small_fits + 1 if fits and detection.small else 0
+            self._legs = self._legs + 1 if detection.legs else 0
+            self._has_legs |= self._legs >= _MIN_FITS
         if t < self._next_evidence:
             return
         self._next_evidence = t + _SAMPLE_PERIOD
