@@ -20,8 +20,8 @@ class Track:
     (2, 2) of the position, m^2. first_seen, last_seen: times of the laser's first and latest
     detection. robot_sized: as large as a Pioneer in most detections that show it whole. moving: it
     has moved farther than errors explain. by_color: whether there is evidence by pictures. small:
-    its outline is that of a scanner's housing; a robot's body may lie below the laser's plane. legs:
-    it was a pair of legs in several scans in a row.
+    its outline is that of a scanner's housing; a robot's body may lie below the laser's plane.
+    legs: it was a pair of legs in several scans in a row.
     """
 
     id: int

@@ -33,6 +33,8 @@ _MIN_FITS = 3  # scans in a row whose outline fits, for a track that may be a ro
 _COMES = 0.1  # m/s towards an observer at which it approaches
 _MIN_SPEED, _MAX_SPEED = 0.2, 0.55  # m/s of a robot that patrols; people walk faster
 _POSITION_OF_STATE = np.eye(2, 4)
+_PLANE = np.eye(2)
+_STILL = np.eye(4)
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +163,7 @@ class TrackFilter:
         dt = max(t - self._t, 0.0)
         self._t = max(t, self._t)
         reach, kept = (dt, 1.0) if self.misses == 0 else self._decay(dt)
-        F = np.eye(4)
+        F = _STILL.copy()
         F[0, 2] = F[1, 3] = reach
         F[2, 2] = F[3, 3] = kept
         self._kalman.predict(F=F, Q=self._process_noise(dt))
@@ -225,7 +227,7 @@ class TrackFilter:
 
     def update_by_echo(self, t: float, x: float, y: float, sigma: float) -> None:
         """Update by a sonar echo at (x, y), m, map frame; call ``predict(t)`` before. sigma: m."""
-        self._kalman.update(np.array((x, y)), R=sigma**2 * np.eye(2))
+        self._kalman.update(np.array((x, y)), R=sigma**2 * _PLANE)
         self.supported = t
 
     def miss(self) -> None:
@@ -241,14 +243,18 @@ class TrackFilter:
         """
         reach, kept = self._decay(max(t - self._t, 0.0))
         x, y, vx, vy = self._kalman.x.tolist()
-        ahead_x, ahead_y, variance = self._seen_ahead() if self._is_small else (0.0, 0.0, 0.0)
+        covariance = self._kalman.P[:2, :2].copy()
+        ahead_x, ahead_y = 0.0, 0.0
+        if self._is_small:
+            ahead_x, ahead_y, variance = self._seen_ahead()
+            covariance += variance * _PLANE
         return Track(
             id=self.id,
             x=x + reach * vx - ahead_x,
             y=y + reach * vy - ahead_y,
             vx=kept * vx,
             vy=kept * vy,
-            covariance=self._kalman.P[:2, :2] + variance * np.eye(2),
+            covariance=covariance,
             first_seen=self.first_seen,
             last_seen=self.last_seen,
             kind=self.identity.kind,
