@@ -61,7 +61,7 @@ class Segment:
     whole: enough of it is seen to measure its size; otherwise it is a part that may belong to a
     track. robot_sized: it may be a robot by its size. small: its silhouette would be one that a leg
     or a post has too. misfit: of the best silhouette (``OutlineFit``), infinite without a fit.
-    reflecting: it wears reflecting tape, if the laser reports that.
+    reflecting: it wears reflecting tape, if the laser reports that. legs: it is a pair of them.
     """
 
     x: float
@@ -76,6 +76,7 @@ class Segment:
     small: bool = False
     misfit: float = math.inf
     reflecting: bool = False
+    legs: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -226,6 +227,7 @@ def _person(a: Segment, b: Segment) -> Segment:
         whole=True,
         robot_sized=False,
         reflecting=a.reflecting or b.reflecting,
+        legs=True,
     )
 
 

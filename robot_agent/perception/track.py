@@ -21,6 +21,7 @@ class Track:
     detection. robot_sized: as large as a Pioneer in most detections that show it whole. moving: it
     has moved farther than errors explain. by_color: whether there is evidence by pictures. small:
     its outline is that of a scanner's housing; a robot's body may lie below the laser's plane.
+    legs: it was a pair of legs in several scans in a row.
     """
 
     id: int
@@ -37,6 +38,7 @@ class Track:
     moving: bool
     by_color: bool
     small: bool = False
+    legs: bool = False
 
     @property
     def teammate(self) -> bool:
@@ -50,8 +52,8 @@ class Track:
 
     @property
     def person_like(self) -> bool:
-        """Whether it has moved and is narrower than a robot."""
-        return self.moving and not self.robot_sized and not self.needs_room
+        """Whether it is a pair of legs, or has moved and is narrower than a robot."""
+        return (self.moving or self.legs) and not self.robot_sized and not self.needs_room
 
     @property
     def robot_like(self) -> bool:

@@ -33,6 +33,8 @@ _MIN_FITS = 3  # scans in a row whose outline fits, for a track that may be a ro
 _COMES = 0.1  # m/s towards an observer at which it approaches
 _MIN_SPEED, _MAX_SPEED = 0.2, 0.55  # m/s of a robot that patrols; people walk faster
 _POSITION_OF_STATE = np.eye(2, 4)
+_PLANE = np.eye(2)
+_STILL = np.eye(4)
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +43,8 @@ class Detection:
 
     whole: enough of it was seen to start a track. robot_sized: it may be a robot by its size.
     small: by a silhouette that a leg or a post has too. misfit: of the best silhouette
-    (``OutlineFit``). reflecting: it wears reflecting tape, if the laser reports that.
+    (``OutlineFit``). reflecting: it wears reflecting tape, if the laser reports that. legs: it is
+    a pair of them.
     """
 
     x: float
@@ -54,6 +57,7 @@ class Detection:
     small: bool = False
     misfit: float = math.inf
     reflecting: bool = False
+    legs: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +99,8 @@ class TrackFilter:
         self._has_moved = False
         self._next_evidence = t
         self._whole, self._robot_sized = 1, int(detection.robot_sized)
-        self._fits = self._small_fits = 0  # in a row
+        self._fits = self._small_fits = self._legs = 0  # in a row
+        self._has_legs = False  # from then on: one leg may hide the other
         self._approached = -math.inf  # when it last came nearer
         self._past: deque[_PastPosition] = deque()
         self._kalman = KalmanFilter(dim_x=4, dim_z=2)
@@ -158,7 +163,7 @@ class TrackFilter:
         dt = max(t - self._t, 0.0)
         self._t = max(t, self._t)
         reach, kept = (dt, 1.0) if self.misses == 0 else self._decay(dt)
-        F = np.eye(4)
+        F = _STILL.copy()
         F[0, 2] = F[1, 3] = reach
         F[2, 2] = F[3, 3] = kept
         self._kalman.predict(F=F, Q=self._process_noise(dt))
@@ -222,7 +227,7 @@ class TrackFilter:
 
     def update_by_echo(self, t: float, x: float, y: float, sigma: float) -> None:
         """Update by a sonar echo at (x, y), m, map frame; call ``predict(t)`` before. sigma: m."""
-        self._kalman.update(np.array((x, y)), R=sigma**2 * np.eye(2))
+        self._kalman.update(np.array((x, y)), R=sigma**2 * _PLANE)
         self.supported = t
 
     def miss(self) -> None:
@@ -238,14 +243,18 @@ class TrackFilter:
         """
         reach, kept = self._decay(max(t - self._t, 0.0))
         x, y, vx, vy = self._kalman.x.tolist()
-        ahead_x, ahead_y, variance = self._seen_ahead() if self._is_small else (0.0, 0.0, 0.0)
+        covariance = self._kalman.P[:2, :2].copy()
+        ahead_x, ahead_y = 0.0, 0.0
+        if self._is_small:
+            ahead_x, ahead_y, variance = self._seen_ahead()
+            covariance += variance * _PLANE
         return Track(
             id=self.id,
             x=x + reach * vx - ahead_x,
             y=y + reach * vy - ahead_y,
             vx=kept * vx,
             vy=kept * vy,
-            covariance=self._kalman.P[:2, :2] + variance * np.eye(2),
+            covariance=covariance,
             first_seen=self.first_seen,
             last_seen=self.last_seen,
             kind=self.identity.kind,
@@ -254,6 +263,7 @@ class TrackFilter:
             moving=self._has_moved,
             by_color=self.identity.by_color,
             small=self._is_small,
+            legs=self._has_legs,
         )
 
     @property
@@ -293,6 +303,8 @@ class TrackFilter:
             fits = detection.robot_sized and detection.misfit < _FITS
             self._fits = self._fits + 1 if fits else 0
             self._small_fits = self._small_fits + 1 if fits and detection.small else 0
+            self._legs = self._legs + 1 if detection.legs else 0
+            self._has_legs |= self._legs >= _MIN_FITS
         if t < self._next_evidence:
             return
         self._next_evidence = t + _SAMPLE_PERIOD

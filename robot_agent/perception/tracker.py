@@ -311,4 +311,5 @@ def _in_map(pose: Pose, segment: Segment, sigma: PoseSigma) -> Detection:
         small=segment.small,
         misfit=segment.misfit,
         reflecting=segment.reflecting,
+        legs=segment.legs,
     )

@@ -83,3 +83,32 @@ def test_covered_is_none_for_a_scan_mostly_on_tracks(room: Room) -> None:
         points = room.scan(pose, [Box(4.5, 4.0, 0.0)], rng)
         tracker.update(step * PERIOD, pose, points)
     assert tracker.covered(0.9, pose, points) is None
+
+
+def _legs_in_line(bearing: float) -> list[Box]:
+    """Return two legs 0.3 m apart, 1.6 m ahead of (3, 4), on a line at this bearing, rad."""
+    x, y = 0.15 * math.cos(bearing), 0.15 * math.sin(bearing)
+    return [Box(4.6 + side * x, 4.0 + side * y, 0.0, 0.12, 0.12) for side in (-1, 1)]
+
+
+def test_legs_that_stand_are_a_person_also_when_one_comes_to_hide_the_other(room: Room) -> None:
+    rng = np.random.default_rng(4)
+    tracker = TeammateTracker(PerceptionSettings(), room.map, SILHOUETTES)
+    pose = Pose(3.0, 4.0, 0.0)
+    for step in range(20):
+        legs = _legs_in_line(math.pi / 2 if step < 10 else 0.0)
+        tracker.update(step * PERIOD, pose, room.scan(pose, legs, rng))
+    [track] = tracker.tracks
+    assert not track.moving
+    assert track.person_like
+
+
+@pytest.mark.parametrize("size", [(0.511, 0.425), (0.155, 0.156), (0.12, 0.12)])
+def test_one_thing_that_stands_is_no_person(room: Room, size: tuple[float, float]) -> None:
+    rng = np.random.default_rng(5)
+    tracker = TeammateTracker(PerceptionSettings(), room.map, SILHOUETTES)
+    pose = Pose(3.0, 4.0, 0.0)
+    for step in range(20):
+        points = room.scan(pose, [Box(4.6, 4.0, 0.3, *size)], rng)
+        tracker.update(step * PERIOD, pose, points)
+    assert not any(track.person_like for track in tracker.tracks)
