@@ -21,6 +21,7 @@ from localization.estimate import Estimate
 from localization.filter import Belief, ParticleFilter
 from localization.global_search import GlobalSearch
 from localization.health import (
+    LOCALIZED_ABOVE,
     LOCALIZED_SHARE,
     LOCALIZED_WALL_CROSSING,
     UNSURE_BELOW,
@@ -45,6 +46,7 @@ from maps.pose import Pose
 MIN_SIGMA_XY = 0.0144  # m; lower bound of an estimate's: quantization by a cell of 0.05 m
 MIN_SIGMA_THETA = 0.005  # rad; likewise: error of the laser's mount
 INDEPENDENT_BEAMS = 12.0  # that the beams of one scan count as together
+DOUBTED_BEAMS = 3  # times as many are used while not localized: in a crowd few of them tell
 
 
 class Window(NamedTuple):
@@ -223,7 +225,9 @@ class Localizer:
             self._alternatives.remember(increment, points)
         # 2. Weight the particles by the scan, and take the best cluster, refined by it.
         information = self._information.tracking
-        self._filter.weigh(points, information * INDEPENDENT_BEAMS)
+        localized = self._monitor.health is Health.LOCALIZED
+        beams = self._settings.beams * (1 if localized else DOUBTED_BEAMS)
+        self._filter.weigh(points, information * INDEPENDENT_BEAMS, beams=beams)
         hypothesis = self._matching.best_hypothesis(self._filter.belief, points)
         # 3. Compare it with its rival; look for one back along the step, and in a window.
         hypothesis = self._against_rival(hypothesis, points, information)
@@ -309,7 +313,9 @@ class Localizer:
         cluster = replace(hypothesis.cluster, mean=pose)
         fit = self._matching.check.fit(pose, points)
         other = Hypothesis(cluster, slipped.refined, pose, fit)
-        return self._propose(hypothesis, other, moved, points, at_once=slipped.certain)
+        # At a wrong pose in a crowd another a step back is often better, and as wrong.
+        at_once = slipped.certain and fit is not None and fit.beside >= LOCALIZED_ABOVE
+        return self._propose(hypothesis, other, moved, points, at_once=at_once)
 
     def _search_window(
         self, hypothesis: Hypothesis, points: NDArray[np.float64], information: float

@@ -13,6 +13,8 @@ from localization.localizer import Localizer
 from localization.settings import LocalizationSettings
 from maps.occupancy_map import MapError, OccupancyMap
 from maps.pose import Pose, wrap_angle
+from tools.localize.localize import log_steps
+from tools.localize.occlusion import Occlusion
 from tools.logs.carmen import read_carmen
 from tools.mapping.map_build import build_map
 
@@ -332,6 +334,18 @@ def test_pose_is_kept_in_a_crowd_that_stays(room, circle, share: float) -> None:
         estimate = localizer.update(20.0 + 0.1 * index, estimate.odometry, points)
     assert estimate.health is Health.LOCALIZED
     assert error(estimate.pose, pose)[0] < 0.05
+
+
+def test_pose_is_kept_along_a_corridor_where_most_beams_end_short(data_folder: Path) -> None:
+    """60 % of the beams of 26 scans of the Intel Research Lab, others at each scan."""
+    log = read_carmen(data_folder / "logs" / "intel-corrected.log.gz")
+    steps = Occlusion(0.6, by_people=False).of(log_steps(log))[680:706]
+    localizer = Localizer(LocalizationSettings(), build_map(log).map, np.random.default_rng(5))
+    localizer.start_at(log.scans[680].reference, 0.1, 0.05)
+    for step in steps:
+        estimate = localizer.update(step.t, step.odometry, step.points)
+        assert step.reference is not None
+        assert error(estimate.pose, step.reference)[0] < 0.5
 
 
 @pytest.mark.parametrize("degrees", [-90, 50, 75])

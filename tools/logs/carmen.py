@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from maps.input_limits import MAX_DURATION_S
 from maps.pose import Pose, wrap_angle
 from tools.logs.carmen_lines import LaserParameters, OdometryLine, ScanLine, parse_line
+from tools.logs.karto_log import is_karto_log, karto_elements, parse_karto_element
 from tools.logs.log_bytes import LogBytesError, read_log_bytes
 from tools.logs.log_clock import continuous_times
 from tools.logs.no_return import no_return
@@ -106,7 +107,7 @@ class _RawOdometry:
 
 
 def read_carmen(path: Path, max_range: float | None = None) -> CarmenLog:
-    """Read a CARMEN log, or one of Player's writelog, plain or compressed.
+    """Read a CARMEN log, or one of Player's writelog or kartowriter, plain or compressed.
 
     Of a truncated file the complete lines are used; single bad lines are left out, and ``notes``
     says how many. max_range: readings from which on mean no return, m; None: by the log. Raises
@@ -176,13 +177,20 @@ def _read_lines(path: Path) -> _Lines:
 def _decode(path: Path) -> tuple[list[OdometryLine | ScanLine], LaserParameters, list[str]]:
     """Return a file's lines, what PARAM lines say, and what was left out; LogError if too much."""
     text, truncated = _read_text(path)
-    rows = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    parameters, player = LaserParameters(), is_player_log(rows)
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    rows = text.split("\n")
+    parameters = LaserParameters()
+    messages = list(enumerate(rows, start=1))
+    parse: Callable[[str, LaserParameters], OdometryLine | ScanLine | None] = parse_line
+    if is_karto_log(text):
+        messages, parse = karto_elements(text), parse_karto_element
+    elif is_player_log(rows):
+        parse = parse_player_line
     lines: list[OdometryLine | ScanLine] = []
     bad: list[str] = []
-    for number, row in enumerate(rows, start=1):
+    for number, message in messages:
         try:
-            line = parse_player_line(row) if player else parse_line(row, parameters)
+            line = parse(message, parameters)
         except (ValueError, IndexError) as error:
             bad.append(f"{path}: line {number}: {error!s:.200}")
             continue

@@ -13,7 +13,7 @@ import numpy as np
 
 from maps.input_limits import MAX_BEAMS
 from maps.pose import Pose
-from tools.logs.carmen_lines import OdometryLine, ScanLine
+from tools.logs.carmen_lines import LaserParameters, OdometryLine, ScanLine
 
 _LOOKED_AT = 200  # lines in which a data line must be found
 _HEAD = 7
@@ -30,7 +30,7 @@ def is_player_log(rows: Sequence[str]) -> bool:
     return False
 
 
-def parse_player_line(row: str) -> OdometryLine | ScanLine | None:
+def parse_player_line(row: str, _parameters: LaserParameters) -> OdometryLine | ScanLine | None:
     """Decode one line; None for what is neither scan nor odometry of the first device.
 
     Raises ValueError or IndexError.

@@ -355,3 +355,54 @@ def test_player_log_is_read(tmp_path: Path) -> None:
     assert [scan.odometry.x for scan in log.scans] == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
     assert log.scans[0].ranges == pytest.approx(READINGS, abs=1e-3)
     assert not log.referenced
+
+
+def karto_pose(x: float, y: float, theta: float) -> str:
+    """Return a pose in Karto's axes: X to the left, Y up, Z ahead."""
+    half = 0.5 * theta
+    return (
+        f"<Pose><Position><X>{y:.3f}</X><Y>0.0</Y><Z>{x:.3f}</Z></Position><Orientation>"
+        f"<X>0</X><Y>{math.sin(half):f}</Y><Z>0</Z><W>{math.cos(half):f}</W></Orientation></Pose>"
+    )
+
+
+def karto_scan(kind: str, laser: int, t: float, pose: str = "") -> str:
+    """Return a scan of one of a robot's lasers."""
+    readings = "".join(f"\t\t<float>{value:.3f}</float>\n" for value in READINGS)
+    return (
+        f"<{kind}>\n<DeviceID>6665:laser:{laser}</DeviceID>\n<Time>{t:.3f}</Time>\n"
+        "<MinAngle>-1.5708</MinAngle>\n<MaxAngle>1.5533</MaxAngle>\n"
+        f"<DistanceMeasurements>\n{readings}</DistanceMeasurements>{pose}\n</{kind}>"
+    )
+
+
+@pytest.mark.parametrize("kind", ["RangeScan", "LocalizedRangeScan"])
+def test_karto_log_is_read(tmp_path: Path, kind: str) -> None:
+    lines = [
+        "<?xml version='1.0' encoding='utf-8'?>",
+        '<KartoLogger version=\\"1.0\\">',
+        f"<LaserRangeFinder>\n<ID>6665:laser:0</ID>\n{karto_pose(0.2, 0.05, 0.0)}",
+        "</LaserRangeFinder>",
+        f"<LaserRangeFinder>\n<ID>6665:laser:1</ID>\n{karto_pose(-0.2, 0.0, 3.1)}",
+        "</LaserRangeFinder>",
+    ]
+    for number in range(5):
+        t, pose = 0.2 * number, karto_pose(0.1 * number, 0.0, 0.5)
+        place = pose if kind == "LocalizedRangeScan" else ""
+        lines.append(f"<DrivePose><Time>{t:.3f}</Time>{pose}</DrivePose>")
+        lines += [karto_scan(kind, 1, t), karto_scan(kind, 0, t + 0.01, place)]
+    log = read_carmen(write(tmp_path, [*lines, "<RangeScan>\n<DeviceID>"]))
+    step = Pose(0.1, 0.0, 0.5).compose(Pose(0.2, 0.05, 0.0))
+    if kind == "LocalizedRangeScan":
+        assert tuple(log.scans[1].odometry) == pytest.approx(tuple(step), abs=2e-3)
+    between = log.scans[0].odometry.between(log.scans[4].odometry)
+    along = (0.4 * math.cos(0.5), -0.4 * math.sin(0.5), 0.0)
+    assert tuple(between) == pytest.approx(along, abs=2e-3)
+    assert len(log.scans) == 5
+    assert log.scans[0].ranges == pytest.approx(READINGS, abs=1e-3)
+    assert not log.referenced
+
+
+def test_karto_log_without_scans_is_refused_in_one_line(tmp_path: Path) -> None:
+    with pytest.raises(LogError, match="no FLASER"):
+        read_carmen(write(tmp_path, ['<KartoLogger version=\\"1.0\\">', "<DeviceStates>"]))
