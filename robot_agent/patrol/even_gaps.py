@@ -26,13 +26,15 @@ import numpy as np
 from maps.border import Border
 from robot_agent.patrol.actions import PATROLLING, Action
 from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
+from robot_agent.patrol.blocked_way import BlockedWay
 from robot_agent.patrol.modifier import Override, OverrideReason
 from robot_agent.patrol.situation import Situation
 from robot_agent.patrol.supervisor import Choice
 from robot_agent.patrol.turn_log import Turn, TurnCause, TurnLog
 
 COUNTING_LAPS = 1.5  # of patrol by the rules alone, before the team is counted
-LONGEST_COUNTING_LAPS = 12.0  # when the way round proves blocked repeatedly
+BLOCKED_COUNTING_LAPS = 12.0  # when the robot no longer gets round
+WRECK_COUNTING_LAPS = 3.0  # after the latest sight of what blocks the way
 TOLERANCE = 0.15  # of the gap ahead, within which it counts as even
 COUNT_LIFETIME = 3600.0  # s after which the team is counted anew
 MIN_TIME = 0.45  # laps one way and the other, and a meeting each, before the team is counted
@@ -74,6 +76,8 @@ class EvenGaps:
         self._leg: Turn | None = None  # the last turn processed, which began the present leg
         self._begun = 0.0  # time of the first step; start of the leg before any turn
         self._ahead: float | None = None  # m to the robot ahead, if known
+        self._way = BlockedWay(border)
+        self._blocked = False  # the way round, for all the robot knows: no probes
         self._counting = False  # meetings are counted from the first one on
         self.by_chance = True
         """Whether a robot that has counted its team may turn by its own chance."""
@@ -90,6 +94,8 @@ class EvenGaps:
         action: Action,
     ) -> Override | None:
         """Return a turn for even gaps; else, on a leg back and after it, no random reversal."""
+        if self._way.is_found(situation, self._turns.latest):
+            self._count_again(situation.t, WRECK_COUNTING_LAPS)
         if situation.direction is None or action not in PATROLLING:
             return None
         keeps_going = action is Action.KEEP_GOING
@@ -195,7 +201,7 @@ class EvenGaps:
             # This robot itself drives back at times, so at least one does.
             robots = self._opposing(COUNTER_CLOCKWISE) + max(self._opposing(CLOCKWISE), 1.0)
             self.team = max(2, round(robots))
-            self._since, self._probes = t, self.team
+            self._since, self._probes, self._blocked = t, self.team, False
             self._restart_check(t)
 
     def _opposing(self, direction: int) -> float:
@@ -212,10 +218,13 @@ class EvenGaps:
             self._start_counting(t)
         elif t >= self._check_at:
             if self._progress < MIN_PROGRESS * self._border.length:
-                self._given = None
-                self._counting_laps = LONGEST_COUNTING_LAPS
-                self._start_counting(t)
+                self._count_again(t, BLOCKED_COUNTING_LAPS)
             self._restart_check(t)
+
+    def _count_again(self, t: float, laps: float) -> None:
+        """Patrol by the rules alone, as the way is blocked, and count the team, for some laps."""
+        self._given, self._blocked, self._counting_laps = None, True, laps
+        self._start_counting(t)
 
     # ---- decision -----------------------------------------------------------------------------
 
@@ -225,7 +234,8 @@ class EvenGaps:
 
     def _should_turn(self, t: float) -> bool:
         if self.team is None:
-            return t >= self._probe_at  # no meeting for long: search the other direction
+            # No meeting for long: search the other direction, unless the next one is known.
+            return t >= self._probe_at and not self._blocked
         if self._direction == COUNTER_CLOCKWISE:
             even = self._border.length / self.team
             return (self._sent_back and self._gap_left(t) >= even) or t >= self._probe_at

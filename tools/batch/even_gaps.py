@@ -14,6 +14,7 @@ from robot_agent.patrol.settings import PatrolSettings
 from robot_agent.patrol.turn_log import TurnCause
 from tools.batch.arbiters import Choices
 from tools.batch.arrays import Codes, Flags, Indices, Reals, pick
+from tools.batch.blocked_ways import BlockedWays
 from tools.batch.border_feet import BorderFeet
 from tools.batch.situations import PATROLS, Act, Overrides, Situations
 from tools.batch.turn_logs import TurnLogs
@@ -31,6 +32,7 @@ _STATE = (
     "_own_leg",
     "suspended",
     "_ahead",
+    "_blocked",
     "_counting",
     "team",
     "_given",
@@ -72,7 +74,8 @@ class EvenGapsOfMany:
         self._sent_back = np.zeros(n, dtype=np.bool_)
         self._own_leg = np.ones(n, dtype=np.bool_)  # begun by the robot itself, or no leg yet
         self._ahead = np.full(n, math.nan)
-        self._counting = np.zeros(n, dtype=np.bool_)
+        self._way = BlockedWays(feet, turns)
+        self._blocked, self._counting = np.zeros((2, n), dtype=np.bool_)
         self.by_chance = True
         self.suspended = np.zeros(n, dtype=np.bool_)
         self._given = np.full(n, settings.team_size)  # robots, _UNKNOWN: to be counted
@@ -93,6 +96,8 @@ class EvenGapsOfMany:
         found: Overrides,
     ) -> Indices:
         """Put turns for even gaps; else, on a leg back and after it, no random reversal."""
+        for robot in self._way.found(at).tolist():
+            self._count_again(robot, at.t, even_gaps.WRECK_COUNTING_LAPS)
         some = np.flatnonzero((at.direction != 0) & PATROLS[action])
         if not some.size:
             return some
@@ -111,6 +116,7 @@ class EvenGapsOfMany:
     def pick(self, robots: Indices) -> None:
         """Keep some robots, as ``arrays.pick`` does."""
         pick(self, _STATE, robots)
+        self._way.pick(robots)
 
     def _turn_back(
         self, some: Indices, t: float, s: Reals, direction: Codes, keeps: Flags
@@ -227,6 +233,7 @@ class EvenGapsOfMany:
             robots = self._opposing(1, robot) + max(self._opposing(0, robot), 1.0)
             self.team[robot] = max(2, round(robots))
             self._since[robot], self._probes[robot] = t, self.team[robot]
+            self._blocked[robot] = False
             self._restart_check(robot, t)
 
     def _opposing(self, side: int, robot: int) -> float:
@@ -246,10 +253,12 @@ class EvenGapsOfMany:
                 self._start_counting(robot, t)
                 continue
             if self._progress[robot] < even_gaps.MIN_PROGRESS * self._feet.length:
-                self._given[robot] = _UNKNOWN
-                self._counting_laps[robot] = even_gaps.LONGEST_COUNTING_LAPS
-                self._start_counting(robot, t)
+                self._count_again(robot, t, even_gaps.BLOCKED_COUNTING_LAPS)
             self._restart_check(robot, t)
+
+    def _count_again(self, robot: int, t: float, laps: float) -> None:
+        self._given[robot], self._blocked[robot], self._counting_laps[robot] = _UNKNOWN, True, laps
+        self._start_counting(robot, t)
 
     # ---- decision -----------------------------------------------------------------------------
 
@@ -264,7 +273,8 @@ class EvenGapsOfMany:
         wide = self._sent_back[some] & (self._gap_left(some, t) >= even)
         probes = counted & ~back & due & (self._probes[some] > 0) & keeps & ~self._are_even(some)
         self._probes[some[probes]] -= 1
-        turns = np.where(counted, np.where(back, wide | due, probes), due)
+        searches = due & ~self._blocked[some]
+        turns = np.where(counted, np.where(back, wide | due, probes), searches)
         return np.asarray(turns & keeps)
 
 

@@ -62,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
             claimed.append(claims(done))
             # Written after every run: an interrupted command keeps its results so far.
             write_whole(options.output / "claims.json", json.dumps(claimed, indent=2) + "\n")
-            if len(claimed) == 1 and not write_figures(done, options.output):
+            if len(claimed) == 1 and not write_figures(done, config.patrol, options.output):
                 print("patrol paper: no two robots met, no figure of it", file=sys.stderr)
             progress(len(claimed))
     summary = over_seeds(claimed)

@@ -34,6 +34,8 @@ ALARM = "#c8323f"
 ZONE = "#00708f"
 WIDTH = 11.0
 """Width of a figure, inches."""
+DPI = 150
+"""Resolution of a figure as PNG."""
 POINTS = 1600
 """Most points of a line: more are not distinguishable."""
 
@@ -97,6 +99,11 @@ def time_axis(axes: Axes, start: float, end: float) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(12, steps=[1, 2, 3, 6, 10]))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda t, _: clock(t)))
     axes.grid(axis="x")
+
+
+def round_ticks(count: int) -> MaxNLocator:
+    """Return ticks at 1, 2 or 5 times a power of ten, at most so many."""
+    return MaxNLocator(count, steps=[1, 2, 5, 10])
 
 
 def thinned(t: Floats, y: Floats, points: int = POINTS) -> tuple[Floats, Floats]:

@@ -14,7 +14,8 @@ from maps.pose import Pose
 _CLEAR = 0.5  # m from every wall
 _ROOM = 0.05  # m, of larger robots
 _WAY_CLEAR = 0.4  # m from every wall on the straight path to the border
-_FROM_BORDER = (1.0, 3.0)  # m
+FROM_BORDER = (1.0, 3.0)
+"""Distances from the border, m, between which robots start by default."""
 _APART = (3.0, 2.5, 2.0, 1.6, 1.3)  # m between any two, tried in this order
 _CANDIDATES = 3000  # cells looked at
 _ORDERS = 30  # random orders tried before the next smaller distance
@@ -30,13 +31,14 @@ def free_start_poses(
     count: int,
     rng: np.random.Generator,
     reach: float = 0.0,
+    from_border: tuple[float, float] = FROM_BORDER,
 ) -> list[Pose]:
     """Return ``count`` poses (map_from_base) with random headings.
 
-    reach: m from base_link to a robot's farthest corner. Each is at least 0.5 m clear of walls,
-    farther if the robot reaches farther, 1 to 3 m from the border, with a straight way to the
-    border's closest point that stays 0.4 m clear, and more than 3 m from the others, or as far as
-    there is room for so many, but more than 1.3 m, or than two robots reach.
+    reach: m from base_link to a robot's farthest corner. from_border: least and greatest distance,
+    m. Each is at least 0.5 m clear of walls, farther if the robot reaches farther, with a straight
+    way to the border's closest point that stays 0.4 m clear, and more than 3 m from the others, or
+    as far as there is room for so many, but more than 1.3 m, or than two robots reach.
 
     Raises StartPoseError if the map has no room for them.
     """
@@ -45,7 +47,7 @@ def free_start_poses(
         occupancy.cells == FREE, occupancy.distance_field() - occupancy.resolution / 2, 0.0
     )
     clear = max(_CLEAR, reach + _ROOM)
-    points = _points_near_border(occupancy, clearance, clear, border, rng)
+    points = _points_at(from_border, occupancy, clearance, clear, border, rng)
     fitting = 0
     for apart in [apart for apart in _APART if apart > 2 * reach]:
         for _ in range(_ORDERS):
@@ -56,7 +58,7 @@ def free_start_poses(
             fitting = max(fitting, len(chosen))
     raise StartPoseError(
         f"no room for {count} robots, found places for {fitting} ({clear:.2f} m clear, "
-        f"{_FROM_BORDER[0]:g} to {_FROM_BORDER[1]:g} m from the border, {_APART[-1]:g} m apart): "
+        f"{from_border[0]:g} to {from_border[1]:g} m from the border, {_APART[-1]:g} m apart): "
         "use fewer robots or a larger map"
     )
 
@@ -85,7 +87,8 @@ def _with_random_heading(place: NDArray[np.float64], rng: np.random.Generator) -
     return Pose(float(place[0]), float(place[1]), rng.uniform(-math.pi, math.pi))
 
 
-def _points_near_border(
+def _points_at(
+    from_border: tuple[float, float],
     occupancy: OccupancyMap,
     clearance: NDArray[np.float64],
     clear: float,
@@ -96,7 +99,7 @@ def _points_near_border(
     cells = np.argwhere(clearance >= clear)[:, ::-1]
     points = (cells + 0.5) * occupancy.resolution + (occupancy.origin.x, occupancy.origin.y)
     _, distances = border.project_many(points)
-    near = points[(distances >= _FROM_BORDER[0]) & (distances <= _FROM_BORDER[1])]
+    near = points[(distances >= from_border[0]) & (distances <= from_border[1])]
     return np.asarray(near[rng.permutation(len(near))[:_CANDIDATES]])
 
 

@@ -1,12 +1,13 @@
 """The paper's experiment: three robots on its 51 m border; checks the paper's claims.
 
-Figure 4: distance from the border over time. Figure 5: the actions over time. Figure 6: paths of
-two robots that meet. The claims (section III): on the border the distance stays small; one robot's
-change to Patrol CW coincides with the other's to Patrol CCW; afterwards both keep going, apart.
+The robots start far from the border, as the paper's did. The claims (section III): first they reach
+the frontier; on the border the distance stays small; one robot's change to Patrol CW coincides with
+the other's to Patrol CCW; afterwards both keep going, apart.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import partial
@@ -16,12 +17,15 @@ from typing import Any
 import numpy as np
 
 from maps.map_folder import MapFolder, load_map_folder
+from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.patrol.actions import Action
 from tools.bench.fleet import Fleet, FleetLog, run_bench
 from tools.bench.ideal_fleet import IdealFleet, IdealLog, run_ideal_bench
 from tools.bench.sensing import Sensing
 from tools.metrics.metrics import Meeting, RobotRun, meetings
+from tools.simulation.rig import outline_of
+from tools.simulation.start_poses import StartPoseError, free_start_poses
 from tools.simulation.truth.truth import Truth, load_truth
 from tools.studies.worker_pool import worker_pool
 
@@ -29,6 +33,8 @@ MAP, BORDER, ROBOTS, DURATION_S = "paper_lab", "border", 3, 1800.0
 P99_M, MAX_M = 0.05, 0.10
 STEPS = 2
 """Control steps between the turns of two robots up to which they count as simultaneous."""
+FAR_M = (2.2, math.inf)
+"""Distances from the border, m, between which the robots start: where it is certainly far."""
 _REACTION_S = 12.0  # to turn after coming within sight, or to keep going again after turning
 
 _TURNS = (Action.PATROL_CLOCKWISE, Action.PATROL_COUNTER_CLOCKWISE)
@@ -100,15 +106,29 @@ def run_paper(trial: PaperTrial, seed: int) -> PaperRun:
     Raises MapError, BorderError for a map or border that cannot be used.
     """
     folder = load_map_folder(trial.map_folder, trial.border)
+    starts = far_starts(folder, seed, outline_of(trial.truth.robot).reach)
     if trial.sensing is Sensing.IDEAL:
-        ideal = IdealFleet(folder, ROBOTS, seed, trial.config)
+        ideal = IdealFleet(folder, ROBOTS, seed, trial.config, starts)
         ideal_log = IdealLog(ideal)
         figures = run_ideal_bench(ideal, trial.duration, log=ideal_log)
         return PaperRun(folder, ideal_log.runs(), figures)
-    fleet = Fleet(folder, ROBOTS, seed, trial.config, truth=trial.truth)
+    fleet = Fleet(folder, ROBOTS, seed, trial.config, starts, truth=trial.truth)
     log = FleetLog(fleet)
     figures = run_bench(fleet, trial.duration, log=log)
     return PaperRun(folder, log.runs(), figures)
+
+
+def far_starts(folder: MapFolder, seed: int, reach: float) -> list[Pose]:
+    """Return the robots' start poses: far from the border, or where the map has room for them.
+
+    reach: m from base_link to a robot's farthest corner.
+    """
+    assert folder.border is not None, "the experiment runs on a border"
+    rng = np.random.default_rng(seed)
+    try:
+        return free_start_poses(folder.map, folder.border, ROBOTS, rng, reach, FAR_M)
+    except StartPoseError:
+        return free_start_poses(folder.map, folder.border, ROBOTS, rng, reach)
 
 
 def turns(run: PaperRun) -> list[Turn]:
@@ -162,6 +182,7 @@ def claims(run: PaperRun) -> dict[str, Any]:
     paired = [turn for turn in both if turn.opposite and turn.parted]
     at_once = [turn for turn in paired if (turn.steps_apart or 0) <= STEPS]
     held = {
+        "first_reach_frontier": all(map(_first_reaches_frontier, run.runs)),
         "p99_below_0.05_m": distance["p99"] is not None and distance["p99"] < P99_M,
         "never_above_0.10_m": distance["max"] is not None and distance["max"] < MAX_M,
         "every_meeting_cw_and_ccw_then_apart": len(paired) == len(found),
@@ -184,6 +205,11 @@ def claims(run: PaperRun) -> dict[str, Any]:
         "held": held,
         "turns": [asdict(turn) for turn in found],
     }
+
+
+def _first_reaches_frontier(run: RobotRun) -> bool:
+    """Return whether a robot's first action is Reach Frontier."""
+    return next((action for action in run.action if action), "") == Action.REACH_FRONTIER
 
 
 def over_seeds(claimed: Sequence[dict[str, Any]]) -> dict[str, Any]:

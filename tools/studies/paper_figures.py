@@ -1,57 +1,90 @@
-"""Draws the paper's figures 4, 5 and 6 from a run of its experiment."""
+"""Draws the paper's six figures from a run of its experiment."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle
 
-from maps.map_folder import MapFolder
-from maps.occupancy_map import OCCUPIED
 from maps.whole_file import whole_file
 from robot_agent.patrol.actions import Action
-from tools.metrics.metrics import Meeting, RobotRun, distance_from_border
+from robot_agent.patrol.patrol import rules_of
+from robot_agent.patrol.settings import PatrolSettings
+from robot_agent.perception.visibility import VISIBILITY
+from tools.metrics.metrics import RobotRun, distance_from_border
 from tools.report import style
-from tools.studies.paper import PaperRun, turns
+from tools.studies.paper import MAX_M, PaperRun
+from tools.studies.paper_map import draw_map, draw_robot
+from tools.studies.paper_meeting import meeting_sequence
+from tools.studies.paper_structure import structure
+from tools.studies.rules_picture import sets_figure
 
+FORMATS = ("pdf", "png")
 _LEVELS = ("ARF", "AKGCW", "AKGCCW", "APCW", "APCCW", "ATA")
-_AROUND_S = 12.0  # drawn before and after a meeting
-_ARROW_S = 2.0  # between two arrows
-_VIEW_M = 4.0  # half the side of the drawn square around a meeting
 
 
-def write_figures(run: PaperRun, folder: Path) -> bool:
-    """Write the figures as SVG and PNG; return False if figure 6 is missing: no robots met."""
+def write_figures(run: PaperRun, settings: PatrolSettings, folder: Path) -> bool:
+    """Write the figures as PDF and PNG; return False if figure 6 is missing: no robots met."""
+    assert run.folder.border is not None
     drawn = {
-        "distance_from_border": distances(run),
-        "actions": actions(run),
-        "meeting": meeting(run),
+        "figure_1_structure": structure(),
+        "figure_2_membership": sets_figure(rules_of(settings, run.folder.border)),
+        "figure_3_scenario": scenario(run),
+        "figure_4_distance": distances(run),
+        "figure_5_actions": actions(run),
+        "figure_6_meeting": meeting_sequence(run),
     }
     for name, figure in drawn.items():
         if figure is not None:
-            for suffix in ("svg", "png"):
+            for suffix in FORMATS:
                 with whole_file(folder / f"{name}.{suffix}") as part:
-                    figure.savefig(part)
-    return drawn["meeting"] is not None
+                    figure.savefig(part, facecolor="white", dpi=style.DPI)
+    return drawn["figure_6_meeting"] is not None
+
+
+def scenario(run: PaperRun) -> Figure:
+    """Return figure 3: map, border, and the robots with their visibility areas at the start."""
+    with mpl.rc_context(style.RC):
+        figure = style.new_figure(6.0, 8.0)
+        axes = figure.subplots()
+        draw_map(axes, run.folder, run.runs)
+        for each, color in zip(run.runs, style.ROBOTS, strict=False):
+            x, y = each.position[0].tolist()
+            axes.add_patch(Circle((x, y), VISIBILITY, facecolor=color, alpha=0.2))
+            moved = _first_motion(each)
+            draw_robot(axes, (x, y), math.atan2(moved[1], moved[0]), color)
+        axes.set_xlabel("x, m")
+        axes.set_ylabel("y, m")
+    return figure
+
+
+def _first_motion(run: RobotRun) -> tuple[float, float]:
+    """Return the way of a robot from its start until it is 0.3 m away, m."""
+    way = run.position - run.position[0]
+    index = int(np.argmax(np.hypot(*way.T) > 0.3))
+    return float(way[index][0]), float(way[index][1])
 
 
 def distances(run: PaperRun) -> Figure:
-    """Return figure 4: each robot's distance from the border, m, over time."""
+    """Return figure 4: each robot's distance from the border, m, over time; the paper's bound."""
     assert run.folder.border is not None
     with mpl.rc_context(style.RC):
-        figure, panels = style.rows(len(run.runs), 1.5)
+        figure, panels = style.rows(len(run.runs), 2.0)
         for axes, each, color in zip(panels, run.runs, style.ROBOTS, strict=False):
             distance = distance_from_border(run.folder.border, each)
+            axes.axhspan(0.0, MAX_M, color=style.ALARM, alpha=0.25, linewidth=0.0)
             axes.plot(*style.thinned(each.t, distance), color=color)
-            axes.axhline(0.1, color=style.ALARM, linewidth=0.8, linestyle="--")
-            axes.set_yscale("log")
-            axes.set_ylim(1e-4, 10.0)
+            axes.set_ylim(0.0, None)
             axes.set_ylabel("m")
-            axes.set_title(f"{each.name}: distance from border (dashed: 0.1 m)")
-            style.time_axis(axes, 0.0, float(each.t[-1]))
+            axes.yaxis.set_major_locator(style.round_ticks(5))
+            axes.set_title(f"{each.name}: distance from border (band: {MAX_M:g} m)")
+        _time_axes(panels, run)
     return figure
 
 
@@ -67,8 +100,17 @@ def actions(run: PaperRun) -> Figure:
             axes.set_yticks(range(len(_LEVELS)), _LEVELS)
             axes.set_ylim(-0.5, len(_LEVELS) - 0.5)
             axes.set_title(f"{each.name}: action")
-            style.time_axis(axes, 0.0, float(each.t[-1]))
+        _time_axes(panels, run)
     return figure
+
+
+def _time_axes(panels: Sequence[Axes], run: PaperRun) -> None:
+    """Label the common time axis of the panels, s, with round ticks."""
+    for axes in panels:
+        axes.set_xlim(0.0, float(run.runs[0].t[-1]))
+        axes.xaxis.set_major_locator(style.round_ticks(10))
+        axes.grid(axis="x")
+    panels[-1].set_xlabel("time, s")
 
 
 def _level(action: str, direction: int) -> float:
@@ -80,73 +122,3 @@ def _level(action: str, direction: int) -> float:
         Action.AVOID_TEAMMATE.value: "ATA",
     }.get(action)
     return np.nan if name is None else float(_LEVELS.index(name))
-
-
-def meeting(run: PaperRun) -> Figure | None:
-    """Return figure 6: the paths of two robots that meet and turn; None if no two did."""
-    times = {turn.t for turn in turns(run) if turn.opposite and turn.parted}
-    met = next((each for each in run.meetings if each.t in times), None)
-    if met is None:
-        return None
-    with mpl.rc_context(style.RC):
-        figure = style.new_figure(6.5, 6.5)
-        axes = figure.subplots()
-        _draw_map(axes, run.folder)
-        for each, color in zip(run.runs, style.ROBOTS, strict=False):
-            _draw_path(axes, each, met, color)
-        x, y = _place(run, met)
-        axes.set_xlim(x - _VIEW_M, x + _VIEW_M)
-        axes.set_ylim(y - _VIEW_M, y + _VIEW_M)
-        axes.set_aspect("equal")
-        axes.set_xlabel("x, m")
-        axes.set_ylabel("y, m")
-        axes.set_title(f"{met.robots[0]} and {met.robots[1]} meet at {style.clock(met.t)}")
-        axes.legend(loc="lower left")
-    return figure
-
-
-def _place(run: PaperRun, met: Meeting) -> tuple[float, float]:
-    pair = [each for each in run.runs if each.name in met.robots]
-    index = int(np.searchsorted(pair[0].t, met.t))
-    x, y = np.mean([each.position[index] for each in pair], axis=0)
-    return float(x), float(y)
-
-
-def _draw_map(axes: Axes, folder: MapFolder) -> None:
-    """Draw walls and border."""
-    assert folder.border is not None
-    grid = folder.map
-    rows, cols = grid.cells.shape
-    x, y, resolution = grid.origin.x, grid.origin.y, grid.resolution
-    axes.imshow(
-        grid.cells == OCCUPIED,
-        cmap="Greys",
-        vmax=1.3,
-        origin="lower",
-        interpolation="nearest",
-        extent=(x, x + cols * resolution, y, y + rows * resolution),
-    )
-    axes.plot(*folder.border.polyline(0.05).T, color=style.QUIET, linewidth=0.8, linestyle=":")
-
-
-def _draw_path(axes: Axes, each: RobotRun, met: Meeting, color: str) -> None:
-    """Draw a robot's path around a meeting: a dot at its start, arrows along it."""
-    if each.name not in met.robots:
-        return
-    start, end = np.searchsorted(each.t, (met.t - _AROUND_S, met.t + _AROUND_S))
-    way = each.position[start:end]
-    # Both paths follow the border: each is shifted a little to be distinguishable.
-    aside = 0.06 if each.name == met.robots[0] else -0.06
-    way = way + aside
-    axes.plot(*way.T, color=color, label=each.name)
-    axes.plot(*way[0], "o", color=color)
-    step = max(1, round(_ARROW_S / float(each.t[1] - each.t[0])))
-    for index in range(step, len(way) - 1, step):
-        ahead = way[min(index + 2, len(way) - 1)] - way[index - 1]
-        if np.hypot(*ahead) > 0.02:
-            axes.annotate(
-                "",
-                xy=way[index] + 0.2 * ahead / np.hypot(*ahead),
-                xytext=way[index],
-                arrowprops={"arrowstyle": "-|>", "color": color},
-            )

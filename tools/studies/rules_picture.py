@@ -58,7 +58,7 @@ def draw_rules(
     system = load_rules(
         rules, reading=reading, safety_distance=safety_distance, open_border=open_border
     )
-    variables = [*system.inputs, Variable("level of each output", system.outputs[0].sets)]
+    variables = _variables(system)
     places = _PLACES if open_border else {"": _FAR}
     columns = 3 if open_border else 4
     set_rows = math.ceil(len(variables) / columns)
@@ -106,6 +106,22 @@ def decision_map(
         choice = Supervisor(system, minimum_dwell=0.0).choose(0.0, inputs)
         winners[row, column] = _ACTIONS.index(choice.winner)
     return winners
+
+
+def sets_figure(system: MamdaniSystem) -> Figure:
+    """Return the fuzzy sets of each input and of the outputs, the paper's figure 2."""
+    variables = _variables(system)
+    columns = math.ceil(len(variables) / 2)
+    figure = Figure(figsize=(5.5 * columns, 6.5), layout="constrained")
+    for axes, variable in zip(figure.subplots(2, columns).ravel(), variables, strict=False):
+        _draw_sets(axes, variable)
+    for axes in figure.axes[len(variables) :]:
+        axes.set_visible(False)
+    return figure
+
+
+def _variables(system: MamdaniSystem) -> list[Variable]:
+    return [*system.inputs, Variable("level of each output", system.outputs[0].sets)]
 
 
 def _draw_sets(axes: Axes, variable: Variable) -> None:

@@ -17,7 +17,9 @@ A study file holds the common settings and the varied ones:
     "patrol.reversal_probability" = [0.0, 0.25, 0.5]
 
 ``[vary]`` may also name ``map``, ``border``, ``truth`` and ``faults`` (each value as for
-``bench --fault``, several separated by blanks). Any other key is one of a robot's configuration.
+``bench --fault``, several separated by blanks), and with ideal sensing ``clock_error``, s by which
+the robots' clocks are wrong at most, and ``clock_gain``, s a day that they gain or lose at most,
+both drawn for each robot. Any other key is one of a robot's configuration.
 """
 
 from __future__ import annotations
@@ -43,6 +45,7 @@ from maps.whole_file import write_whole
 from robot_agent.config import AgentConfig, find_map, parse_config
 from tools.batch.batch import Batch, is_possible
 from tools.batch.batch_bench import MOMENTS, run_batch
+from tools.batch.wrong_clocks import wrong_clocks
 from tools.bench.bench_fault import BenchFaultError, check_robots, draw_faults
 from tools.bench.sensing import Sensing, bench
 from tools.logs.recorded_config import changed_config
@@ -55,10 +58,12 @@ MAP = "map"
 BORDER = "border"
 FAULTS = "faults"
 TRUTH = "truth"
-_BENCH_KEYS = (ROBOTS, MAP, BORDER, FAULTS, TRUTH)
+CLOCK_ERROR, CLOCK_GAIN = "clock_error", "clock_gain"
+_CLOCKS = (CLOCK_ERROR, CLOCK_GAIN)
+_BENCH_KEYS = (ROBOTS, MAP, BORDER, FAULTS, TRUTH, *_CLOCKS)
 RUNS_FOLDER = "runs"
-_SEEDS_TOGETHER = 20
-"""Runs in a batch: their logs take 1 MB for each robot and 1000 s."""
+_ROBOTS_TOGETHER = 400
+"""Of all runs of a batch: their logs take 1 MB for each robot and 1000 s."""
 
 Setting = int | float | str | bool | tuple[str, ...]
 
@@ -109,6 +114,12 @@ class Case:
     def get(self, key: str, default: Setting) -> Setting:
         """Return the case's value of a key, else the default."""
         return dict(self.values).get(key, default)
+
+    @property
+    def clocks(self) -> tuple[float, float]:
+        """Greatest error of the clocks, s, and gain, s a day; raises ValueError for no number."""
+        error, gain = (float(str(self.get(key, 0.0))) for key in _CLOCKS)
+        return error, gain
 
     @property
     def settings(self) -> dict[str, Setting]:
@@ -186,8 +197,8 @@ def read_study(
     except msgspec.ValidationError as error:
         raise StudyError(f"{path}: {error}; correct the value") from None
     settings = content.study
-    if settings.all_knowing and settings.sensing is not Sensing.IDEAL:
-        raise StudyError(f'{path}: study.all_knowing: needs sensing = "ideal"; change one of them')
+    if settings.sensing is not Sensing.IDEAL and (key := _ideal_key(content)):
+        raise StudyError(f'{path}: {key}: needs sensing = "ideal"; change one of them')
     for key, choices in content.vary.items():
         if not choices:
             raise StudyError(f"{path}: vary.{key}: is empty; list the values to try")
@@ -222,8 +233,15 @@ def read_study(
     return Study(settings, cases, runs)
 
 
+def _ideal_key(content: StudyFile) -> str | None:
+    """Return the first key of a study file that only ideal sensing has; None without one."""
+    if content.study.all_knowing:
+        return "study.all_knowing"
+    return next((f"vary.{key}" for key in _CLOCKS if key in content.vary), None)
+
+
 def _check(case: Case, path: Path, changes: tuple[str, ...], config: str) -> None:
-    configuration(case, str(path), changes, config)
+    settings = configuration(case, str(path), changes, config)
     robots = case.get(ROBOTS, 3)
     if not isinstance(robots, int) or isinstance(robots, bool):
         raise StudyError(
@@ -231,11 +249,17 @@ def _check(case: Case, path: Path, changes: tuple[str, ...], config: str) -> Non
         )
     if case.robots < 1:
         raise StudyError(f"{path}: vary.{ROBOTS}: {case.robots} robots; give 1 or more")
+    for key in _CLOCKS:
+        value = case.get(key, 0.0)
+        if not isinstance(value, int | float) or isinstance(value, bool) or value < 0.0:
+            raise StudyError(f"{path}: vary.{key}: {value!r} is no number of seconds from 0 on")
     try:
         faults = draw_faults(case.faults, _team(case), seed=0)
         check_robots(faults, _team(case))
     except BenchFaultError as error:
         raise StudyError(f"{path}: vary.{FAULTS}: {error}") from None
+    if any(case.clocks) and not is_possible(settings, faults):
+        raise StudyError(f"{path}: vary.{CLOCK_ERROR}: not with this supervisor or fault; leave it")
 
 
 def _team(case: Case) -> list[str]:
@@ -337,16 +361,22 @@ def _execute(runs: Sequence[Run], jobs: int) -> Iterator[Result]:
 
 
 def _together(runs: Sequence[Run]) -> list[list[Run]]:
-    """Return the runs in groups that one process does at once: the seeds of a case in a batch."""
+    """Return the runs in groups that one process does at once: in a batch if they can be."""
     groups: dict[object, list[Run]] = {}
     for run in runs:
-        key = run.case if _fits_batch(run) else run
+        key = _common_to_batch(run) if _fits_batch(run) else run
         groups.setdefault(key, []).append(run)
     return [
-        group[first : first + _SEEDS_TOGETHER]
+        group[first : first + count]
         for group in groups.values()
-        for first in range(0, len(group), _SEEDS_TOGETHER)
+        for count in (max(1, _ROBOTS_TOGETHER // group[0].case.robots),)
+        for first in range(0, len(group), count)
     ]
+
+
+def _common_to_batch(run: Run) -> object:
+    """Return what the runs of a batch share: all but seed, faults and clocks."""
+    return tuple(pair for pair in run.case.values if pair[0] not in (FAULTS, *_CLOCKS))
 
 
 def _fits_batch(run: Run) -> bool:
@@ -357,9 +387,13 @@ def _fits_batch(run: Run) -> bool:
 
 
 def bench_runs(runs: Sequence[Run]) -> list[Result]:
-    """Execute runs of one case, as a batch if there are several or it is asked for its rollouts."""
+    """Execute runs that differ by seed, faults and clocks: as a batch if they can be one.
+
+    A single run is one only if nothing else can do it.
+    """
     first = runs[0]
-    if not _fits_batch(first) or (len(runs) == 1 and not first.all_knowing):
+    needs_batch = first.all_knowing or any(first.case.clocks)
+    if not _fits_batch(first) or (len(runs) == 1 and not needs_batch):
         return [bench_run(run) for run in runs]
     cv2.setNumThreads(1)
     folder = load_map_folder(Path(first.map_folder), first.border)
@@ -368,7 +402,12 @@ def bench_runs(runs: Sequence[Run]) -> list[Result]:
         first.case.robots,
         [run.seed for run in runs],
         configuration(first.case, "study", first.changes, first.config),
-        faults=[draw_faults(first.case.faults, _team(first.case), run.seed) for run in runs],
+        faults=[draw_faults(run.case.faults, _team(run.case), run.seed) for run in runs],
+        clocks=[
+            clock
+            for run in runs
+            for clock in wrong_clocks(run.case.robots, run.seed, *run.case.clocks)
+        ],
     )
     moments = MOMENTS if first.all_knowing else 0
     figures = run_batch(batch, first.duration, moments=moments)

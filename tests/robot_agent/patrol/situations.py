@@ -18,14 +18,15 @@ def situation(
     *,
     border=LINE,
     neighbor=NO_NEIGHBOR,
+    teammate=None,
     ends=(math.inf, math.inf),
     direction=1,
     held=False,
 ):
-    """The situation of a robot at a position, m, with a view of the closest teammate."""
+    """The situation of a robot at a position, m, with the closest teammate's and a view of it."""
     foot = border.project(*position)
     return Situation(
-        *(t, position, 0.0, foot, None, neighbor, ends, None, direction),
+        *(t, position, 0.0, foot, teammate, neighbor, ends, None, direction),
         held=held,
         way_to_border=foot.distance,
     )

@@ -96,6 +96,21 @@ def test_with_a_wreck_on_the_border_all_the_rest_is_visited():
     assert visited | beside == set(range(51))
 
 
+def test_a_robot_that_knows_the_way_to_be_blocked_patrols_by_the_rules_alone():
+    log = TurnLog()
+    modifier = EvenGaps(RING, SPEED, log, np.random.default_rng(1), team_size=3)
+    before = (-RADIUS - 2.0, 0.0)
+    for t in np.arange(0.0, 120.0, STEP):
+        wreck = before if t % 50.0 > 48.0 else None
+        now = situation(t, (-RADIUS, 0.0), border=RING, direction=1, teammate=wreck)
+        modifier.propose(now, choice(Action.KEEP_GOING), Action.KEEP_GOING)
+        if wreck is not None and t % 50.0 > 49.85:
+            log.add(Turn(t, 0.0, -1, TurnCause.TEAMMATE))
+    assert modifier.team is None
+    later = situation(900.0, (-RADIUS, 0.0), border=RING, direction=1)
+    assert modifier.propose(later, choice(Action.KEEP_GOING), Action.KEEP_GOING) is None
+
+
 def test_no_random_reversal_until_the_last_turn_has_gone_round_the_border():
     log = TurnLog()
     modifier = EvenGaps(RING, SPEED, log, np.random.default_rng(1))

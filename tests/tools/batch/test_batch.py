@@ -37,6 +37,10 @@ def name_of(names: tuple[str, ...], code: int) -> str | None:
         (("paper_lab",), 3, (1, 2), 150.0, [], {}),
         (("paper_lab",), 3, (3,), 60.0, [], {"modifiers": ()}),
         (("paper_lab",), 3, (1, 2), 250.0, [], {"modifiers": EVEN}),
+        (
+            *(("paper_lab",), 3, (1, 2), 400.0, ["any1:dead@60"]),
+            {"modifiers": EVEN, "team_size": 3},
+        ),
         (("paper_lab",), 20, (1,), 40.0, [], {}),
         (("paper_lab", "open"), 5, (3,), 120.0, ["any1:dead@30..60"], {}),
         (("intel_lab",), 8, (4, 5), 60.0, ["any2:dead@20..40", "any1:stuck@30+20"], {}),
@@ -51,6 +55,7 @@ def name_of(names: tuple[str, ...], code: int) -> str | None:
         "default",
         "paper alone",
         "even gaps",
+        "even gaps, one dies",
         "20 robots",
         "open, one dies",
         "two die",

@@ -13,8 +13,20 @@ from robot_agent.patrol.actions import Action
 from tools.bench.sensing import Sensing
 from tools.commands import paper as command
 from tools.metrics.metrics import RobotRun
-from tools.studies.paper import PaperRun, PaperTrial, claims, over_seeds, run_seeds, turns
+from tools.studies.paper import (
+    PaperRun,
+    PaperTrial,
+    claims,
+    far_starts,
+    over_seeds,
+    run_seeds,
+    turns,
+)
 
+FIGURES = (
+    *("figure_1_structure", "figure_2_membership", "figure_3_scenario"),
+    *("figure_4_distance", "figure_5_actions", "figure_6_meeting"),
+)
 KEEP, CW, CCW = (
     Action.KEEP_GOING.value,
     Action.PATROL_CLOCKWISE.value,
@@ -71,6 +83,7 @@ def test_command_writes_figures_and_claims(tmp_path, capsys):
     assert summary["meetings"]["head_on"] == summary["meetings"]["within_two_steps"] > 0
     assert summary["held"]["every_meeting_cw_and_ccw_then_apart"]
     assert (summary["contacts"], summary["seeds"]) == (0, [1, 2])
+    assert summary["held"]["first_reach_frontier"]
     by_seed = json.loads((tmp_path / "claims.json").read_text())
     assert [each["seed"] for each in by_seed] == [1, 2]
     heads_on = [each["meetings"]["head_on"] for each in by_seed]
@@ -79,11 +92,7 @@ def test_command_writes_figures_and_claims(tmp_path, capsys):
     assert summary["border_distance_m"]["worst_max"] == worst
     assert {path.name for path in tmp_path.iterdir()} == {
         "claims.json",
-        *(
-            f"{name}.{kind}"
-            for name in ("actions", "distance_from_border", "meeting")
-            for kind in ("svg", "png")
-        ),
+        *(f"{name}.{kind}" for name in FIGURES for kind in ("pdf", "png")),
     }
 
 
@@ -92,6 +101,18 @@ def test_two_processes_give_the_same_claims_as_one(tmp_path):
     one, two = ([claims(run) for run in run_seeds(trial, [3, 4], jobs)] for jobs in (1, 2))
     assert one == two
     assert [each["seed"] for each in one] == [3, 4]
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_robots_start_far_from_the_border(seed):
+    folder = load_map_folder(find_map("paper_lab", Path.cwd()))
+    for start in far_starts(folder, seed, 0.3):
+        assert folder.border.project(start.x, start.y).distance >= 2.0
+
+
+def test_where_there_is_no_room_far_from_the_border_robots_start_near_it():
+    folder = load_map_folder(find_map("intel_lab", Path.cwd()), "open")
+    assert len(far_starts(folder, 1, 0.3)) == 3
 
 
 def test_claim_broken_by_one_seed_is_broken_over_all(tmp_path):

@@ -241,3 +241,35 @@ def test_a_changed_setting_that_does_not_exist_is_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize("path", sorted(STUDIES.glob("*.toml")), ids=lambda path: path.stem)
 def test_every_shipped_study_is_in_order(path: Path) -> None:
     assert read_study(path, truth="rough").runs
+
+
+CLOCKS = """
+[study]
+duration = 2.0
+seeds = 1
+sensing = "ideal"
+
+[vary]
+clock_error = [0.0, 10.0]
+"""
+
+
+def test_wrong_clocks_are_cases_of_ideal_sensing_alone(tmp_path: Path) -> None:
+    study = read_study(write(tmp_path, CLOCKS))
+    assert [case.clocks for case in study.cases] == [(0.0, 0.0), (10.0, 0.0)]
+    assert len(run_study(study, tmp_path, jobs=1)) == 2
+    with pytest.raises(StudyError, match=r"vary.clock_error: needs sensing = \"ideal\""):
+        read_study(write(tmp_path, CLOCKS.replace('sensing = "ideal"', "")))
+    with pytest.raises(StudyError, match="no number of seconds from 0 on"):
+        read_study(write(tmp_path, CLOCKS.replace("10.0", "-1.0")))
+
+
+def test_cases_that_differ_by_seed_and_faults_alone_have_the_figures_they_have_alone(
+    tmp_path: Path,
+) -> None:
+    both = SMALL.replace("[vary]", 'sensing = "ideal"\n[vary]\nfaults = ["", "robot1:dead@1"]')
+    study = read_study(write(tmp_path, both))
+    for result in run_study(study, tmp_path, jobs=1):
+        alone = bench_run(result.run).figures
+        for key in ("idleness_s", "action_share", "border_distance_m"):
+            assert result.figures[key] == alone[key]
