@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import closing
 from itertools import cycle, islice
@@ -21,8 +22,9 @@ from tools.monitor.endpoint import free_endpoint
 
 EXPIRED, EARLIER, RIGHT = "+20y", "-30y", "+0"
 """Certificates of `patrol keys` are valid for ten years, and from 1970 on."""
-_TRIES = 5
-"""Looks within which the link is made again once the clock is right."""
+_PATIENCE_S = 10.0
+"""Time within which the link is made again, and no trouble told, once the clock is right."""
+_LOOK_S = 0.2
 
 
 def jump_clocks(cycles: int) -> Iterator[Footprint]:
@@ -73,10 +75,12 @@ class _Party:
 
     def recover(self) -> Seen:
         """Return what is so once robot and monitor are linked and nothing is wrong."""
-        for _ in range(_TRIES):
+        give_up = time.monotonic() + _PATIENCE_S
+        while time.monotonic() < give_up:
             seen = self.ask("look")
             if seen.heard and not seen.failed and not seen.told:
                 return seen
+            time.sleep(_LOOK_S)
         raise EnduranceError(f"no link although the clock is right: {seen}")
 
     def close(self) -> None:
