@@ -36,6 +36,7 @@ _STAY_S = 1800
 """Time after which a robot goes and another one comes; one of them every five minutes."""
 _FAULT = "robot1:blind@30-40"
 _PAGE_S = 5
+_PARTICLES_S = 10
 _SECOND = re.compile(rb'"sec":(\d+)')
 
 Tape = list[list[tuple[str, bytes]]]
@@ -84,7 +85,8 @@ def _stamped(payload: bytes, second: int) -> bytes:
 def record_tape(seconds: int = 60) -> Tape:
     """Return what a robot publishes on patrol, whose laser is silent for ten seconds from 30 s on.
 
-    Of each stream the last payload of each second, of log messages all.
+    Of each stream the last payload of each second, of log messages all, of particles, which take
+    as long as all others together, few.
     """
     taker = _Taker(seconds)
     fleet = Fleet(
@@ -116,6 +118,8 @@ class _Taker:
     def record_effect(self, t: float, effect: Effect) -> None:
         """Keep a payload; a later one of the same second replaces it."""
         if isinstance(effect, Publish) and t < len(self.seconds):
+            if effect.stream == "particles" and int(t) % _PARTICLES_S:
+                return
             second = self.seconds[int(t)]
             name = f"event {len(second)}" if effect.stream == "event" else effect.stream
             second[name] = (effect.stream, effect.payload)
