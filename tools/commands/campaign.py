@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 
 from maps.whole_file import write_whole
 from tools.commands import faults
@@ -19,7 +20,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         metavar="TRIAL",
         help="instead: handles, threads and memory over many cycles: replug, come-and-go, "
-        "disk-full, kill-starts; default: all, a quarter of an hour",
+        "disk-full, kill-starts, clock-jumps, monitored-day; default: all, half an hour",
+    )
+    parser.add_argument(
+        "--series",
+        type=Path,
+        metavar="FILE",
+        help="of an endurance: what was held after each cycle, as .csv, or drawn as .svg, .png, "
+        ".pdf",
     )
     parser.add_argument(
         "--lies",
@@ -42,8 +50,16 @@ def run(options: argparse.Namespace) -> int:
         return _tell_lies(options)
     if options.endurance is None:
         return faults.run(options)
-    from tools.campaign.endurance import chosen_trials, endure, markdown
+    return _endure(options)
 
+
+def _endure(options: argparse.Namespace) -> int:
+    from tools.campaign.endurance import endure, markdown
+    from tools.campaign.endurance_list import chosen_trials
+    from tools.campaign.endurance_series import check_series, write_series
+
+    if options.series:
+        check_series(options.series)
     outcomes = []
     for trial in chosen_trials(options.endurance):
         cycles = options.cycles or trial.cycles
@@ -52,6 +68,8 @@ def run(options: argparse.Namespace) -> int:
         verdict = "; ".join(outcomes[-1].complaints) or "ok"
         print(f"patrol campaign: {trial.name}: {verdict}", file=sys.stderr, flush=True)
     print(markdown(outcomes), end="")
+    if options.series:
+        write_series(outcomes, options.series)
     return 1 if any(outcome.complaints for outcome in outcomes) else 0
 
 

@@ -14,6 +14,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from tools.campaign.set_clock import faketime_library
 from tools.field.trial_error import TrialError
 
 EMULATED_RATE = 0.25
@@ -103,7 +104,7 @@ def runs_guest(arguments: tuple[str, ...]) -> bool:
 
 
 def _faketime_library() -> Path:
-    found = sorted(Path("/usr/lib").glob("*/faketime/libfaketimeMT.so.1"))
-    if not found:
+    library = faketime_library()
+    if library is None:
         raise TrialError("libfaketime is not there: `apt-get install faketime`")
-    return found[0]
+    return library

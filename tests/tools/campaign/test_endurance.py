@@ -6,18 +6,19 @@ import os
 import subprocess
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
 from tools.campaign.endurance import (
-    TRIALS,
     EnduranceError,
     Outcome,
     Trial,
-    chosen_trials,
     endure,
     markdown,
 )
+from tools.campaign.endurance_list import TRIALS, chosen_trials
+from tools.campaign.endurance_series import check_series, write_series
 from tools.campaign.footprint import Footprint, footprint_of
 
 FLAT = Footprint(12, 3, 100.0)
@@ -93,3 +94,15 @@ def test_few_cycles_are_flat(name: str) -> None:
     outcome = endure(chosen, 6, lambda _: None)
     assert outcome.complaints == []
     assert outcome.cycles == 6
+
+
+def test_series_is_a_table_or_a_figure(tmp_path: Path) -> None:
+    outcomes = [outcome_of(*[FLAT] * 3, Footprint(13, 3, 101.5))]
+    write_series(outcomes, tmp_path / "series.csv")
+    lines = (tmp_path / "series.csv").read_text().splitlines()
+    assert lines[0] == "trial,cycle,handles,threads,memory_mb"
+    assert lines[-1] == "replug,4,13,3,101.50"
+    write_series(outcomes, tmp_path / "series.svg")
+    assert "<svg" in (tmp_path / "series.svg").read_text()
+    with pytest.raises(EnduranceError, match=r"series\.txt: name it \.csv"):
+        check_series(tmp_path / "series.txt")
