@@ -65,7 +65,7 @@ def test_robots_in_rooms_reach_the_border_through_the_doors():
         assert LAB.approach_field.around_walls(start.x, start.y, (foot.x, foot.y)) is not None
     fleet = Fleet(LAB, len(starts), seed=1, starts=starts)
     first_actions: dict[str, Action] = {}
-    while fleet.t < 30.0:
+    while fleet.t < 45.0:
         fleet.step()
         for robot in fleet.robots:
             if robot.agent.decision is not None:
