@@ -17,8 +17,8 @@ def whole_file(path: Path) -> Iterator[Path]:
     """Yield the path to write to instead of ``path``, which it replaces at the end of the block.
 
     It lies in the same folder and has the same suffix; an existing file's mode and owner are kept.
-    What is no file, as a device or a pipe, is written to itself. Raises OSError, which names ``path``; a block
-    that raises leaves ``path`` as it was.
+    What is no file, as a device or a pipe, is written to itself. Raises OSError, which names
+    ``path``; a block that raises leaves ``path`` as it was.
     """
     target = path.resolve()  # a link stays one
     part = target.with_name(f".{target.stem}.part{target.suffix}")
