@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 
@@ -16,9 +16,9 @@ from pathlib import Path
 def whole_file(path: Path) -> Iterator[Path]:
     """Yield the path to write to instead of ``path``, which it replaces at the end of the block.
 
-    It lies in the same folder and has the same suffix; an existing file's mode is kept. What is no
-    file, as a device or a pipe, is written to itself. Raises OSError, which names ``path``; a block
-    that raises leaves ``path`` as it was.
+    It lies in the same folder and has the same suffix; an existing file's mode and owner are kept.
+    What is no file, as a device or a pipe, is written to itself. Raises OSError, which names
+    ``path``; a block that raises leaves ``path`` as it was.
     """
     target = path.resolve()  # a link stays one
     part = target.with_name(f".{target.stem}.part{target.suffix}")
@@ -31,7 +31,7 @@ def whole_file(path: Path) -> Iterator[Path]:
             yield part
             _sync(part)
             if target.exists():
-                shutil.copymode(target, part)
+                _be_as(target, part)
             part.replace(target)
         finally:
             part.unlink(missing_ok=True)
@@ -46,6 +46,14 @@ def write_whole(path: Path, content: bytes | str) -> None:
     data = content.encode() if isinstance(content, str) else content
     with whole_file(path) as part:
         part.write_bytes(data)
+
+
+def _be_as(target: Path, part: Path) -> None:
+    """Give a file the owner of another one, as far as this process may, and its mode."""
+    owner = target.stat()
+    with suppress(PermissionError):
+        os.chown(part, owner.st_uid, owner.st_gid)
+    shutil.copymode(target, part)
 
 
 def _sync(path: Path) -> None:

@@ -30,6 +30,17 @@ def test_file_is_replaced_at_the_end_and_keeps_its_mode(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.skipif(os.geteuid() != 0, reason="needs root: gives a file to somebody else")
+def test_owner_is_kept(tmp_path: Path) -> None:
+    path = tmp_path / "key.pem"
+    path.write_text("before")
+    path.chmod(0o600)
+    os.chown(path, 12345, 23456)
+    write_whole(path, "after")
+    kept = path.stat()
+    assert (kept.st_uid, kept.st_gid, kept.st_mode & 0o777) == (12345, 23456, 0o600)
+
+
 def test_error_leaves_what_was_there_and_nothing_beside(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     path.write_text("before")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import resource
+import signal
+import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -18,6 +20,7 @@ from robot_agent.config import find_map
 from tools.bench.fleet import Fleet
 from tools.bench.fleet_recorder import FleetRecorder
 from tools.cli import main
+from tools.deploy.child_program import environment, program
 from tools.field.field_row import Outcome
 
 BEFORE = b"what was there before"
@@ -203,3 +206,17 @@ def test_keys_after_a_full_disk_are_complete(tmp_path: Path) -> None:
         there = {path.name for path in (tmp_path / party).iterdir()}
         assert {"ca.pem", "certificate.pem", "key.pem"} <= there
     assert all(path.stat().st_size > 0 for path in tmp_path.rglob("*") if path.is_file())
+
+
+def test_a_drive_that_cannot_be_recorded_says_so_and_fails(tmp_path: Path) -> None:
+    robot = tmp_path / "robot1.toml"
+    robot.write_text('[base]\nurl = "/dev/none-such"\n[laser]\nurl = "/dev/none-such"\n')
+    words = program("tools.cli", "record", str(robot), "-o", "/dev/full")
+    with subprocess.Popen(words, env=environment(), stderr=subprocess.PIPE, text=True) as record:
+        assert record.stderr is not None
+        told = next(line for line in record.stderr if "recording stopped" in line)
+        record.send_signal(signal.SIGINT)
+        last = record.stderr.read().splitlines()[-1]
+    assert "/dev/full: recording stopped: No space left on device" in told
+    assert last == "patrol record: /dev/full: recording stopped: No space left on device"
+    assert record.returncode == 1
