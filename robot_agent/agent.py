@@ -74,6 +74,7 @@ from robot_agent.report.notices import (
     laser_health_notice,
     override_notice,
     own_parts_notice,
+    scale_notice,
     travel_notice,
     way_notice,
 )
@@ -383,14 +384,18 @@ class Agent:
         if report is not None and (report.stall_left or report.stall_right):
             self.pose_tracker.travel.forget_scan()
         self.pose_tracker.travel.update(scanned, odometry, points)
-        notice = travel_notice(
-            t,
-            self.pose_tracker.travel,
-            held=self.gate_decision is not None and self.gate_decision.reason in STANDING,
-            warned="laser.mount" in self.warnings,
-        )
-        if notice is not None:
-            self.outbox.add(notice)
+        travel = self.pose_tracker.travel
+        for notice in (
+            travel_notice(
+                t,
+                travel,
+                held=self.gate_decision is not None and self.gate_decision.reason in STANDING,
+                warned="laser.mount" in self.warnings,
+            ),
+            scale_notice(t, travel.scale.off, warned="base.wheel_scale" in self.warnings),
+        ):
+            if notice is not None:
+                self.outbox.add(notice)
 
     def _report_intruders(self, t: float, new: list[NewIntruder]) -> None:
         """Publish each new intruder with its evidence, then updates of the known ones."""

@@ -27,6 +27,7 @@ from localization.scan_motion import (
     surfaces_of,
 )
 from maps.pose import Pose
+from robot_agent.pose.travel_scale import TravelScale
 
 TOLERANCE_DEG = 3.0
 """Error of the mount's theta that is not judged: bent brackets, and 1 degree of mounting."""
@@ -97,6 +98,7 @@ class TravelWatch:
         self._turn_gains = np.zeros(len(_TURNS_DEG))
         self._mirror_gain = self._repeat_gain = 0.0
         self._as_configured = 0
+        self.scale = TravelScale()
 
     def forget_scan(self) -> None:
         """Do not compare with the last scan: the wheels cannot be believed, e.g. in a stall."""
@@ -142,6 +144,7 @@ class TravelWatch:
     def _judge(self, wheels: Pose, seen: ScanMotion) -> None:
         """Sum up what one sample says for each hypothesis; wheels: motion they counted."""
         shift, turn = _certainty(seen)
+        self.scale.add(wheels, seen.pose, shift)
         turned, configured = _turned_costs(wheels, seen.pose, shift)
         self._turn_gains = np.maximum(self._turn_gains + _gain(configured, turned), 0.0)
         as_counted, mirrored = _turn_costs(wheels, seen.pose, turn)

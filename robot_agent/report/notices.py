@@ -119,6 +119,23 @@ def travel_notice(t: float, watch: TravelWatch, *, held: bool, warned: bool) -> 
     return Notice(t, "laser.mount", words, LogLevel.ERROR)
 
 
+def scale_notice(t: float, off: float | None, *, warned: bool) -> Notice | None:
+    """Return a notice of scans and wheels that show different ways; None if nothing is new.
+
+    off: share by which scans show more, None within the tolerance. warned: as of ``travel_notice``.
+    """
+    if off is None:
+        well = "scans show as much way as the wheels count"
+        return Notice(t, "base.wheel_scale", well, LogLevel.INFO) if warned else None
+    if warned:
+        return None
+    words = (
+        f"scans show {abs(off):.0%} {'more' if off > 0.0 else 'less'} way than the wheels count:"
+        " `patrol calibrate odometry`; if the wheels are right the laser's ranges are not"
+    )
+    return Notice(t, "base.wheel_scale", words, LogLevel.WARNING)
+
+
 def own_parts_notice(
     t: float, laser: ScannerSettings, sectors: Sequence[tuple[float, float]], *, stand_out: bool
 ) -> Notice | None:

@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 from maps.pose import Pose
+from robot_agent.pose.travel_scale import TOLERANCE, TravelScale
 from robot_agent.pose.travel_watch import TravelFault, TravelWatch
 
 ROOM = np.array(
@@ -56,11 +57,13 @@ def drive(
     slip: float = 0.0,
     turned_at: int | None = None,
     metres: float = 2.0,
+    scaled: float = 1.0,
 ) -> float | None:
     """Drive on an arc; return the way, m, at which the watch found a fault, None if it did not.
 
     mount: how the laser really sits; the watch is told LASER. bend: 1/m. slip: share of the counted
-    way that is not driven. turned_at: number of the only scan that is of another place.
+    way that is not driven. turned_at: number of the only scan that is of another place. scaled:
+    ranges over true ones.
     """
     rng = np.random.default_rng(4)
     true, counted, first = Pose(-1.5, 0.1, 0.0), Pose(0.0, 0.0, 0.3), None
@@ -70,7 +73,7 @@ def drive(
         if repeats:
             first = ranges if first is None else first
             ranges = first + rng.normal(0.0, NOISE, len(ANGLES))
-        ranges = ranges[::-1] if mirrored else ranges
+        ranges = scaled * (ranges[::-1] if mirrored else ranges)
         hit = np.isfinite(ranges)
         ends = ranges[hit] * np.exp(1j * ANGLES[hit]) + LASER.x
         watch.update(0.2 * number, counted, np.column_stack((ends.real, ends.imag)))
@@ -150,6 +153,32 @@ def test_a_laser_that_repeats_its_scan_with_noise_is_found() -> None:
 def test_slip_and_one_wrong_scan_are_no_fault() -> None:
     assert drive(TravelWatch(), slip=0.3) is None
     assert drive(TravelWatch(), turned_at=17) is None
+
+
+@pytest.mark.parametrize("scaled", [0.88, 1.0, 1.03, 1.1])
+def test_ranges_of_another_scale_than_the_wheels_are_told(scaled: float) -> None:
+    watch = TravelWatch()
+    assert drive(watch, scaled=scaled, bend=1.2, metres=12.0) is None
+    if abs(scaled - 1.0) < TOLERANCE:
+        assert watch.scale.off is None
+    else:
+        assert watch.scale.off == pytest.approx(scaled - 1.0, abs=0.02)
+
+
+def test_slip_now_and_then_is_no_scale() -> None:
+    scale = TravelScale()
+    sure = np.eye(2) * 1e6
+    for number in range(30):
+        slipped = 0.3 if number % 4 == 0 else 0.0
+        scale.add(Pose(0.6, 0.0, 0.0), Pose(0.6 * (1.0 - slipped), 0.0, 0.0), sure)
+    assert scale.off is None
+
+
+def test_a_way_that_scans_do_not_show_is_no_sample() -> None:
+    scale = TravelScale()
+    for _ in range(30):
+        scale.add(Pose(0.6, 0.0, 0.0), Pose(0.0, 0.0, 0.0), np.diag((1.0, 1e6)))
+    assert scale.off is None
 
 
 def test_what_a_corridor_does_not_show_is_not_judged() -> None:
