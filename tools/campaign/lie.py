@@ -8,7 +8,7 @@ configuration; what is so stands in a file of the simulated world. Runs under th
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ from tools.bench.fleet import Fleet, FleetLog, run_bench
 from tools.simulation.truth.truth import load_truth
 
 _MAP = "paper_lab"
+_DEVICE_PARTS = ("laser.mount", "laser.ignore", "laser.health", "base.wheel_scale")
 _DURATION_S = 180.0
 
 
@@ -43,8 +44,9 @@ class Told:
     """What came of a lie in runs of several seeds.
 
     contacts: of all robots. robots, stood: in all runs, and those that stood for a reason; said:
-    the first robot's words at that, empty if none; after_s: s until each stood. off: largest error
-    of a pose that was called localized, m.
+    the first robot's words at that, empty if none; after_s: s until each stood. warned: by part of
+    the agent, s until each robot that warned of it did. off: largest error of a pose that was
+    called localized, m.
     """
 
     lie: Lie
@@ -52,6 +54,7 @@ class Told:
     robots: int
     after_s: tuple[float, ...]
     said: str
+    warned: Mapping[str, tuple[float, ...]]
     off: float
 
     @property
@@ -74,6 +77,10 @@ def tell(lie: Lie, seeds: Sequence[int], progress: Callable[[float], None]) -> T
         robots=len(each),
         after_s=tuple(robot["stood_s"] for robot in stood),
         said=stood[0]["said"] if stood else "",
+        warned={
+            part: tuple(robot["warned_s"][part] for robot in each if part in robot["warned_s"])
+            for part in _DEVICE_PARTS
+        },
         off=max(off for _, off in runs),
     )
 
@@ -107,19 +114,29 @@ def _errors(fleet: Fleet) -> list[float]:
 def lies_table(told: Sequence[Told]) -> str:
     """Return all outcomes as a Markdown table."""
     lines = [
-        "| lie | what is so | contacts | robots that stood, after | pose off by | first words | |",
-        "| --- | --- | --- | --- | --- | --- | --- |",
+        "| lie | what is so | contacts | robots that stood, after | warned of | pose off by "
+        "| first words | |",
+        "| --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     for each in told:
-        stood = f"{len(each.after_s)} of {each.robots}"
-        if each.after_s:
-            stood += f", {min(each.after_s):.0f} to {max(each.after_s):.0f} s"
+        stood = _robots(each.after_s, each.robots)
+        warned = "; ".join(
+            f"{part}: {_robots(after_s, each.robots)}"
+            for part, after_s in each.warned.items()
+            if after_s
+        )
         verdict = "; ".join(each.complaints) or "ok"
         lines.append(
-            f"| {each.lie.name} | {each.lie.what} | {each.contacts} | {stood} | {each.off:.2f} m "
-            f"| {each.said.replace('|', '/')} | {verdict} |"
+            f"| {each.lie.name} | {each.lie.what} | {each.contacts} | {stood} | {warned} "
+            f"| {each.off:.2f} m | {each.said.replace('|', '/')} | {verdict} |"
         )
     return "\n".join(lines) + "\n"
+
+
+def _robots(after_s: Sequence[float], robots: int) -> str:
+    """Return how many robots did something, and the first's and the last's time, s."""
+    words = f"{len(after_s)} of {robots}"
+    return f"{words}, {min(after_s):.0f} to {max(after_s):.0f} s" if after_s else words
 
 
 def seconds_of(seeds: Sequence[int]) -> float:

@@ -9,7 +9,7 @@ from tools.campaign.lie import Lie, Told, lies_table, seconds_of, tell
 from tools.campaign.lie_list import LIES, LieError, chosen_lies
 from tools.simulation.truth.truth import load_truth
 
-TOLD = Told(LIES[0], 0, 3, (31.2, 40.0), "laser: it | repeats", 0.123)
+TOLD = Told(LIES[0], 0, 3, (31.2, 40.0), "laser: it | repeats", {"laser.mount": (31.0,)}, 0.123)
 
 
 def test_every_lie_has_its_truth_and_its_own_name() -> None:
@@ -35,6 +35,7 @@ def test_a_laser_that_sees_turns_the_wrong_way_is_named_and_nothing_is_touched(
     assert told.complaints == []
     assert told.robots == len(told.after_s) == 1
     assert "laser.mount: mirrored" in told.said
+    assert len(told.warned["laser.mount"]) == 1
     assert times[-1] == pytest.approx(20.0, abs=0.2)
 
 
@@ -46,9 +47,14 @@ def test_a_contact_is_a_complaint() -> None:
 
 def test_table_has_what_was_said() -> None:
     row = lies_table([TOLD]).splitlines()[-1]
-    assert "| 2 of 3, 31 to 40 s | 0.12 m | laser: it / repeats | ok |" in row
-    silent = lies_table([dataclasses.replace(TOLD, after_s=(), said="")]).splitlines()[-1]
-    assert "| 0 of 3 | 0.12 m |  | ok |" in silent
+    assert (
+        "| 2 of 3, 31 to 40 s | laser.mount: 1 of 3, 31 to 31 s | 0.12 m | laser: it / repeats | ok |"
+        in row
+    )
+    silent = lies_table([dataclasses.replace(TOLD, after_s=(), said="", warned={})]).splitlines()[
+        -1
+    ]
+    assert "| 0 of 3 |  | 0.12 m |  | ok |" in silent
 
 
 def test_robots_at_a_blind_corner_come_from_both_sides() -> None:
