@@ -47,10 +47,8 @@ def test_a_contact_is_a_complaint() -> None:
 
 def test_table_has_what_was_said() -> None:
     row = lies_table([TOLD]).splitlines()[-1]
-    assert (
-        "| 2 of 3, 31 to 40 s | laser.mount: 1 of 3, 31 to 31 s | 0.12 m | laser: it / repeats | ok |"
-        in row
-    )
+    assert "| 2 of 3, 31 to 40 s | laser.mount: 1 of 3, 31 to 31 s | 0.12 m |" in row
+    assert row.endswith("| laser: it / repeats | ok |")
     silent = lies_table([dataclasses.replace(TOLD, after_s=(), said="", warned={})]).splitlines()[
         -1
     ]
