@@ -77,7 +77,7 @@ class EvenGaps:
         self._begun = 0.0  # time of the first step; start of the leg before any turn
         self._ahead: float | None = None  # m to the robot ahead, if known
         self._way = BlockedWay(border)
-        self._blocked = False  # the way round, for all the robot knows: no probes
+        self._blocked = False  # the way round, by what the robot has seen: no probes
         self._counting = False  # meetings are counted from the first one on
         self.by_chance = True
         """Whether a robot that has counted its team may turn by its own chance."""
@@ -96,6 +96,7 @@ class EvenGaps:
         """Return a turn for even gaps; else, on a leg back and after it, no random reversal."""
         if self._way.is_found(situation, self._turns.latest):
             self._count_again(situation.t, WRECK_COUNTING_LAPS)
+            self._blocked = True
         if situation.direction is None or action not in PATROLLING:
             return None
         keeps_going = action is Action.KEEP_GOING
@@ -222,8 +223,8 @@ class EvenGaps:
             self._restart_check(t)
 
     def _count_again(self, t: float, laps: float) -> None:
-        """Patrol by the rules alone, as the way is blocked, and count the team, for some laps."""
-        self._given, self._blocked, self._counting_laps = None, True, laps
+        """Patrol by the rules alone, as nobody seems to get round, and count, for some laps."""
+        self._given, self._counting_laps = None, laps
         self._start_counting(t)
 
     # ---- decision -----------------------------------------------------------------------------

@@ -98,6 +98,7 @@ class EvenGapsOfMany:
         """Put turns for even gaps; else, on a leg back and after it, no random reversal."""
         for robot in self._way.found(at).tolist():
             self._count_again(robot, at.t, even_gaps.WRECK_COUNTING_LAPS)
+            self._blocked[robot] = True
         some = np.flatnonzero((at.direction != 0) & PATROLS[action])
         if not some.size:
             return some
@@ -257,7 +258,7 @@ class EvenGapsOfMany:
             self._restart_check(robot, t)
 
     def _count_again(self, robot: int, t: float, laps: float) -> None:
-        self._given[robot], self._blocked[robot], self._counting_laps[robot] = _UNKNOWN, True, laps
+        self._given[robot], self._counting_laps[robot] = _UNKNOWN, laps
         self._start_counting(robot, t)
 
     # ---- decision -----------------------------------------------------------------------------

@@ -18,6 +18,7 @@ from tools.progress import progress_line
 from tools.studies.case_names import CaseNames
 from tools.studies.study import Result, read_study, run_study
 from tools.studies.study_difference import differences, write_differences
+from tools.studies.study_markdown import write_markdown
 from tools.studies.study_plot import FORMATS, Rows, plot_figures, plot_study
 from tools.studies.study_table import table, write_csv
 from tools.studies.trade_off_plot import plot_trade_off
@@ -68,6 +69,7 @@ def run(options: argparse.Namespace) -> int:
     found = differences(results, names)
     write_csv(results, options.output / "runs.csv")
     write_differences(found, names, options.output / "differences.csv")
+    write_markdown(rows, names, options.output / "study.md")
     plot_study(rows, names, options.output)
     plot_trade_off(rows, results[0].figures["intruder_bound"], options.output)
     seeds = f"{study.settings.seeds} seeds"

@@ -306,6 +306,8 @@ def setting_label(key: str, value: Setting) -> str:
     """Return a setting for people: of a list what it has more and less than the default one."""
     if not isinstance(value, tuple):
         return str(value)
+    if not value:
+        return "none"
     default: Any = AgentConfig()
     for name in key.split("."):
         default = getattr(default, name)

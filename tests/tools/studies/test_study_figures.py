@@ -13,6 +13,7 @@ from tools.commands.study import print_table
 from tools.studies.case_names import CaseNames
 from tools.studies.study import Case, Result
 from tools.studies.study_difference import differences, write_differences
+from tools.studies.study_markdown import write_markdown
 from tools.studies.study_plot import FORMATS, plot_figures, plot_study
 from tools.studies.study_table import table
 
@@ -95,6 +96,18 @@ def test_table_of_three_varied_keys_fits_a_terminal(
     assert "robots 3, map paper_lab" in lines[at + 1]
     assert max(map(len, lines)) <= 80
     assert "…" not in shown
+
+
+def test_markdown_has_a_table_for_each_combination_and_a_line_for_each_value(
+    tmp_path: Path,
+) -> None:
+    write_markdown(table(results()), CaseNames(CASES), tmp_path / "study.md")
+    lines = (tmp_path / "study.md").read_text().splitlines()
+    at = lines.index("robots 3, map intel_lab:")
+    assert lines[at + 2].startswith("| reversal probability | idleness average s |")
+    assert lines[at + 3].count("---") == lines[at + 2].count("|") - 1
+    assert [line.split(" | ")[0] for line in lines[at + 4 : at + 7]] == ["| 0.0", "| 0.1", "| 0.25"]
+    assert len([line for line in lines if line.startswith("| reversal")]) == 4
 
 
 def test_figures_are_written_in_every_format(tmp_path: Path) -> None:
