@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import math
 from collections.abc import Iterator
 from typing import Any
 
+import cv2
 import msgspec
+import numpy as np
 from msgspec import inspect
 
 from robot_agent.messages.streams import STREAMS
@@ -68,7 +71,11 @@ def full_value(kind: inspect.Type) -> Any:
 
 def full_payload(stream: str) -> Any:
     """Return a valid payload of a stream with every field present, as JSON has it."""
-    return full_value(inspect.type_info(STREAMS[stream].payload))
+    value = full_value(inspect.type_info(STREAMS[stream].payload))
+    if "picture" in value:
+        _, jpeg = cv2.imencode(".jpg", np.zeros((8, 8, 3), dtype=np.uint8))
+        value["picture"] = base64.b64encode(jpeg.tobytes()).decode()
+    return value
 
 
 def with_extreme(value: Any, extreme: Any) -> Iterator[Any]:

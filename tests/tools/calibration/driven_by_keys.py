@@ -24,6 +24,7 @@ from tools.simulation.world import World
 
 STEP_S = 0.02
 START = Pose(5.0, 13.4, -1.2)
+CORNERS = (1, 1, 1, 1, -1, -1, -1, -1)
 _SIDE_S, _CORNER_S = 8.0, 4.3
 
 
@@ -33,7 +34,7 @@ def record_drive(
     *,
     wheel_scales: tuple[float, float] = (1.0, 1.0),
     config: AgentConfig | None = None,
-    corners: tuple[int, ...] = (1, 1, 1, 1, -1, -1, -1, -1),
+    corners: tuple[int, ...] = CORNERS,
 ) -> Path:
     """Record a robot that really is as truth says; return the file.
 

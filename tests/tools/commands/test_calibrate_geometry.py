@@ -12,7 +12,7 @@ from drivers.lms200.settings import LaserSettings
 from drivers.p2os.settings import BaseSettings
 from maps.pose import Pose
 from robot_agent.config import AgentConfig, load_config
-from tests.tools.calibration.driven_by_keys import record_drive, truth_file
+from tests.tools.calibration.driven_by_keys import CORNERS, record_drive, truth_file
 from tools.cli import main
 
 MOUNT = Pose(0.055, -0.02, 0.07)
@@ -60,7 +60,7 @@ def test_a_drive_recorded_with_the_calibration_needs_no_other(tmp_path: Path) ->
     base = BaseSettings(wheel_scale=(1.0 / COUNTED[0], 1.0 / COUNTED[1]))
     config = AgentConfig(laser=laser, base=base)
     truth = truth_file(tmp_path, MOUNT, upside_down=True)
-    again = record_drive(tmp_path, truth, wheel_scales=COUNTED, config=config)
+    again = record_drive(tmp_path, truth, wheel_scales=COUNTED, config=config, corners=CORNERS * 2)
     robot = tmp_path / "robot.toml"
     assert main(["calibrate", "odometry", str(again), "--robot", str(robot)]) == 0
     found = load_config(robot).base.wheel_scale

@@ -9,11 +9,12 @@ from typing import Any
 import pytest
 from rich.console import Console
 
-from robot_agent.messages.streams import STREAMS, PayloadError, decode, encode
+from robot_agent.messages.streams import STREAMS, IntruderPayload, PayloadError, decode, encode
 from tests.robot_agent.messages.extreme_payloads import extreme_payloads, full_payload
 from tests.tools.monitor.reports import decision, pose, status
 from tools.monitor.page_message import PageFeed
 from tools.monitor.robot_choice import RobotChoice
+from tools.monitor.sighting import sighting_of
 from tools.monitor.site import Site
 from tools.monitor.team_state import TeamState
 from tools.monitor.text_view import Size, plain_view, team_view
@@ -45,16 +46,18 @@ def test_every_field_of_a_stream_may_be_anything(stream: str) -> None:
         t = 1.0 + 0.001 * number
         watch.team.receive(f"{BAD}/{stream}", data, t, t)
         try:
-            decode(stream, data)
+            payload = decode(stream, data)
         except PayloadError:
             refused += 1
             continue
+        if isinstance(payload, IntruderPayload) and payload.picture:
+            refused += not sighting_of(payload, t).picture
         watch.advance(t, t)
         robots = shown(watch)
         assert {"status", "decision", "pose"} <= set(robots["good"])
     bad, good = watch.team.snapshot()
     assert refused > 100
-    assert bad.malformed == refused, "what is within its bounds can be shown"
+    assert bad.malformed == refused, "what is within its bounds, and pictures, can be shown"
     assert good.malformed == 0
 
 

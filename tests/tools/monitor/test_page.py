@@ -100,7 +100,7 @@ def test_every_figure_is_on_the_page_with_its_value(live: LiveTeam) -> None:
     browser.wait(lambda: "%" in live.fact("cpu"), "the share of the CPU")
     browser.wait(lambda: live.fact("motors") == "on", "motors that are on")
     browser.wait(live.battery_agrees, "the voltage the monitor received")
-    live.wait_for("base", r"ready, \d+\.\d /s, 0 bad, \d+ B lost")
+    live.wait_for("base", r"ready, \d+\.\d /s, 0 bad, \d+ B lost(; \d+ stale requests)?")
     written = "1 variant writes"  # a laser as it leaves the factory has another
     line = rf"streaming, \d+\.\d /s, 0 bad, \d+ B lost; .*{written}.*"
     live.wait_for("laser", line)

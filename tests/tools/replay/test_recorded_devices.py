@@ -15,6 +15,7 @@ from robot_agent.messages.effects import Effect, Publish
 from robot_agent.messages.events import Event
 from robot_agent.recording.recording_writer import RecordingWriter
 from robot_agent.recording.run_header import RunHeader
+from tools.cli import main
 from tools.logs.recorded_config import recorded_config
 from tools.logs.recording import Recording, RecordingError, read_recording
 from tools.replay.recorded_devices import recorded_devices, serve
@@ -42,9 +43,13 @@ class Decisions:
             self.times.append(t)
 
 
-def test_agent_on_recorded_devices_decides_as_recorded(recording: Recording) -> None:
+def test_agent_on_recorded_devices_decides_as_recorded(tmp_path: Path) -> None:
+    bench = ["bench", "--robots", "1", "--duration", "4.6", "--record", str(tmp_path)]
+    assert main([*bench, "--json", str(tmp_path / "bench.json")]) == 0
+    (path,) = tmp_path.glob("*.mcap")
+    recording = read_recording(path)
     config, _ = recorded_config(recording)
-    folder = map_folder_from_files("room", recording.header.map_files)
+    folder = map_folder_from_files("lab", recording.header.map_files)
     devices = recorded_devices(recording)
     seen = Decisions()
     lockstep = LockstepAgent(Agent(config, folder), dict(devices), seen)

@@ -166,7 +166,7 @@ def test_figures_can_be_had_alone(runs: list[RunLog], tmp_path: Path) -> None:
 def test_gate_reasons_are_those_of_the_fault(runs: list[RunLog]) -> None:
     team = Team(runs, align(runs))
     held = [reason for reason in runs[0].gate if reason == "stale_laser"]
-    assert len(held) == pytest.approx(38, abs=6), "ten decisions a second"
+    assert 28 <= len(held) <= 44, "ten decisions a second, until the next try finds it again"
     assert team.sampled[0].position.shape == (team.t.size, 2)
 
 

@@ -222,7 +222,7 @@ sensing = "ideal"
     assert [str(case) for case in study.cases] == [
         "patrol.modifiers default",
         "patrol.modifiers +even_gaps -standoff",
-        f"patrol.modifiers {' '.join(f'-{name}' for name in names)}",
+        "patrol.modifiers none",
     ]
     configs = [configuration(run.case, "test", run.changes) for run in study.runs]
     assert [list(config.patrol.modifiers) for config in configs] == choices
