@@ -353,13 +353,9 @@ def run_study(
 
 def _execute(runs: Sequence[Run], jobs: int) -> Iterator[Result]:
     with worker_pool(jobs) as pool:
-        try:
-            groups = [pool.submit(bench_runs, group) for group in _together(runs)]
-            for future in as_completed(groups):
-                yield from future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
+        groups = [pool.submit(bench_runs, group) for group in _together(runs)]
+        for future in as_completed(groups):
+            yield from future.result()
 
 
 def _together(runs: Sequence[Run]) -> list[list[Run]]:

@@ -9,15 +9,30 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor  # noqa: TID251 - the one place
+from contextlib import contextmanager
 
 START = multiprocessing.get_context("spawn")
 """Start method of every child process that runs a function."""
 
 
-def worker_pool(processes: int) -> ProcessPoolExecutor:
-    """Return a pool of that many processes, each with a fresh interpreter."""
-    return ProcessPoolExecutor(processes, mp_context=START, initializer=_end_silently_by_ctrl_c)
+@contextmanager
+def worker_pool(processes: int) -> Iterator[ProcessPoolExecutor]:
+    """Yield a pool of that many processes, each with a fresh interpreter.
+
+    An exception in the block ends them at once, whatever they are doing and still had to do.
+    """
+    before = set(multiprocessing.active_children())
+    pool = ProcessPoolExecutor(processes, mp_context=START, initializer=_end_silently_by_ctrl_c)
+    try:
+        yield pool
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for worker in set(multiprocessing.active_children()) - before:
+            worker.kill()
+        raise
+    pool.shutdown()
 
 
 def _end_silently_by_ctrl_c() -> None:

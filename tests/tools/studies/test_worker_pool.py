@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import signal
 import threading
+import time
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
@@ -12,6 +14,7 @@ import cv2
 import numpy as np
 import pytest
 
+from tools.cli import EndedBySignal
 from tools.studies.worker_pool import START, worker_pool
 
 HELD = threading.Lock()
@@ -47,6 +50,27 @@ def test_ctrl_c_ends_a_worker_without_a_traceback(
         pool.submit(interrupt_and_wait, str(started)).result()
     assert started.exists()
     assert capfd.readouterr().err == ""
+
+
+def sleep_long(started: str) -> None:
+    Path(started).touch()
+    time.sleep(600.0)
+
+
+def test_an_exception_ends_workers_amid_their_work_and_what_waits_for_it(tmp_path: Path) -> None:
+    names = [str(tmp_path / name) for name in "abcdefgh"]
+    began = time.monotonic()
+    with pytest.raises(EndedBySignal), worker_pool(1) as pool:  # noqa: PT012
+        for name in names:
+            pool.submit(sleep_long, name)
+        while not Path(names[0]).exists():
+            time.sleep(0.01)
+        (worker,) = multiprocessing.active_children()
+        raise EndedBySignal(signal.SIGTERM)
+    worker.join(20.0)
+    assert not worker.is_alive()
+    assert time.monotonic() - began < 60.0
+    assert not Path(names[1]).exists()
 
 
 def test_start_method_is_spawn() -> None:
