@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from foxglove.websocket import ChannelView, Client
 
 MAX_CHANNELS = 2000
+_AGAIN_S = 1.0
 
 
 class FoxgloveServer:
@@ -95,6 +97,15 @@ class _ZonesChannel:
         self._channel = channels.SceneUpdateChannel(ZONES_TOPIC, context=context)
 
     def on_subscribe(self, client: Client, channel: ChannelView) -> None:
-        """Send the zones; called by Foxglove's server."""
+        """Send the zones, and once more, as the first may come before the subscription is known.
+
+        Called by Foxglove's server.
+        """
         if channel.topic == ZONES_TOPIC:
-            self._channel.log(self._scene, sink_id=client.id)
+            self._send(client.id)
+            again = threading.Timer(_AGAIN_S, self._send, (client.id,))
+            again.daemon = True
+            again.start()
+
+    def _send(self, viewer: int) -> None:
+        self._channel.log(self._scene, sink_id=viewer)
