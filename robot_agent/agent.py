@@ -367,11 +367,8 @@ class Agent:
         if self.own_parts.update(scan.t, odometry, scan):
             self._projector.hide(self.own_parts.sectors)
             self.own_parts_stand_out = self._projector.stand_out(self.own_parts.places)
-        notice = own_parts_notice(
-            t, self._laser_settings, self.own_parts.sectors, stand_out=self.own_parts_stand_out
-        )
-        if notice is not None:
-            self.outbox.add(notice)
+        sectors, stand_out = self.own_parts.sectors, self.own_parts_stand_out
+        self._tell(own_parts_notice(t, self._laser_settings, sectors, stand_out=stand_out))
 
     def _watch_travel(
         self, t: float, scanned: float, odometry: Pose, points: NDArray[np.float64]
@@ -383,9 +380,9 @@ class Agent:
         report = self.odometry.latest
         if report is not None and (report.stall_left or report.stall_right):
             self.pose_tracker.travel.forget_scan()
-        self.pose_tracker.travel.update(scanned, odometry, points)
         travel = self.pose_tracker.travel
-        for notice in (
+        travel.update(scanned, odometry, points)
+        self._tell(
             travel_notice(
                 t,
                 travel,
@@ -393,7 +390,11 @@ class Agent:
                 warned="laser.mount" in self.warnings,
             ),
             scale_notice(t, travel.scale.off, warned="base.wheel_scale" in self.warnings),
-        ):
+        )
+
+    def _tell(self, *notices: Notice | None) -> None:
+        """Report the notices that there are."""
+        for notice in notices:
             if notice is not None:
                 self.outbox.add(notice)
 
@@ -442,12 +443,9 @@ class Agent:
         gate = self._drive(t, requested, self._gate_inputs(t, state))
         # 4. Tell.
         self._on_gate_decision(t, gate)
-        for notice in (
-            override_notice(t, decision, self.decision),
-            way_notice(t, decision, self.decision),
-        ):
-            if notice is not None:
-                self.outbox.add(notice)
+        self._tell(
+            override_notice(t, decision, self.decision), way_notice(t, decision, self.decision)
+        )
         self.decision = decision
         if self.publishes:
             held_by = self._held_by(requested, gate)

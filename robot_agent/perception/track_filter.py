@@ -99,8 +99,8 @@ class TrackFilter:
         self._has_moved = False
         self._next_evidence = t
         self._whole, self._robot_sized = 1, int(detection.robot_sized)
-        self._fits = self._small_fits = self._legs = 0  # in a row
-        self._has_legs = False  # from then on: one leg may hide the other
+        self._fits = self._small_fits = 0  # in a row
+        self._legs = 0  # likewise, until they are enough: then one leg may hide the other
         self._approached = -math.inf  # when it last came nearer
         self._past: deque[_PastPosition] = deque()
         self._kalman = KalmanFilter(dim_x=4, dim_z=2)
@@ -263,7 +263,7 @@ class TrackFilter:
             moving=self._has_moved,
             by_color=self.identity.by_color,
             small=self._is_small,
-            legs=self._has_legs,
+            legs=self._legs >= _MIN_FITS,
         )
 
     @property
@@ -303,8 +303,8 @@ class TrackFilter:
             fits = detection.robot_sized and detection.misfit < _FITS
             self._fits = self._fits + 1 if fits else 0
             self._small_fits = self._small_fits + 1 if fits and detection.small else 0
-            self._legs = self._legs + 1 if detection.legs else 0
-            self._has_legs |= self._legs >= _MIN_FITS
+            if self._legs < _MIN_FITS:
+                self._legs = self._legs + 1 if detection.legs else 0
         if t < self._next_evidence:
             return
         self._next_evidence = t + _SAMPLE_PERIOD

@@ -29,9 +29,10 @@ TEAM, ROBOT = "lab", "anna"
 _LISTENING_S = 1.5
 """Time in which a robot that is linked is heard, and one that is refused says why."""
 _LOOK_S = 0.05
-_POSE = encode(
+POSE = encode(
     PoseInFrame(timestamp=timestamp_at(1.0), frame_id="map", pose=pose3(Pose(1.0, 2.0, 0.0)))
 )
+"""What a robot publishes to be heard."""
 
 
 class Seen(msgspec.Struct):
@@ -72,7 +73,7 @@ def _look(monitor: Monitor, robot: Telemetry) -> Seen:
     heard = False
     pause = threading.Event()  # of sleep with a set clock libfaketime makes an error
     while not heard and time.monotonic() < begun + _LISTENING_S:
-        robot.publish("pose", _POSE)
+        robot.publish("pose", POSE)
         pause.wait(_LOOK_S)
         heard = any(
             each.last_heard is not None and each.last_heard > begun

@@ -13,13 +13,12 @@ from functools import partial
 from pathlib import Path
 
 from drivers.link import Link
-from maps.pose import Pose
 from robot_agent.config import TelemetrySettings
-from robot_agent.messages.foxglove import PoseInFrame, pose3, timestamp_at
-from robot_agent.messages.streams import encode
 from robot_agent.process.telemetry import Telemetry
 from tools.campaign.agent_stage import AgentStage
+from tools.campaign.chosen import chosen
 from tools.campaign.clock_jumps import jump_clocks
+from tools.campaign.clock_party import POSE
 from tools.campaign.endurance import EnduranceError, Trial
 from tools.campaign.footprint import Footprint, footprint_of
 from tools.campaign.monitored_day import watch_day
@@ -34,9 +33,6 @@ _LOOK_S = 0.01
 _START_S = 6.0
 """From an agent's start until its robot patrols, s."""
 _LATELY_S = 2.0
-_POSE = encode(
-    PoseInFrame(timestamp=timestamp_at(1.0), frame_id="map", pose=pose3(Pose(1.0, 2.0, 0.0)))
-)
 
 
 def _unplug(cycles: int) -> Iterator[Footprint]:
@@ -99,7 +95,7 @@ def _come_and_go(cycles: int) -> Iterator[Footprint]:
 
 def _is_shown(monitor: Monitor, robot: Telemetry, name: str) -> bool:
     """Let a robot report; return whether it is shown as online with its pose."""
-    robot.publish("pose", _POSE)
+    robot.publish("pose", POSE)
     shown = {each.id: each for each in monitor.operator.team.snapshot()}
     return name in shown and shown[name].online and bool(shown[name].poses)
 
@@ -160,11 +156,11 @@ TRIALS: tuple[Trial, ...] = (
 
 def chosen_trials(names: Sequence[str]) -> list[Trial]:
     """Return the trials of these names, all if ``names`` is empty; raises EnduranceError."""
-    known = {trial.name: trial for trial in TRIALS}
-    unknown = [name for name in names if name not in known]
-    if unknown:
-        raise EnduranceError(f"no trial {unknown[0]!r}; trials are {', '.join(known)}")
-    return [known[name] for name in names] or list(TRIALS)
+    return chosen(
+        TRIALS,
+        names,
+        lambda name, known: EnduranceError(f"no trial {name!r}; trials are {known}"),
+    )
 
 
 def _wait(true: Callable[[], bool], trouble: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from tools.campaign.chosen import chosen
 from tools.campaign.computer_fault_list import COMPUTER_FAULTS
 from tools.campaign.fault import Expected, Fault, FaultError, do_nothing
 from tools.campaign.line_fault_list import LINE_FAULTS
@@ -19,8 +20,6 @@ FAULTS: tuple[Fault, ...] = (
 
 def chosen_faults(names: Sequence[str]) -> list[Fault]:
     """Return the faults with these names, all if ``names`` is empty; raises FaultError."""
-    known = {fault.name: fault for fault in FAULTS}
-    unknown = [name for name in names if name not in known]
-    if unknown:
-        raise FaultError(f"no fault {unknown[0]!r}; faults are {', '.join(known)}")
-    return [known[name] for name in names] or list(FAULTS)
+    return chosen(
+        FAULTS, names, lambda name, known: FaultError(f"no fault {name!r}; faults are {known}")
+    )

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 
 from maps.pose import Pose
+from tools.campaign.chosen import chosen
 from tools.campaign.lie import Lie
 
 LIES = (
@@ -33,8 +34,6 @@ class LieError(ValueError):
 
 def chosen_lies(names: Sequence[str]) -> tuple[Lie, ...]:
     """Return the lies of these names, all for none. Raises LieError."""
-    known = {lie.name: lie for lie in LIES}
-    for name in names:
-        if name not in known:
-            raise LieError(f"{name} is no lie; there are {', '.join(known)}")
-    return tuple(known[name] for name in names) or LIES
+    return tuple(
+        chosen(LIES, names, lambda name, known: LieError(f"{name} is no lie; there are {known}"))
+    )

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from maps.whole_file import write_whole
+
 
 def faketime_library() -> Path | None:
     """Return libfaketime for programs with threads; None: it is not installed."""
@@ -26,6 +28,4 @@ class SetClock:
 
     def set(self, offset: str) -> None:
         """Set the clock off the real one, as libfaketime writes it: "+0", "+20y", "-30y"."""
-        new = self._file.with_suffix(".new")
-        new.write_text(f"{offset}\n")
-        new.replace(self._file)  # at once: the programs read it at any time
+        write_whole(self._file, f"{offset}\n")  # at once: the programs read it at any time

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import json
 import math
 import sys
@@ -19,13 +18,12 @@ from numpy.typing import NDArray
 from drivers.camera import Camera, wait_for_picture
 from drivers.camera_source import CameraSettings
 from drivers.p2os.model_choice import expected_model
-from maps.image_size import image_size
-from maps.input_limits import MAX_PICTURE_PIXELS
+from maps.image_size import image_size, jpeg_size
 from maps.whole_file import write_whole
 from robot_agent.config import AgentConfig, load_config
 from robot_agent.perception.band_detector import BandDetector
 from robot_agent.perception.color_settings import ColorModelSettings, ColorSettings
-from robot_agent.perception.jpeg import jpeg_size
+from robot_agent.perception.jpeg import decode_picture
 from robot_agent.perception.silhouette import Silhouettes, body_corners
 from tools.calibration.camera_calibration import fit_camera, pairs_of
 from tools.calibration.color_calibration import (
@@ -123,16 +121,12 @@ def _color(options: argparse.Namespace) -> int:
 
 def _read(path: Path) -> NDArray[np.uint8]:
     data = path.read_bytes()
-    width, height = jpeg_size(data) or image_size(data) or (0, 0)
-    picture = None
-    if 0 < width * height <= MAX_PICTURE_PIXELS:
-        with contextlib.suppress(cv2.error):
-            picture = cv2.imdecode(np.frombuffer(data, dtype=np.uint8), cv2.IMREAD_COLOR)
+    picture = decode_picture(data, jpeg_size(data) or image_size(data))
     if picture is None:
         raise CalibrationError(
             f"{path}: is no picture that can be read; give a PNG or JPEG of at most 4096 x 4096"
         )
-    return np.asarray(picture, dtype=np.uint8)
+    return picture
 
 
 def _live_pictures(settings: CameraSettings) -> list[NDArray[np.uint8]]:

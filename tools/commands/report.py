@@ -12,10 +12,11 @@ from robot_agent.config import find_map
 from tools.progress import progress_line
 from tools.report.alignment import AlignmentError, align
 from tools.report.numbers import numbers
-from tools.report.page import FORMATS, figures_alone, page
+from tools.report.page import figures_alone, page
 from tools.report.recorded_zones import stated_zones, zones_here
 from tools.report.run_log import read_run
 from tools.report.sections import SECTIONS
+from tools.report.style import FORMATS
 from tools.report.team import Team
 
 

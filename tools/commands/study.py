@@ -15,11 +15,12 @@ from tools.commands.settings_option import add_set_option, robots_file
 from tools.commands.truth_option import add_truth_option, chosen_truth
 from tools.number_range import whole
 from tools.progress import progress_line
+from tools.report.style import FORMATS
 from tools.studies.case_names import CaseNames
 from tools.studies.study import Result, read_study, run_study
 from tools.studies.study_difference import differences, write_differences
 from tools.studies.study_markdown import write_markdown
-from tools.studies.study_plot import FORMATS, Rows, plot_figures, plot_study
+from tools.studies.study_plot import Rows, plot_figures, plot_study
 from tools.studies.study_table import table, write_csv
 from tools.studies.trade_off_plot import plot_trade_off
 

@@ -12,14 +12,11 @@ import matplotlib as mpl
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from maps.whole_file import whole_file
 from tools.report import style
 from tools.report.blocks import Block, Figure
 from tools.report.sections import SECTIONS
 from tools.report.team import Team
 
-FORMATS = ("svg", "png", "pdf")
-_DPI = 150
 _FOLDER = Path(__file__).parent
 
 
@@ -80,8 +77,7 @@ def figures_alone(team: Team, figures: dict[str, Any], folder: Path, form: str) 
             for number, figure in enumerate(drawn, 1):
                 name = anchor if number == 1 else f"{anchor}-{number}"
                 files.append(folder / f"{name}.{form}")
-                with whole_file(files[-1]) as part:
-                    figure.savefig(part, dpi=_DPI)
+                style.save(figure, files[-1])
     return files
 
 

@@ -6,6 +6,7 @@ import io
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -15,6 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
+from maps.whole_file import whole_file
 from robot_agent.patrol.actions import Action
 from tools.report.run_log import Floats
 
@@ -36,6 +38,8 @@ WIDTH = 11.0
 """Width of a figure, inches."""
 DPI = 150
 """Resolution of a figure as PNG."""
+FORMATS = ("svg", "png", "pdf")
+"""Of figures that are written as files."""
 POINTS = 1600
 """Most points of a line: more are not distinguishable."""
 
@@ -99,6 +103,12 @@ def time_axis(axes: Axes, start: float, end: float) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(12, steps=[1, 2, 3, 6, 10]))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda t, _: clock(t)))
     axes.grid(axis="x")
+
+
+def save(figure: Figure, path: Path, **options: Any) -> None:
+    """Write a figure as a file, whole or not at all; options: of ``savefig``. Raises OSError."""
+    with whole_file(path) as part:
+        figure.savefig(part, dpi=DPI, **options)
 
 
 def round_ticks(count: int) -> MaxNLocator:

@@ -16,7 +16,7 @@ from maps.zone import Zone
 from robot_agent.config import MapSettings
 from tools.logs.recorded_config import parse_old_config
 from tools.metrics.border_visits import BorderVisits, border_visits
-from tools.metrics.metrics import Meeting, RobotRun, arrival_index, meetings
+from tools.metrics.metrics import MEETING_M, Meeting, RobotRun, arrival_index, meetings
 from tools.report.alignment import ClockNote
 from tools.report.incidents import Incident, absences, incidents
 from tools.report.run_log import Floats, RunLog
@@ -26,8 +26,6 @@ VISIT_STEPS = 5
 """Steps between samples for idleness, 0.5 s: a robot moves less than the visit radius meanwhile."""
 PAUSE_S = 1.0
 """Age of a decision from which the robot's position is unknown."""
-_APART_M = 2.5
-"""Distance from which on two robots are past their meeting."""
 
 
 @dataclass(eq=False)
@@ -106,7 +104,7 @@ class Team:
         a, b = self.pair(meeting)
         start = int(np.searchsorted(self.t, meeting.t))
         distance = np.hypot(*(a.position[start:] - b.position[start:]).T)
-        far = np.flatnonzero(~(distance < _APART_M))
+        far = np.flatnonzero(~(distance < MEETING_M))
         end = int(far[0]) if far.size else distance.size
         return start + int(np.nanargmin(distance[: max(end, 1)]))
 

@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
-from maps.whole_file import whole_file
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.patrol import rules_of
 from robot_agent.patrol.settings import PatrolSettings
@@ -43,8 +42,7 @@ def write_figures(run: PaperRun, settings: PatrolSettings, folder: Path) -> bool
     for name, figure in drawn.items():
         if figure is not None:
             for suffix in FORMATS:
-                with whole_file(folder / f"{name}.{suffix}") as part:
-                    figure.savefig(part, facecolor="white", dpi=style.DPI)
+                style.save(figure, folder / f"{name}.{suffix}", facecolor="white")
     return drawn["figure_6_meeting"] is not None
 
 

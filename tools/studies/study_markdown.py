@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from maps.whole_file import write_whole
 from tools.studies.case_names import CaseNames
 from tools.studies.study import Case
 from tools.studies.study_plot import Rows
@@ -20,7 +21,7 @@ def write_markdown(rows: Rows, names: CaseNames, path: Path) -> None:
     for case in rows:
         grouped.setdefault(names.row(case), []).append(case)
     parts = [f"{row or names.title}:\n\n{_table(own, rows, names)}" for row, own in grouped.items()]
-    path.write_text("\n".join(parts), encoding="utf-8")
+    write_whole(path, "\n".join(parts))
 
 
 def _table(cases: Sequence[Case], rows: Rows, names: CaseNames) -> str:

@@ -9,15 +9,12 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from maps.whole_file import whole_file
+from tools.report import style
 from tools.studies.case_names import CaseNames
 from tools.studies.study import Case
 from tools.studies.study_table import COLUMNS, Summary
 
 mpl.use("svg")
-
-FORMATS = ("svg", "png", "pdf")
-DPI = 150
 
 Rows = Mapping[Case, Mapping[str, Summary | None]]
 
@@ -45,9 +42,8 @@ def plot_study(rows: Rows, names: CaseNames, folder: Path) -> None:
     _finish(figure, grid[0], names)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")  # the layout takes long, and is the same in every format
-    for form in FORMATS:
-        with whole_file(folder / f"study.{form}") as part:
-            figure.savefig(part, dpi=DPI)
+    for form in style.FORMATS:
+        style.save(figure, folder / f"study.{form}")
 
 
 def plot_figures(rows: Rows, names: CaseNames, folder: Path, form: str) -> list[Path]:
@@ -59,8 +55,7 @@ def plot_figures(rows: Rows, names: CaseNames, folder: Path, form: str) -> list[
         _draw(axes, name, rows, names)
         _finish(figure, axes, names)
         files.append(folder / f"{name}.{form}")
-        with whole_file(files[-1]) as part:
-            figure.savefig(part, dpi=DPI)
+        style.save(figure, files[-1])
     return files
 
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from maps.whole_file import whole_file
-from tools.studies.study_plot import DPI, FORMATS, Rows
+from tools.report import style
+from tools.studies.study_plot import Rows
 
 
 def plot_trade_off(rows: Rows, bounds: Mapping[str, Any], folder: Path) -> None:
@@ -40,6 +40,5 @@ def plot_trade_off(rows: Rows, bounds: Mapping[str, Any], folder: Path) -> None:
         axes.set(xlabel="worst idleness, s", ylabel=f"{kind.replace('_', ' ')}: seen in 60 s")
         axes.set_ylim(-0.03, 1.05)
         axes.legend(fontsize=6)
-    for form in FORMATS:
-        with whole_file(folder / f"trade_off.{form}") as part:
-            figure.savefig(part, dpi=DPI)
+    for form in style.FORMATS:
+        style.save(figure, folder / f"trade_off.{form}")

@@ -12,9 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from drivers.camera_source import CameraSettings
+from maps.image_size import jpeg_size
 from maps.pose import Pose
 from robot_agent.perception.intruder_evidence import cut_out
-from robot_agent.perception.jpeg import decode_jpeg, is_shown, jpeg_size
+from robot_agent.perception.jpeg import decode_jpeg, is_shown
 
 PIXELS = np.random.default_rng(1).integers(0, 255, (48, 64, 3), dtype=np.uint8)
 JPEG = cv2.imencode(".jpg", PIXELS)[1].tobytes()

@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 import struct
 import time
-from collections.abc import Callable
-from contextlib import closing
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, closing
 from pathlib import Path
 
 import aiohttp
@@ -150,17 +150,23 @@ def test_certificate_of_the_site_that_has_ended_is_told_by_its_monitor(office_ke
             assert told()["keys certificate.pem"].startswith("the office hears nothing: ")
 
 
+@asynccontextmanager
+async def foxglove_viewer(port: int) -> AsyncIterator[aiohttp.ClientWebSocketResponse]:
+    """Connect as a viewer of Foxglove does."""
+    address, protocols = f"http://127.0.0.1:{port}/", ["foxglove.sdk.v1"]
+    async with (
+        aiohttp.ClientSession() as session,
+        session.ws_connect(address, protocols=protocols) as viewer,
+    ):
+        yield viewer
+
+
 def test_foxglove_viewer_gets_channels_with_schemas_and_payloads() -> None:
     pytest.importorskip("foxglove", reason="foxglove-sdk is not installed")
     payload = encode(pose(1.0))
 
     async def look(port: int, server: FoxgloveServer) -> None:
-        async with (
-            aiohttp.ClientSession() as session,
-            session.ws_connect(
-                f"http://127.0.0.1:{port}/", protocols=["foxglove.sdk.v1"]
-            ) as viewer,
-        ):
+        async with foxglove_viewer(port) as viewer:
             while True:
                 server.on_payload("patrol/north/anna/pose", payload, time.time())
                 try:
@@ -191,12 +197,7 @@ def test_foxglove_viewer_gets_the_zones_whenever_it_subscribes() -> None:
     zone = Zone("küchen corridor", ((2.5, 1.25), (8.0, 1.25), (8.0, 3.0)))
 
     async def zones_seen(port: int) -> bytes:
-        async with (
-            aiohttp.ClientSession() as session,
-            session.ws_connect(
-                f"http://127.0.0.1:{port}/", protocols=["foxglove.sdk.v1"]
-            ) as viewer,
-        ):
+        async with foxglove_viewer(port) as viewer:
             while True:
                 message = await viewer.receive(timeout=TIMEOUT_S)
                 if message.type is aiohttp.WSMsgType.BINARY:

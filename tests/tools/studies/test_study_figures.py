@@ -10,11 +10,12 @@ import pytest
 
 from tests.tools.studies.study_result import result_of
 from tools.commands.study import print_table
+from tools.report.style import FORMATS
 from tools.studies.case_names import CaseNames
 from tools.studies.study import Case, Result
 from tools.studies.study_difference import differences, write_differences
 from tools.studies.study_markdown import write_markdown
-from tools.studies.study_plot import FORMATS, plot_figures, plot_study
+from tools.studies.study_plot import plot_figures, plot_study
 from tools.studies.study_table import table
 
 PROBABILITY = "patrol.reversal_probability"
