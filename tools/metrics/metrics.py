@@ -81,13 +81,18 @@ def arrival_index(distance: NDArray[np.float64]) -> int | None:
     return int(arrived[0]) if arrived.size else None
 
 
-def patrolling_distances(run: RobotRun, distance: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the distances from the border, m, while patrolling after the first arrival."""
+def patrolling_distances(
+    run: RobotRun, distance: NDArray[np.float64], first: int = 0
+) -> NDArray[np.float64]:
+    """Return the distances from the border, m, while patrolling after the first arrival.
+
+    distance: (n,) m, at each time. first: index of the first time that counts.
+    """
     start = arrival_index(distance)
     if start is None:
         return np.empty(0)
     patrolling = np.isin(np.asarray(run.action), sorted(PATROLLING))
-    patrolling[:start] = False
+    patrolling[: max(start, first)] = False
     return distance[patrolling]
 
 
@@ -223,6 +228,14 @@ def _patrol_figures(
     return {**visit_figures(visits), **recovery_figures(border, left, visits, wrecks, speed)}
 
 
+def _patrolling_spread(
+    runs: Sequence[RobotRun], distances: Sequence[NDArray[np.float64]], first: int = 0
+) -> dict[str, float | None]:
+    """Return the spread of all robots' ``patrolling_distances``."""
+    each = [patrolling_distances(*one, first) for one in zip(runs, distances, strict=True)]
+    return spread(np.concatenate(each))
+
+
 def bench_figures(
     border: Border,
     runs: Sequence[RobotRun],
@@ -236,12 +249,11 @@ def bench_figures(
     out of the idleness.
     """
     distances = [distance_from_border(border, run) for run in runs]
-    each = list(zip(runs, distances, strict=True))
     return {
         "contacts": contacts,
         "closest_m": closest_approach(runs),
-        "border_distance_m": spread(np.concatenate([patrolling_distances(*one) for one in each])),
-        "reach_s": [reach_time(*one) for one in each],
+        "border_distance_m": _patrolling_spread(runs, distances),
+        "reach_s": [reach_time(*one) for one in zip(runs, distances, strict=True)],
         "meetings": [
             {
                 "t": meeting.t,
@@ -255,9 +267,12 @@ def bench_figures(
         "interferences": interferences(runs),
         **_patrol_figures(border, runs, distances, wrecks, speed),
         **bound_figures(border, len(runs), speed),
-        "settled": settled_figures(
-            border, [run.position for run in runs], runs[0].t, [wreck[:2] for wreck in wrecks]
-        ),
+        "settled": {
+            **settled_figures(
+                border, [run.position for run in runs], runs[0].t, [wreck[:2] for wreck in wrecks]
+            ),
+            "border_distance_m": _patrolling_spread(runs, distances, runs[0].t.size // 2),
+        },
         "action_share": action_share(runs),
         "longest_avoid_s": longest_avoid(runs),
     }

@@ -76,6 +76,7 @@ COLUMNS: dict[str, Extract] = {
     "meetings_ended": _meetings_ended,
     "arrived": _arrived,
     "border_distance_p99_m": lambda figures: figures["border_distance_m"]["p99"],
+    "settled_border_distance_p99_m": lambda figures: figures["settled"]["border_distance_m"]["p99"],
     "border_distance_max_m": lambda figures: figures["border_distance_m"]["max"],
     "closest_m": lambda figures: figures["closest_m"],
     "longest_avoid_s": lambda figures: figures["longest_avoid_s"],

@@ -142,3 +142,13 @@ def test_figures_have_the_keys_scripts_rely_on(border: Border) -> None:
         "longest_avoid_s",
     }
     assert set(figures["border_distance_m"]) == {"median", "p95", "p99", "max"}
+
+
+def test_settled_distance_leaves_out_the_approach(border: Border) -> None:
+    s = np.linspace(3.0, 6.0, 40)
+    run = run_along(border, s)
+    aside = np.where(np.arange(40) < 10, 0.09, 0.01)
+    run.position[:, 1] += aside  # the border is straight along x there
+    figures = bench_figures(border, [run], contacts=0, speed=0.35)
+    assert figures["border_distance_m"]["max"] == pytest.approx(0.09)
+    assert figures["settled"]["border_distance_m"]["max"] == pytest.approx(0.01)

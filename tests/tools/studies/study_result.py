@@ -14,7 +14,7 @@ def result_of(case: Case, seed: int, worst: float | None) -> Result:
     figures: dict[str, Any] = {
         **idleness,
         **bits,
-        "settled": {**idleness, **bits},
+        "settled": {**idleness, **bits, "border_distance_m": {"p99": None}},
         "interferences": 0,
         "meetings": [],
         "reach_s": [0.0],
