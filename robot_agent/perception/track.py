@@ -47,8 +47,12 @@ class Track:
 
     @property
     def needs_room(self) -> bool:
-        """Whether it may be a robot whose body reaches farther than what the laser sees of it."""
-        return self.robot_like or (self.small and self.kind is Kind.UNKNOWN)
+        """Whether it may be a robot whose body reaches farther than what the laser sees of it.
+
+        A robot that turns in place has a long body's corners come round, and has not moved yet.
+        """
+        unknown = self.kind is Kind.UNKNOWN
+        return self.robot_like or (unknown and (self.small or self.robot_sized))
 
     @property
     def person_like(self) -> bool:

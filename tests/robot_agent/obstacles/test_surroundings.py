@@ -12,8 +12,11 @@ from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
 from robot_agent.motion.gate_limits import GateLimits
+from robot_agent.motion.obstacle_points import ObstacleSource
 from robot_agent.obstacles.surroundings import Surroundings
+from robot_agent.perception.identity import Kind, Probabilities
 from robot_agent.perception.scan_points import ScanProjector
+from robot_agent.perception.track import Track
 from robot_agent.perception.unexplained import UnexplainedPoints
 from robot_agent.pose.odometry_history import OdometryHistory
 
@@ -79,3 +82,37 @@ def test_map_walls_count_where_the_beams_do_not_return(surroundings: Surrounding
 
 def test_without_a_scan_map_walls_of_all_sides_are_returned(surroundings: Surroundings) -> None:
     assert len(around(surroundings, 0.4)) == 1
+
+
+@pytest.mark.parametrize(
+    ("kind", "robot_sized", "moving", "has_room"),
+    [
+        pytest.param(Kind.TEAMMATE, True, False, True, id="teammate"),
+        pytest.param(Kind.UNKNOWN, True, False, True, id="may be a robot that turns in place"),
+        pytest.param(Kind.STRANGER, True, True, True, id="moves like a robot"),
+        pytest.param(Kind.STRANGER, True, False, False, id="box"),
+        pytest.param(Kind.UNKNOWN, False, False, False, id="too small or too large"),
+    ],
+)
+def test_room_is_kept_round_whatever_may_be_a_robot(
+    surroundings: Surroundings, kind: Kind, *, robot_sized: bool, moving: bool, has_room: bool
+) -> None:
+    looked(surroundings, heading=0.0)
+    track = Track(
+        id=1,
+        x=1.2,
+        y=0.0,
+        vx=0.0,
+        vy=0.0,
+        covariance=np.zeros((2, 2)),
+        first_seen=0.0,
+        last_seen=1.0,
+        kind=kind,
+        probabilities=Probabilities(0.3, 0.3, 0.4),
+        robot_sized=robot_sized,
+        moving=moving,
+        by_color=False,
+    )
+    origin = Pose(0.0, 0.0, 0.0)
+    points = surroundings.around(1.0, origin, origin, [track])
+    assert (ObstacleSource.TEAMMATE_ROOM in dict(points.parts)) is has_room
