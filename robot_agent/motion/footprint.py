@@ -19,6 +19,11 @@ class Footprint:
         self._half_width = limits.half_width
 
     @property
+    def half_width(self) -> float:
+        """Distance, m, of the flanks from the middle of the axle."""
+        return self._half_width
+
+    @property
     def corner_reach(self) -> float:
         """Distance, m, of the farthest corner from the middle of the axle: its reach in a turn."""
         return math.hypot(max(self._front, self._rear), self._half_width)

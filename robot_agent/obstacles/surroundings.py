@@ -139,7 +139,10 @@ class Surroundings:
             for track in tracks
             if math.hypot(track.x - localized.x, track.y - localized.y) < _NEAR
         ]
-        teammates = [e for e in near if e.needs_room and t - e.last_seen <= _JUST_SEEN]
+        # Of a short body what may turn in place may as well be a box: it would only be in the way.
+        long = self._keep_out.long_body
+        robots = [e for e in near if (e.may_turn if long else e.needs_room)]
+        teammates = [e for e in robots if t - e.last_seen <= _JUST_SEEN]
         people = [track for track in near if track.person_like]
         to_base = localized.inverse()
         rooms = []

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from robot_agent.motion.footprint import Footprint
 
+_SWING = 0.2  # m, ours: more than a Pioneer's (0.18 m at most), less than a PowerBot's (0.30 m)
 _OWN_MARGIN = 0.03  # m beyond the own corners' reach in a turn in place
 _STEPS = 16
 _ANGLES = np.arange(_STEPS) * (math.tau / _STEPS)
@@ -26,6 +27,8 @@ class TeammateKeepOut:
     def __init__(self, footprint: Footprint) -> None:
         self._footprint = footprint
         reach = footprint.corner_reach
+        self.long_body = reach - footprint.half_width > _SWING
+        """Whether corners come out far beyond the flanks in a turn in place."""
         self.radius = _whole_centimetres(reach + footprint.middle_offset)
         """m round the middle of a teammate: its corners' reach from its axle, wherever that is."""
         self.own = _whole_centimetres(reach) + _OWN_MARGIN

@@ -47,12 +47,13 @@ class Track:
 
     @property
     def needs_room(self) -> bool:
-        """Whether it may be a robot whose body reaches farther than what the laser sees of it.
+        """Whether it may be a robot whose body reaches farther than what the laser sees of it."""
+        return self.robot_like or (self.small and self.kind is Kind.UNKNOWN)
 
-        A robot that turns in place has a long body's corners come round, and has not moved yet.
-        """
-        unknown = self.kind is Kind.UNKNOWN
-        return self.robot_like or (unknown and (self.small or self.robot_sized))
+    @property
+    def may_turn(self) -> bool:
+        """Whether it may be a robot that turns in place, which has not moved."""
+        return self.needs_room or (self.robot_sized and self.kind is Kind.UNKNOWN)
 
     @property
     def person_like(self) -> bool:

@@ -11,7 +11,7 @@ from drivers.scan import Scan
 from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap
 from maps.pose import Pose
 from robot_agent.config import AgentConfig
-from robot_agent.motion.gate_limits import GateLimits
+from robot_agent.motion.gate_settings import gate_limits
 from robot_agent.motion.obstacle_points import ObstacleSource
 from robot_agent.obstacles.surroundings import Surroundings
 from robot_agent.perception.identity import Kind, Probabilities
@@ -26,14 +26,19 @@ POST = (0.0, 0.3)
 
 @pytest.fixture
 def surroundings() -> Surroundings:
+    return surroundings_of("p2dx")
+
+
+def surroundings_of(name: str) -> Surroundings:
+    """Return those of a robot of a model in a room with a post."""
     cells = np.full((80, 80), FREE, dtype=np.uint8)
     cells[46, 40] = OCCUPIED  # its near side is at y = 0.3 m
     occupancy = OccupancyMap(cells, 0.05, Pose(-2.025, -2.0, 0.0))
     config = AgentConfig()
     unexplained = UnexplainedPoints(occupancy, config.perception.detection_range)
-    model = load_model("p2dx")
+    model = load_model(name)
     projector = ScanProjector(Pose(*model.laser_mount))
-    return Surroundings(projector, GateLimits(), model, occupancy, unexplained)
+    return Surroundings(projector, gate_limits(config.gate, model), model, occupancy, unexplained)
 
 
 def looked(surroundings: Surroundings, heading: float, far: float = 3.0) -> None:
@@ -85,22 +90,25 @@ def test_without_a_scan_map_walls_of_all_sides_are_returned(surroundings: Surrou
 
 
 @pytest.mark.parametrize(
-    ("kind", "robot_sized", "moving", "has_room"),
+    ("model", "kind", "robot_sized", "moving", "has_room"),
     [
-        pytest.param(Kind.TEAMMATE, True, False, True, id="teammate"),
-        pytest.param(Kind.UNKNOWN, True, False, True, id="may be a robot that turns in place"),
-        pytest.param(Kind.STRANGER, True, True, True, id="moves like a robot"),
-        pytest.param(Kind.STRANGER, True, False, False, id="box"),
-        pytest.param(Kind.UNKNOWN, False, False, False, id="too small or too large"),
+        pytest.param("p2dx", Kind.TEAMMATE, True, False, True, id="teammate"),
+        pytest.param("p2dx", Kind.STRANGER, True, True, True, id="moves like a robot"),
+        pytest.param("p2dx", Kind.STRANGER, True, False, False, id="box"),
+        pytest.param("p2dx", Kind.UNKNOWN, True, False, False, id="short robot or box"),
+        pytest.param("powerbot", Kind.UNKNOWN, True, False, True, id="may be long and turn"),
+        pytest.param("powerbot", Kind.UNKNOWN, False, False, False, id="too small or too large"),
+        pytest.param("powerbot", Kind.STRANGER, True, False, False, id="box among long robots"),
     ],
 )
 def test_room_is_kept_round_whatever_may_be_a_robot(
-    surroundings: Surroundings, kind: Kind, *, robot_sized: bool, moving: bool, has_room: bool
+    model: str, kind: Kind, *, robot_sized: bool, moving: bool, has_room: bool
 ) -> None:
+    surroundings = surroundings_of(model)
     looked(surroundings, heading=0.0)
     track = Track(
         id=1,
-        x=1.2,
+        x=1.5,
         y=0.0,
         vx=0.0,
         vy=0.0,
