@@ -115,6 +115,8 @@ class ParticleFilter:
         min_effective: float = 0.0,
         min_log_likelihood: float = -math.inf,
         beams: int | None = None,
+        *,
+        through_walls: bool = False,
     ) -> None:
         """Multiply the weights by the likelihood of a scan's end points (m, 2) in base_link.
 
@@ -123,11 +125,13 @@ class ParticleFilter:
         reduced until they do, so that one particle that fits by chance does not outweigh a place
         where none does.
         min_log_likelihood: lower bound of the scan's; below it people are assumed to occlude the
-        map. beams: as of ``LikelihoodField.log_weights``.
+        map. beams, through_walls: as of ``LikelihoodField.log_weights``.
         """
         with np.errstate(divide="ignore"):
             prior = np.log(self.weights)
-        evidence = self._field.log_weights(self.particles, points, independent_beams, beams)
+        evidence = self._field.log_weights(
+            self.particles, points, independent_beams, beams, through_walls=through_walls
+        )
         np.maximum(evidence, min_log_likelihood, out=evidence)
         before = effective_sample_size(self.weights)
         required = min(min_effective * len(self.weights), _TEMPERED * before)

@@ -23,7 +23,6 @@ BEATEN = 3.0  # log of the odds, 20 to 1, at which one of the two is beaten
 MIN_SCANS = 3.0  # scans, weighted by their information, before the tracked pose may be beaten
 MIN_TRAVEL = 0.5  # m or rad; likewise
 INDEPENDENT_BEAMS = 12.0  # that a scan counts as in the odds
-BEAMS = 180  # of a scan, spread evenly over it, at most
 SAME_XY = 0.3  # m; poses nearer to each other are one hypothesis
 SAME_THETA = 0.2  # rad; likewise
 _LIMITS = SampleLimits(300, 1000)
@@ -78,15 +77,14 @@ class Rival:
 
     def weigh(self, points: NDArray[np.float64], information: float) -> None:
         """Weight the rival's belief by a scan, end points (m, 2), m, base_link."""
-        self._filter.weigh(points, information * INDEPENDENT_BEAMS)
+        self._filter.weigh(points, information * INDEPENDENT_BEAMS, through_walls=True)
         self.pose = self._matching.best_hypothesis(self._filter.belief, points).pose
 
     def compare(self, tracked: Pose, points: NDArray[np.float64], information: float) -> None:
         """Count one scan for the tracked pose or the rival."""
-        fits = self._matching.field.log_weights(
-            np.array((tracked, self.pose)), points, INDEPENDENT_BEAMS * information, BEAMS
-        )
-        gain = float(fits[0] - fits[1])
+        check = self._matching.check
+        gain = check.log_likelihood(tracked, points) - check.log_likelihood(self.pose, points)
+        gain *= INDEPENDENT_BEAMS * information
         self.odds = min(max(self.odds + gain, -2.0 * BEATEN), 2.0 * BEATEN)
         self._scans += information
         self._filter.resample(_LIMITS)

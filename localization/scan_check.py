@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from localization.cell_table import DISTANCE_BITS, cell_table
 from localization.distance_surface import DistanceSurface
-from localization.likelihood_field import spread_evenly
+from localization.likelihood_field import RANDOM_SHARE, THROUGH_SHARE, spread_evenly
 from localization.refinement import TOO_FEW_POINTS, as_complex, turned
 from maps.occupancy_map import FREE, OCCUPIED, UNKNOWN, OccupancyMap
 from maps.pose import Pose
@@ -46,7 +46,10 @@ class Fit:
     """Also without dynamic end points: those on free floor, up to MAX_DYNAMIC of all; of a crowd,
     nearer than CROWD_REACH, any number if those beside it fit."""
     beside: float
-    """Without any end point on free floor: what people cannot explain. 1 if none are left."""
+    """Without any end point on free floor, as on people. 1 if none are left."""
+    through: float
+    """Of the beams that end behind mapped walls or on them, the share behind: people, even such as
+    stand close to walls, cannot explain it."""
 
 
 class ScanCheck:
@@ -72,10 +75,13 @@ class ScanCheck:
         fits = np.exp(distance * distance * self._half)
         off = np.flatnonzero(np.abs(distance) > DYNAMIC_DISTANCE)
         states = self._states(pose, arms[off])
+        inside = len(off)
         off, states = off[states != OCCUPIED], states[states != OCCUPIED]
+        inside -= len(off)
         # What ends behind a mapped wall is wrong, whatever lies there.
         open_way = ~self._crossing(pose, arms[off])
         on_floor, unmapped = off[open_way & (states == FREE)], off[open_way & (states == UNKNOWN)]
+        behind = inside + int(np.count_nonzero(~open_way))
         count, total = len(ends), float(fits.sum())
         left = count - min(len(unmapped), int(MAX_UNMAPPED * count))
         elsewhere = np.ones(count, dtype=np.bool_)
@@ -86,7 +92,26 @@ class ScanCheck:
         if seen >= max(TOO_FEW_POINTS, MIN_BESIDE * count) and beside >= MIN_FIT_BESIDE:
             near = int(np.count_nonzero(np.abs(ends[on_floor]) < CROWD_REACH))
             dynamic = min(len(on_floor), max(dynamic, near))
-        return Fit(total / left, total / max(left - dynamic, seen, 1), beside)
+        return Fit(
+            total / left,
+            total / max(left - dynamic, seen, 1),
+            beside,
+            behind / max(behind + total, 1e-9),
+        )
+
+    def log_likelihood(self, pose: Pose, points: NDArray[np.float64]) -> float:
+        """Return the mean log-likelihood of the beams to points (m, 2), m, base_link, at a pose.
+
+        As of ``LikelihoodField`` with beams through walls. 0 without points.
+        """
+        arms = turned(as_complex(spread_evenly(points, MAX_POINTS)), pose)
+        if len(arms) == 0:
+            return 0.0
+        distance = self._surface.sample(pose, arms)[2]
+        fits = np.exp(distance * distance * self._half)
+        likelihood = (1.0 - RANDOM_SHARE) * fits + RANDOM_SHARE
+        likelihood[self._crossing(pose, arms)] = THROUGH_SHARE
+        return float(np.log(likelihood).mean())
 
     def short(self, pose: Pose, points: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return (m,) which end points (m, 2), m, base_link, lie on free floor, as on people.

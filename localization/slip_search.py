@@ -22,6 +22,7 @@ CANDIDATES = 10  # poses tried, spread evenly up to it
 BEAMS = 180  # of a scan, spread evenly over it, at most: few of them are informative
 INDEPENDENT_BEAMS = 60.0  # that they count as together
 MIN_GAIN = 2.0  # of log-likelihood, for a pose to be preferred
+CERTAIN_ODDS = 4.6  # log of 100 to 1, for a pose that people cannot explain
 MIN_SHIFT = 0.1  # m; a smaller shift is left to the filter
 
 
@@ -72,7 +73,16 @@ class SlipSearch:
         others = points[~self._check.short(pose, points)]
         places = np.array((pose, refined.pose))
         before, after = self._fits(places, others).tolist()
-        return Slipped(refined, certain=after - before >= self._min_gain)
+        certain = after - before >= self._min_gain and self._odds(places, points) >= CERTAIN_ODDS
+        return Slipped(refined, certain)
+
+    def _odds(self, places: NDArray[np.float64], points: NDArray[np.float64]) -> float:
+        """Return the log of the likelihood ratio of the second of places (2, 3) over the first.
+
+        Beams through walls are counted.
+        """
+        before, after = (self._check.log_likelihood(Pose(*place), points) for place in places)
+        return INDEPENDENT_BEAMS * (after - before)
 
     def _behind(self, pose: Pose, increment: Pose, travel: float) -> NDArray[np.float64]:
         """Return (n, 3) poses back along a step of travel, m, by each share lost; same heading."""

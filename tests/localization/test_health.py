@@ -23,9 +23,9 @@ from localization.health import (
 )
 from localization.scan_check import Fit
 
-GOOD = Evidence(fit=Fit(0.95, 0.95, 1.0), spread=0.05, share=1.0)
-CLOUDY = replace(GOOD, fit=Fit(0.55, 0.55, 1.0))
-NOTHING_FITS = replace(GOOD, fit=Fit(0.1, 0.1, 1.0))
+GOOD = Evidence(fit=Fit(0.95, 0.95, 1.0, 0.0), spread=0.05, share=1.0)
+CLOUDY = replace(GOOD, fit=Fit(0.55, 0.55, 1.0, 0.0))
+NOTHING_FITS = replace(GOOD, fit=Fit(0.1, 0.1, 1.0, 0.0))
 BLIND = replace(GOOD, fit=None)
 
 
@@ -70,20 +70,20 @@ def test_transition_after_enough_updates_in_a_row(
     [
         (
             Health.LOCALIZED,
-            Evidence(fit=Fit(0.65, 0.65, 1.0), spread=0.35, share=0.75, wall_crossing=0.35),
+            Evidence(fit=Fit(0.65, 0.65, 1.0, 0.0), spread=0.35, share=0.75, wall_crossing=0.35),
         ),
         (Health.LOCALIZED, replace(GOOD, jump_xy=0.45, jump_theta=0.45)),
-        (Health.UNSURE, replace(GOOD, fit=Fit(0.65, 0.65, 1.0))),
+        (Health.UNSURE, replace(GOOD, fit=Fit(0.65, 0.65, 1.0, 0.0))),
         (Health.UNSURE, replace(GOOD, spread=0.35)),
         (Health.UNSURE, replace(GOOD, share=0.75)),
         (Health.UNSURE, replace(GOOD, wall_crossing=0.3)),
         (Health.UNSURE, replace(GOOD, relocated=True)),
-        (Health.UNSURE, replace(GOOD, fit=Fit(0.48, 0.48, 1.0))),
-        (Health.LOST, replace(GOOD, fit=Fit(0.48, 0.48, 1.0))),
+        (Health.UNSURE, replace(GOOD, fit=Fit(0.48, 0.48, 1.0, 0.0))),
+        (Health.LOST, replace(GOOD, fit=Fit(0.48, 0.48, 1.0, 0.0))),
         (Health.LOST, BLIND),
         # A crowd does not make a known pose lost, and does not make an unknown one localized.
-        (Health.LOCALIZED, replace(GOOD, fit=Fit(0.5, 0.8, 1.0))),
-        (Health.UNSURE, replace(GOOD, fit=Fit(0.5, 0.8, 1.0))),
+        (Health.LOCALIZED, replace(GOOD, fit=Fit(0.5, 0.8, 1.0, 0.0))),
+        (Health.UNSURE, replace(GOOD, fit=Fit(0.5, 0.8, 1.0, 0.0))),
     ],
 )
 def test_health_is_kept_between_the_thresholds(health: Health, evidence: Evidence) -> None:

@@ -120,3 +120,18 @@ def test_beams_are_spread_over_the_whole_scan() -> None:
     assert np.diff(chosen[:, 0]).max() <= 4
     assert chosen[-1, 0] >= 176
     assert spread_evenly(points, 500) is points
+
+
+def test_beams_through_walls_count_less_than_those_that_end_before_them(room) -> None:
+    pose = Pose(3.0, 2.0, 0.4)
+    field, points = field_of(room.map), room.scan(pose)
+    length = np.linalg.norm(points, axis=1, keepdims=True)
+    before, behind = points * (1.0 - 0.6 / length), points * (1.0 + 0.6 / length)
+
+    def log_weight_of(scan, **kind: bool) -> float:
+        return float(field.log_weights(np.array([pose]), scan, 1.0, **kind)[0])
+
+    assert log_weight_of(points, through_walls=True) == pytest.approx(log_weight_of(points))
+    assert log_weight_of(before, through_walls=True) == pytest.approx(log_weight_of(before))
+    assert log_weight_of(behind) == pytest.approx(math.log(0.1), abs=0.3)
+    assert log_weight_of(behind, through_walls=True) == pytest.approx(math.log(0.01), abs=0.2)

@@ -348,6 +348,19 @@ def test_pose_is_kept_along_a_corridor_where_most_beams_end_short(data_folder: P
         assert error(estimate.pose, step.reference)[0] < 0.5
 
 
+@pytest.mark.parametrize(("name", "first"), [("seattle", 27), ("intel", 0)])
+def test_pose_is_kept_in_a_dense_crowd(data_folder: Path, name: str, first: int) -> None:
+    """Other people before 60 % of the beams at each scan; by ends alone wrong poses fit better."""
+    log = read_carmen(data_folder / "logs" / f"{name}-corrected.log.gz")
+    steps = Occlusion(0.6, by_people=True).of(log_steps(log))[first : first + 30]
+    localizer = Localizer(LocalizationSettings(), build_map(log).map, np.random.default_rng(0))
+    localizer.start_at(log.scans[first].reference, 0.1, 0.05)
+    for step in steps:
+        estimate = localizer.update(step.t, step.odometry, step.points)
+        assert step.reference is not None
+        assert error(estimate.pose, step.reference)[0] < 1.0
+
+
 @pytest.mark.parametrize("degrees", [-90, 50, 75])
 def test_turn_that_the_wheels_missed_is_found_whatever_its_size(room, circle, degrees) -> None:
     localizer = new_localizer(room)

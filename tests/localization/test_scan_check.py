@@ -76,6 +76,30 @@ def test_beams_beyond_the_mapped_floor_are_not_left_out(room, check: ScanCheck) 
     assert fit.whole == pytest.approx(fit.fit_without_dynamic)
 
 
+def test_people_do_not_make_beams_end_behind_walls(room, check: ScanCheck) -> None:
+    points = room.scan(TRUTH)
+    length = np.linalg.norm(points, axis=1, keepdims=True)
+    assert check.fit(TRUTH, points).through == 0.0
+    assert check.fit(TRUTH, points * (1.0 - 0.2 / length)).through == 0.0  # people close to walls
+    points[40:95] *= 1.0 + 0.5 / length[40:95]  # 30 %
+    assert 0.2 < check.fit(TRUTH, points).through < 0.35  # some graze a wall
+
+
+def test_beam_through_a_wall_is_less_likely_than_one_that_ends_on_a_person(
+    room, check: ScanCheck
+) -> None:
+    points = room.scan(TRUTH)
+    length = np.linalg.norm(points, axis=1, keepdims=True)
+    person, behind = points.copy(), points.copy()
+    person[40:95] *= 0.6
+    behind[40:95] *= 1.0 + 0.6 / length[40:95]
+    whole, some, wrong = (check.log_likelihood(TRUTH, each) for each in (points, person, behind))
+    assert whole == pytest.approx(0.0, abs=0.1)
+    assert some == pytest.approx(whole + 0.3 * np.log(0.1), abs=0.1)
+    assert wrong == pytest.approx(whole + 0.3 * np.log(0.01), abs=0.2)
+    assert check.log_likelihood(TRUTH, points[:0]) == 0.0
+
+
 def test_at_the_true_pose_no_beam_crosses_walls(room, check: ScanCheck) -> None:
     assert check.wall_crossing(TRUTH, room.scan(TRUTH)) == 0.0
     assert check.wall_crossing(TRUTH, 0.5 * room.scan(TRUTH)) == 0.0
