@@ -42,7 +42,8 @@ MIN_PROGRESS = 0.25  # laps onwards in every CHECK_LAPS that show that the way r
 CHECK_LAPS = 1.5
 REST_LAPS = 0.5
 """Without a random reversal after any turn: meanwhile the turn, which all robots met pass on, has
-gone round the border at twice the patrol speed, and the gaps are even again."""
+gone round the border at twice the patrol speed, and the gaps are even again. Beside a wreck too:
+a robot that turns on its way to an end has just come from the other one, and both wait."""
 SETTLED_LAPS = 1.0
 OWN_CAUSES = (TurnCause.CHANCE, TurnCause.EVEN_GAPS, TurnCause.COMMON)
 _TURN = Override(OverrideReason.EVEN_GAPS, turn=TurnCause.EVEN_GAPS)
@@ -93,7 +94,7 @@ class EvenGaps:
         choice: Choice,  # noqa: ARG002 - only the action in force matters
         action: Action,
     ) -> Override | None:
-        """Return a turn for even gaps; else, on a leg back and after it, no random reversal."""
+        """Return a turn for even gaps; else, if the robot rests, no random reversal."""
         if self._way.is_found(situation, self._turns.latest):
             self._count_again(situation.t, WRECK_COUNTING_LAPS)
             self._blocked = True
@@ -106,11 +107,14 @@ class EvenGaps:
             return None
         if self.turns_back(situation.t, abscissa, direction, keeps_going=keeps_going):
             return _TURN
+        return _NO_CHANCE if self._rests(situation.t, direction) else None
+
+    def _rests(self, t: float, direction: int) -> bool:
+        """Return whether there is to be no random reversal: soon after a turn, or on a leg back."""
+        turned = self._leg is not None and t - self._leg.t < REST_LAPS * self._lap
         if self.team is None:
-            return None
-        rests = self._leg is not None and situation.t - self._leg.t < REST_LAPS * self._lap
-        rests |= not self.by_chance or direction != CLOCKWISE
-        return _NO_CHANCE if rests else None
+            return turned and self._blocked
+        return turned or not self.by_chance or direction != CLOCKWISE
 
     def turns_back(self, t: float, abscissa: float, direction: int, *, keeps_going: bool) -> bool:
         """Return whether to turn back at t for the sake of even gaps.

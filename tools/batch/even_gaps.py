@@ -95,7 +95,7 @@ class EvenGapsOfMany:
         action: Codes,
         found: Overrides,
     ) -> Indices:
-        """Put turns for even gaps; else, on a leg back and after it, no random reversal."""
+        """Put turns for even gaps; else, of robots that rest, no random reversal."""
         for robot in self._way.found(at).tolist():
             self._count_again(robot, at.t, even_gaps.WRECK_COUNTING_LAPS)
             self._blocked[robot] = True
@@ -107,12 +107,17 @@ class EvenGapsOfMany:
             some = some[~self.suspended[some]]
         keeps = action[some] == Act.KEEP_GOING
         turns = self._turn_back(some, at.t, at.s, at.direction, keeps)
-        rests = at.t - self._leg_begun[some] < even_gaps.REST_LAPS * self._lap
-        rests |= (at.direction[some] != CLOCKWISE) | (not self.by_chance)
-        no_chance = (self.team[some] != _UNKNOWN) & rests
+        no_chance = self._rest(some, at)
         found.put(some[no_chance], OverrideReason.EVEN_GAPS, may_turn=False)
         found.put(some[turns], OverrideReason.EVEN_GAPS, turn=TurnCause.EVEN_GAPS)
         return np.asarray(some[turns | no_chance])
+
+    def _rest(self, some: Indices, at: Situations) -> Flags:
+        """Return for which of some robots there is to be no random reversal."""
+        turned = at.t - self._leg_begun[some] < even_gaps.REST_LAPS * self._lap
+        never = (at.direction[some] != CLOCKWISE) | (not self.by_chance)
+        counted = self.team[some] != _UNKNOWN
+        return np.asarray(np.where(counted, turned | never, turned & self._blocked[some]))
 
     def pick(self, robots: Indices) -> None:
         """Keep some robots, as ``arrays.pick`` does."""
