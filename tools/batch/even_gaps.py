@@ -30,6 +30,7 @@ _STATE = (
     "_leg_begun",
     "_sent_back",
     "_own_leg",
+    "by_chance",
     "suspended",
     "_ahead",
     "_blocked",
@@ -76,7 +77,7 @@ class EvenGapsOfMany:
         self._ahead = np.full(n, math.nan)
         self._way = BlockedWays(feet, turns)
         self._blocked, self._counting = np.zeros((2, n), dtype=np.bool_)
-        self.by_chance = True
+        self.by_chance = np.ones(n, dtype=np.bool_)
         self.suspended = np.zeros(n, dtype=np.bool_)
         self._given = np.full(n, settings.team_size)  # robots, _UNKNOWN: to be counted
         self.team = np.zeros(n, dtype=np.intp)
@@ -115,7 +116,7 @@ class EvenGapsOfMany:
     def _rest(self, some: Indices, at: Situations) -> Flags:
         """Return for which of some robots there is to be no random reversal."""
         turned = at.t - self._leg_begun[some] < even_gaps.REST_LAPS * self._lap
-        never = (at.direction[some] != CLOCKWISE) | (not self.by_chance)
+        never = (at.direction[some] != CLOCKWISE) | ~self.by_chance[some]
         counted = self.team[some] != _UNKNOWN
         return np.asarray(np.where(counted, turned | never, turned & self._blocked[some]))
 
