@@ -45,6 +45,7 @@ REST_LAPS = 0.5
 gone round the border at twice the patrol speed, and the gaps are even again. Beside a wreck too:
 a robot that turns on its way to an end has just come from the other one, and both wait."""
 SETTLED_LAPS = 1.0
+MOST_SEARCHES = 3  # in vain: the robot seems to be alone
 OWN_CAUSES = (TurnCause.CHANCE, TurnCause.EVEN_GAPS, TurnCause.COMMON)
 _TURN = Override(OverrideReason.EVEN_GAPS, turn=TurnCause.EVEN_GAPS)
 _NO_CHANCE = Override(OverrideReason.EVEN_GAPS, may_turn=False)
@@ -80,6 +81,7 @@ class EvenGaps:
         self._way = BlockedWay(border)
         self._blocked = False  # the way round, by what the robot has seen: no probes
         self._counting = False  # meetings are counted from the first one on
+        self._searches = 0  # turns to search the other direction, since the last meeting
         self.by_chance = True
         """Whether a robot that has counted its team may turn by its own chance."""
         self.suspended = False
@@ -154,6 +156,7 @@ class EvenGaps:
         if turn is None or turn is self._leg:
             return
         if turn.cause not in OWN_CAUSES:
+            self._searches = 0
             if self._counting:
                 self._met[self._direction] += 1
             else:
@@ -239,14 +242,20 @@ class EvenGaps:
 
     def _should_turn(self, t: float) -> bool:
         if self.team is None:
-            # No meeting for long: search the other direction, unless the next one is known.
-            return t >= self._probe_at and not self._blocked
+            return self._should_search(t)
         if self._direction == COUNTER_CLOCKWISE:
             even = self._border.length / self.team
             return (self._sent_back and self._gap_left(t) >= even) or t >= self._probe_at
         if t < self._probe_at or self._probes == 0 or self._is_even():
             return False
         self._probes -= 1
+        return True
+
+    def _should_search(self, t: float) -> bool:
+        """Return whether to search the other direction: no meeting for long, and none expected."""
+        if t < self._probe_at or self._blocked or self._searches == MOST_SEARCHES:
+            return False
+        self._searches += 1
         return True
 
     def is_settled(self, t: float) -> bool:

@@ -35,6 +35,7 @@ _STATE = (
     "_ahead",
     "_blocked",
     "_counting",
+    "_searches",
     "team",
     "_given",
     "_probes",
@@ -77,6 +78,7 @@ class EvenGapsOfMany:
         self._ahead = np.full(n, math.nan)
         self._way = BlockedWays(feet, turns)
         self._blocked, self._counting = np.zeros((2, n), dtype=np.bool_)
+        self._searches = np.zeros(n, dtype=np.intp)
         self.by_chance = np.ones(n, dtype=np.bool_)
         self.suspended = np.zeros(n, dtype=np.bool_)
         self._given = np.full(n, settings.team_size)  # robots, _UNKNOWN: to be counted
@@ -189,6 +191,7 @@ class EvenGapsOfMany:
         assert turn is not None
         own = turn.cause in even_gaps.OWN_CAUSES
         if not own:
+            self._searches[robot] = 0
             if self._counting[robot]:
                 self._met[_side(self._direction[robot]), robot] += 1
             else:
@@ -280,7 +283,9 @@ class EvenGapsOfMany:
         wide = self._sent_back[some] & (self._gap_left(some, t) >= even)
         probes = counted & ~back & due & (self._probes[some] > 0) & keeps & ~self._are_even(some)
         self._probes[some[probes]] -= 1
-        searches = due & ~self._blocked[some]
+        searches = ~counted & due & ~self._blocked[some] & keeps
+        searches &= self._searches[some] < even_gaps.MOST_SEARCHES
+        self._searches[some[searches]] += 1
         turns = np.where(counted, np.where(back, wide | due, probes), searches)
         return np.asarray(turns & keeps)
 
