@@ -16,7 +16,7 @@ has gone round.
 
 The worst idleness of the result is length / (N v), the minimum possible. The estimate of N expires
 after an hour, or when the robot no longer gets round (a wreck on the border): then it patrols by
-the paper's rules alone and estimates again, for longer each time.
+the paper's rules alone and estimates again, for an hour.
 """
 
 from __future__ import annotations
@@ -33,10 +33,11 @@ from robot_agent.patrol.supervisor import Choice
 from robot_agent.patrol.turn_log import Turn, TurnCause, TurnLog
 
 COUNTING_LAPS = 1.5  # of patrol by the rules alone, before the team is counted
-BLOCKED_COUNTING_LAPS = 12.0  # when the robot no longer gets round
-WRECK_COUNTING_LAPS = 3.0  # after the latest sight of what blocks the way
 TOLERANCE = 0.15  # of the gap ahead, within which it counts as even
 COUNT_LIFETIME = 3600.0  # s after which the team is counted anew
+BLOCKED_LIFETIME = 3600.0
+"""s for which the way round counts as blocked after the last sign of it: a wreck seen, no progress.
+Robots that drive onwards towards a wreck crowd there, so few attempts are best."""
 MIN_TIME = 0.45  # laps one way and the other, and a meeting each, before the team is counted
 MIN_PROGRESS = 0.25  # laps onwards in every CHECK_LAPS that show that the way round is free
 CHECK_LAPS = 1.5
@@ -98,7 +99,7 @@ class EvenGaps:
     ) -> Override | None:
         """Return a turn for even gaps; else, if the robot rests, no random reversal."""
         if self._way.is_found(situation, self._turns.latest):
-            self._count_again(situation.t, WRECK_COUNTING_LAPS)
+            self._count_again(situation.t)
             self._blocked = True
         if situation.direction is None or action not in PATROLLING:
             return None
@@ -220,18 +221,18 @@ class EvenGaps:
         self._progress, self._check_at = 0.0, t + CHECK_LAPS * self._lap
 
     def _check(self, t: float) -> None:
-        """Count again once the estimate has expired, or for longer if the way round is blocked."""
+        """Count again once the estimate has expired, or for long if the way round is blocked."""
         if t - self._since >= COUNT_LIFETIME:
             self._counting_laps = COUNTING_LAPS
             self._start_counting(t)
         elif t >= self._check_at:
             if self._progress < MIN_PROGRESS * self._border.length:
-                self._count_again(t, BLOCKED_COUNTING_LAPS)
+                self._count_again(t)
             self._restart_check(t)
 
-    def _count_again(self, t: float, laps: float) -> None:
-        """Patrol by the rules alone, as nobody seems to get round, and count, for some laps."""
-        self._given, self._counting_laps = None, laps
+    def _count_again(self, t: float) -> None:
+        """Patrol by the rules alone, as nobody seems to get round, and count meanwhile."""
+        self._given, self._counting_laps = None, BLOCKED_LIFETIME / self._lap
         self._start_counting(t)
 
     # ---- decision -----------------------------------------------------------------------------

@@ -100,7 +100,7 @@ class EvenGapsOfMany:
     ) -> Indices:
         """Put turns for even gaps; else, of robots that rest, no random reversal."""
         for robot in self._way.found(at).tolist():
-            self._count_again(robot, at.t, even_gaps.WRECK_COUNTING_LAPS)
+            self._count_again(robot, at.t)
             self._blocked[robot] = True
         some = np.flatnonzero((at.direction != 0) & PATROLS[action])
         if not some.size:
@@ -263,11 +263,12 @@ class EvenGapsOfMany:
                 self._start_counting(robot, t)
                 continue
             if self._progress[robot] < even_gaps.MIN_PROGRESS * self._feet.length:
-                self._count_again(robot, t, even_gaps.BLOCKED_COUNTING_LAPS)
+                self._count_again(robot, t)
             self._restart_check(robot, t)
 
-    def _count_again(self, robot: int, t: float, laps: float) -> None:
-        self._given[robot], self._counting_laps[robot] = _UNKNOWN, laps
+    def _count_again(self, robot: int, t: float) -> None:
+        self._given[robot] = _UNKNOWN
+        self._counting_laps[robot] = even_gaps.BLOCKED_LIFETIME / self._lap
         self._start_counting(robot, t)
 
     # ---- decision -----------------------------------------------------------------------------
