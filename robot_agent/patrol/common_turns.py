@@ -39,7 +39,10 @@ _STAY = Override(OverrideReason.COMMON_TURNS, may_turn=False)
 
 
 class CommonTurns:
-    """Turns a robot that is in step with its team; else only forbids turns by its own chance."""
+    """Turns a robot that is in step with its team.
+
+    Else it only forbids turns by its own chance, unless the team is too large to turn together.
+    """
 
     def __init__(
         self,
@@ -51,7 +54,7 @@ class CommonTurns:
     ) -> None:
         """even: spaces the robots; it must be evaluated before this one."""
         self._even = even
-        even.by_chance = False  # common turns take the place of the robot's own
+        even.by_chance = False  # until the team is counted
         self._border = border
         self._settings = settings
         self._turns = turns
@@ -72,6 +75,7 @@ class CommonTurns:
         self._leave_if_disturbed(situation, action)
         if action not in PATROLLING or situation.direction is None or self._even.team is None:
             return None
+        self._even.by_chance = self._gap() < LEAST_GAP_S  # too many robots to turn together
         if self._schedule is None:
             if now % PERIOD_S > JOIN_WITHIN_S or not self._may_join(situation.t):
                 return None

@@ -16,7 +16,7 @@ has gone round.
 
 The worst idleness of the result is length / (N v), the minimum possible. The estimate of N expires
 after an hour, or when the robot no longer gets round (a wreck on the border): then it patrols by
-the paper's rules alone and estimates again, for longer each time.
+the paper's rules alone and estimates again, for an hour.
 """
 
 from __future__ import annotations
@@ -33,17 +33,20 @@ from robot_agent.patrol.supervisor import Choice
 from robot_agent.patrol.turn_log import Turn, TurnCause, TurnLog
 
 COUNTING_LAPS = 1.5  # of patrol by the rules alone, before the team is counted
-BLOCKED_COUNTING_LAPS = 12.0  # when the robot no longer gets round
-WRECK_COUNTING_LAPS = 3.0  # after the latest sight of what blocks the way
 TOLERANCE = 0.15  # of the gap ahead, within which it counts as even
 COUNT_LIFETIME = 3600.0  # s after which the team is counted anew
+BLOCKED_LIFETIME = 3600.0
+"""s for which the way round counts as blocked after the last sign of it: a wreck seen, no progress.
+Robots that drive onwards towards a wreck crowd there, so few attempts are best."""
 MIN_TIME = 0.45  # laps one way and the other, and a meeting each, before the team is counted
 MIN_PROGRESS = 0.25  # laps onwards in every CHECK_LAPS that show that the way round is free
 CHECK_LAPS = 1.5
 REST_LAPS = 0.5
 """Without a random reversal after any turn: meanwhile the turn, which all robots met pass on, has
-gone round the border at twice the patrol speed, and the gaps are even again."""
+gone round the border at twice the patrol speed, and the gaps are even again. Beside a wreck too:
+a robot that turns on its way to an end has just come from the other one, and both wait."""
 SETTLED_LAPS = 1.0
+MOST_SEARCHES = 3  # in vain: the robot seems to be alone
 OWN_CAUSES = (TurnCause.CHANCE, TurnCause.EVEN_GAPS, TurnCause.COMMON)
 _TURN = Override(OverrideReason.EVEN_GAPS, turn=TurnCause.EVEN_GAPS)
 _NO_CHANCE = Override(OverrideReason.EVEN_GAPS, may_turn=False)
@@ -79,6 +82,7 @@ class EvenGaps:
         self._way = BlockedWay(border)
         self._blocked = False  # the way round, by what the robot has seen: no probes
         self._counting = False  # meetings are counted from the first one on
+        self._searches = 0  # turns to search the other direction, since the last meeting
         self.by_chance = True
         """Whether a robot that has counted its team may turn by its own chance."""
         self.suspended = False
@@ -93,9 +97,9 @@ class EvenGaps:
         choice: Choice,  # noqa: ARG002 - only the action in force matters
         action: Action,
     ) -> Override | None:
-        """Return a turn for even gaps; else, on a leg back and after it, no random reversal."""
+        """Return a turn for even gaps; else, if the robot rests, no random reversal."""
         if self._way.is_found(situation, self._turns.latest):
-            self._count_again(situation.t, WRECK_COUNTING_LAPS)
+            self._count_again(situation.t)
             self._blocked = True
         if situation.direction is None or action not in PATROLLING:
             return None
@@ -106,11 +110,14 @@ class EvenGaps:
             return None
         if self.turns_back(situation.t, abscissa, direction, keeps_going=keeps_going):
             return _TURN
+        return _NO_CHANCE if self._rests(situation.t, direction) else None
+
+    def _rests(self, t: float, direction: int) -> bool:
+        """Return whether there is to be no random reversal: soon after a turn, or on a leg back."""
+        turned = self._leg is not None and t - self._leg.t < REST_LAPS * self._lap
         if self.team is None:
-            return None
-        rests = self._leg is not None and situation.t - self._leg.t < REST_LAPS * self._lap
-        rests |= not self.by_chance or direction != CLOCKWISE
-        return _NO_CHANCE if rests else None
+            return turned and self._blocked
+        return turned or not self.by_chance or direction != CLOCKWISE
 
     def turns_back(self, t: float, abscissa: float, direction: int, *, keeps_going: bool) -> bool:
         """Return whether to turn back at t for the sake of even gaps.
@@ -150,6 +157,7 @@ class EvenGaps:
         if turn is None or turn is self._leg:
             return
         if turn.cause not in OWN_CAUSES:
+            self._searches = 0
             if self._counting:
                 self._met[self._direction] += 1
             else:
@@ -213,18 +221,18 @@ class EvenGaps:
         self._progress, self._check_at = 0.0, t + CHECK_LAPS * self._lap
 
     def _check(self, t: float) -> None:
-        """Count again once the estimate has expired, or for longer if the way round is blocked."""
+        """Count again once the estimate has expired, or for long if the way round is blocked."""
         if t - self._since >= COUNT_LIFETIME:
             self._counting_laps = COUNTING_LAPS
             self._start_counting(t)
         elif t >= self._check_at:
             if self._progress < MIN_PROGRESS * self._border.length:
-                self._count_again(t, BLOCKED_COUNTING_LAPS)
+                self._count_again(t)
             self._restart_check(t)
 
-    def _count_again(self, t: float, laps: float) -> None:
-        """Patrol by the rules alone, as nobody seems to get round, and count, for some laps."""
-        self._given, self._counting_laps = None, laps
+    def _count_again(self, t: float) -> None:
+        """Patrol by the rules alone, as nobody seems to get round, and count meanwhile."""
+        self._given, self._counting_laps = None, BLOCKED_LIFETIME / self._lap
         self._start_counting(t)
 
     # ---- decision -----------------------------------------------------------------------------
@@ -235,14 +243,20 @@ class EvenGaps:
 
     def _should_turn(self, t: float) -> bool:
         if self.team is None:
-            # No meeting for long: search the other direction, unless the next one is known.
-            return t >= self._probe_at and not self._blocked
+            return self._should_search(t)
         if self._direction == COUNTER_CLOCKWISE:
             even = self._border.length / self.team
             return (self._sent_back and self._gap_left(t) >= even) or t >= self._probe_at
         if t < self._probe_at or self._probes == 0 or self._is_even():
             return False
         self._probes -= 1
+        return True
+
+    def _should_search(self, t: float) -> bool:
+        """Return whether to search the other direction: no meeting for long, and none expected."""
+        if t < self._probe_at or self._blocked or self._searches == MOST_SEARCHES:
+            return False
+        self._searches += 1
         return True
 
     def is_settled(self, t: float) -> bool:

@@ -35,9 +35,21 @@ DEFAULT_MODIFIERS: tuple[ModifierName, ...] = (
     "hold_at_end",
     "blockage",
     "closing_in",
+    "common_turns",
+    "even_gaps",
     "around_walls",
     "dwell",
 )
+PAPER_STRATEGY: tuple[ModifierName, ...] = (
+    "standoff",
+    "hold_at_end",
+    "blockage",
+    "closing_in",
+    "around_walls",
+    "dwell",
+)
+"""Robots that turn where the paper's do, kept from deadlocks: ``patrol paper``, and the default of
+recordings that have ``patrol.strategy``."""
 
 
 class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -165,6 +177,6 @@ class PatrolSettings(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_f
             EVEN_GAPS not in self.modifiers
             or self.modifiers.index(EVEN_GAPS) < self.modifiers.index(COMMON_TURNS)
         ):
-            raise ValueError("modifiers: common_turns needs even_gaps after it")
+            raise ValueError("modifiers: common_turns needs even_gaps after it; leave out both")
         if len(set(self.modifiers)) < len(self.modifiers):
             raise ValueError("modifiers names one twice")

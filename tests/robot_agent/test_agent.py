@@ -133,7 +133,7 @@ def test_blind_laser_stops_the_robot(folder: MapFolder) -> None:
         or "gate" in robot.agent.health_summary.health()
     )
     robot.rig.laser.power_on(fleet.t)
-    run_until(fleet, 27.0)
+    run_until(fleet, 30.0)
     assert robot.rig.base.velocity[0] > 0.1, "goes on by itself once the laser is back"
 
 

@@ -31,16 +31,19 @@ def run_batch(
     duration: float,
     *,
     moments: int = 0,
+    since: float = 0.0,
     rollouts: int = ROLLOUTS,
     progress: Callable[[float], None] = lambda _: None,
 ) -> list[dict[str, Any]]:
     """Run a batch for a duration, s, virtual; return the figures of ``bench --json`` of each run.
 
-    moments: at which ``intruder_seen.all_knowing`` is found, by so many rollouts; 0 for none.
+    moments: at which ``intruder_seen.all_knowing`` is found, by so many rollouts; 0 for none. Those
+    before ``since``, s, are left out.
     """
     started = time.perf_counter()
     log, struck = BatchLog(batch), _Strikes(batch, rollouts)
-    strikes = [(number + 0.5) / moments * duration for number in range(moments)]
+    evenly = ((number + 0.5) / moments * duration for number in range(moments))
+    strikes = [t for t in evenly if t >= since]
     while batch.t < duration:
         batch.step()
         log.sample()

@@ -43,7 +43,7 @@ class CommonTurnsOfMany:
         """length: of the border, m. clocks, secrets: of the robots."""
         n = len(clocks)
         self._even = even
-        even.by_chance = False
+        even.by_chance[:] = False
         self._lap = length / settings.patrol_speed
         self._settings = settings
         self._turns = turns
@@ -70,8 +70,9 @@ class CommonTurnsOfMany:
             self._schedules[robot] = None
             self._even.resume(robot, at.t)
         counted = PATROLS[action] & (at.direction != 0) & (self._even.team != 0)
-        settled = self._even.are_settled(at.t)
-        settled &= self._lap / np.maximum(self._even.team, 1) >= LEAST_GAP_S
+        too_many = self._lap / np.maximum(self._even.team, 1) < LEAST_GAP_S
+        self._even.by_chance[counted] = too_many[counted]
+        settled = self._even.are_settled(at.t) & ~too_many
         joins = counted & ~self._in_step & settled & (now % PERIOD_S <= JOIN_WITHIN_S)
         period = np.floor(now / PERIOD_S).astype(np.intp)
         for robot in joins.nonzero()[0].tolist():

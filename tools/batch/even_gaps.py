@@ -30,10 +30,12 @@ _STATE = (
     "_leg_begun",
     "_sent_back",
     "_own_leg",
+    "by_chance",
     "suspended",
     "_ahead",
     "_blocked",
     "_counting",
+    "_searches",
     "team",
     "_given",
     "_probes",
@@ -76,7 +78,8 @@ class EvenGapsOfMany:
         self._ahead = np.full(n, math.nan)
         self._way = BlockedWays(feet, turns)
         self._blocked, self._counting = np.zeros((2, n), dtype=np.bool_)
-        self.by_chance = True
+        self._searches = np.zeros(n, dtype=np.intp)
+        self.by_chance = np.ones(n, dtype=np.bool_)
         self.suspended = np.zeros(n, dtype=np.bool_)
         self._given = np.full(n, settings.team_size)  # robots, _UNKNOWN: to be counted
         self.team = np.zeros(n, dtype=np.intp)
@@ -95,9 +98,9 @@ class EvenGapsOfMany:
         action: Codes,
         found: Overrides,
     ) -> Indices:
-        """Put turns for even gaps; else, on a leg back and after it, no random reversal."""
+        """Put turns for even gaps; else, of robots that rest, no random reversal."""
         for robot in self._way.found(at).tolist():
-            self._count_again(robot, at.t, even_gaps.WRECK_COUNTING_LAPS)
+            self._count_again(robot, at.t)
             self._blocked[robot] = True
         some = np.flatnonzero((at.direction != 0) & PATROLS[action])
         if not some.size:
@@ -107,12 +110,17 @@ class EvenGapsOfMany:
             some = some[~self.suspended[some]]
         keeps = action[some] == Act.KEEP_GOING
         turns = self._turn_back(some, at.t, at.s, at.direction, keeps)
-        rests = at.t - self._leg_begun[some] < even_gaps.REST_LAPS * self._lap
-        rests |= (at.direction[some] != CLOCKWISE) | (not self.by_chance)
-        no_chance = (self.team[some] != _UNKNOWN) & rests
+        no_chance = self._rest(some, at)
         found.put(some[no_chance], OverrideReason.EVEN_GAPS, may_turn=False)
         found.put(some[turns], OverrideReason.EVEN_GAPS, turn=TurnCause.EVEN_GAPS)
         return np.asarray(some[turns | no_chance])
+
+    def _rest(self, some: Indices, at: Situations) -> Flags:
+        """Return for which of some robots there is to be no random reversal."""
+        turned = at.t - self._leg_begun[some] < even_gaps.REST_LAPS * self._lap
+        never = (at.direction[some] != CLOCKWISE) | ~self.by_chance[some]
+        counted = self.team[some] != _UNKNOWN
+        return np.asarray(np.where(counted, turned | never, turned & self._blocked[some]))
 
     def pick(self, robots: Indices) -> None:
         """Keep some robots, as ``arrays.pick`` does."""
@@ -183,6 +191,7 @@ class EvenGapsOfMany:
         assert turn is not None
         own = turn.cause in even_gaps.OWN_CAUSES
         if not own:
+            self._searches[robot] = 0
             if self._counting[robot]:
                 self._met[_side(self._direction[robot]), robot] += 1
             else:
@@ -254,11 +263,12 @@ class EvenGapsOfMany:
                 self._start_counting(robot, t)
                 continue
             if self._progress[robot] < even_gaps.MIN_PROGRESS * self._feet.length:
-                self._count_again(robot, t, even_gaps.BLOCKED_COUNTING_LAPS)
+                self._count_again(robot, t)
             self._restart_check(robot, t)
 
-    def _count_again(self, robot: int, t: float, laps: float) -> None:
-        self._given[robot], self._counting_laps[robot] = _UNKNOWN, laps
+    def _count_again(self, robot: int, t: float) -> None:
+        self._given[robot] = _UNKNOWN
+        self._counting_laps[robot] = even_gaps.BLOCKED_LIFETIME / self._lap
         self._start_counting(robot, t)
 
     # ---- decision -----------------------------------------------------------------------------
@@ -274,7 +284,9 @@ class EvenGapsOfMany:
         wide = self._sent_back[some] & (self._gap_left(some, t) >= even)
         probes = counted & ~back & due & (self._probes[some] > 0) & keeps & ~self._are_even(some)
         self._probes[some[probes]] -= 1
-        searches = due & ~self._blocked[some]
+        searches = ~counted & due & ~self._blocked[some] & keeps
+        searches &= self._searches[some] < even_gaps.MOST_SEARCHES
+        self._searches[some[searches]] += 1
         turns = np.where(counted, np.where(back, wide | due, probes), searches)
         return np.asarray(turns & keeps)
 

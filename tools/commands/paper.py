@@ -10,6 +10,7 @@ from pathlib import Path
 from maps.map_folder import load_map_folder
 from maps.whole_file import write_whole
 from robot_agent.config import find_map
+from robot_agent.patrol.settings import PAPER_STRATEGY
 from tools.bench.sensing import Sensing
 from tools.commands.settings_option import add_set_option, chosen_config
 from tools.commands.truth_option import add_truth_option, chosen_truth
@@ -21,7 +22,10 @@ from tools.studies.paper_figures import write_figures
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.epilog = "example: patrol paper -o paper/ --seeds 20 --jobs 2"
+    parser.epilog = (
+        "Without --config the robots turn where the paper's do: no common_turns, no even_gaps; "
+        "--pure leaves out the other modifiers too. example: patrol paper -o paper/ --seeds 20"
+    )
     parser.add_argument(
         "-o", "--output", type=Path, required=True, metavar="DIR", help="for figures and JSON"
     )
@@ -46,7 +50,8 @@ def run(options: argparse.Namespace) -> int:
 
     Every seed's claims are in ``claims.json``; the figures are of the first seed.
     """
-    config, truth = chosen_config(options), chosen_truth(options)
+    config = chosen_config(options, {"patrol.modifiers": list(PAPER_STRATEGY)})
+    truth = chosen_truth(options)
     folder = find_map(options.map, Path.cwd())
     load_map_folder(folder, options.border)  # reports a wrong folder before anything is run
     options.output.mkdir(parents=True, exist_ok=True)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 
 import tomli_w
 
@@ -33,13 +35,18 @@ def add_set_option(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def chosen_config(options: argparse.Namespace) -> AgentConfig:
+def chosen_config(
+    options: argparse.Namespace, defaults: Mapping[str, object] = MappingProxyType({})
+) -> AgentConfig:
     """Return the configuration of ``--config``, or the default one, with what ``--set`` changes.
+
+    defaults: by dotted key, of a command whose defaults differ; they hold without ``--config``.
 
     Raises ConfigError, and OSError for a file that cannot be read.
     """
     if options.config is None:
-        return changed_config(b"", "the defaults", options.set)
+        own = [f"{key}={value}" for key, value in defaults.items()]
+        return changed_config(b"", "the defaults", [*own, *options.set])
     return changed_config(robots_file(options), str(options.config), options.set)
 
 

@@ -16,7 +16,7 @@ from robot_agent.config import (
     ConfigError,
     parse_config,
 )
-from robot_agent.patrol.settings import DEFAULT_MODIFIERS, EVEN_GAPS
+from robot_agent.patrol.settings import EVEN_GAPS, PAPER_STRATEGY
 from tools.logs.recording import Recording
 
 BODY_KEY = "gate.front"
@@ -49,7 +49,7 @@ def _upgraded(content: bytes, source: str) -> tuple[dict[str, Any], list[str]]:
     strategy = _lookup(table, "patrol.strategy")  # "paper", or what is a modifier now
     if strategy is not None:
         added = [EVEN_GAPS] if strategy == EVEN_GAPS else []
-        _set(table, "patrol.modifiers", [*DEFAULT_MODIFIERS, *added])
+        _set(table, "patrol.modifiers", [*PAPER_STRATEGY, *added])
         _remove(table, "patrol.strategy")
     if _lookup(table, BODY_KEY) is not None and _lookup(table, "base.model") is not None:
         _remove(table, "base.model")  # what the robot reported was driven by its own model then

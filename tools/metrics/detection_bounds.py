@@ -9,6 +9,7 @@ together, at random, with the probability that makes the least probability of de
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -49,6 +50,7 @@ def random_bound(length: float, robots: int, speed: float, dwell: float) -> floa
     return min(1.0, dwell * robots * speed / length)
 
 
+@cache  # the same for all runs of a study
 def turning_together(length: float, robots: int, speed: float, dwell: float) -> float:
     """Return the best least probability of detection of robots that turn together, closed border.
 

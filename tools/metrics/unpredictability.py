@@ -36,8 +36,9 @@ def unpredictability_figures(visits: BorderVisits | None) -> dict[str, Any]:
     """
     if visits is None:
         return {"unpredictability": {"per_place_bit": None, "conditional_bit": None}}
+    passing = visits.passing
     rows = [
-        (stretch, place.ways, np.floor(intervals_of(place, visits.passing) / BIN_S).astype(int))
+        (stretch, place.ways, np.floor(intervals_of(place, passing) / BIN_S).astype(int))
         for stretch, place in zip(stretches(visits), visits.places, strict=True)
     ]
     of_places = [entropy(Counter(bins.tolist()).values()) for _, _, bins in rows if bins.size]

@@ -9,7 +9,7 @@ A study file holds the common settings and the varied ones:
     seeds = 20               # runs of each case
     first_seed = 1
     sensing = "bytes"        # or "ideal": the decision layer alone, all seeds of a case at once
-    all_knowing = false      # with ideal: also the intruder who sees all robots; slower
+    all_knowing = false      # with ideal: also the intruder who sees all robots, in the second half
     truth = "plain"          # what robots and world really are: a shipped truth or a TOML file
 
     [vary]                   # every combination is a case
@@ -19,7 +19,8 @@ A study file holds the common settings and the varied ones:
 ``[vary]`` may also name ``map``, ``border``, ``truth`` and ``faults`` (each value as for
 ``bench --fault``, several separated by blanks), and with ideal sensing ``clock_error``, s by which
 the robots' clocks are wrong at most, and ``clock_gain``, s a day that they gain or lose at most,
-both drawn for each robot. Any other key is one of a robot's configuration.
+both drawn for each robot; ``clock_drift_known``: whether ``patrol.clock_drift`` of each robot says
+what its clock gains. Any other key is one of a robot's configuration.
 """
 
 from __future__ import annotations
@@ -59,8 +60,9 @@ BORDER = "border"
 FAULTS = "faults"
 TRUTH = "truth"
 CLOCK_ERROR, CLOCK_GAIN = "clock_error", "clock_gain"
+CLOCK_DRIFT_KNOWN = "clock_drift_known"
 _CLOCKS = (CLOCK_ERROR, CLOCK_GAIN)
-_BENCH_KEYS = (ROBOTS, MAP, BORDER, FAULTS, TRUTH, *_CLOCKS)
+_BENCH_KEYS = (ROBOTS, MAP, BORDER, FAULTS, TRUTH, *_CLOCKS, CLOCK_DRIFT_KNOWN)
 RUNS_FOLDER = "runs"
 _ROBOTS_TOGETHER = 400
 """Of all runs of a batch: their logs take 1 MB for each robot and 1000 s."""
@@ -237,7 +239,8 @@ def _ideal_key(content: StudyFile) -> str | None:
     """Return the first key of a study file that only ideal sensing has; None without one."""
     if content.study.all_knowing:
         return "study.all_knowing"
-    return next((f"vary.{key}" for key in _CLOCKS if key in content.vary), None)
+    ideal = (*_CLOCKS, CLOCK_DRIFT_KNOWN)
+    return next((f"vary.{key}" for key in ideal if key in content.vary), None)
 
 
 def _check(case: Case, path: Path, changes: tuple[str, ...], config: str) -> None:
@@ -253,6 +256,8 @@ def _check(case: Case, path: Path, changes: tuple[str, ...], config: str) -> Non
         value = case.get(key, 0.0)
         if not isinstance(value, int | float) or isinstance(value, bool) or value < 0.0:
             raise StudyError(f"{path}: vary.{key}: {value!r} is no number of seconds from 0 on")
+    if not isinstance(case.get(CLOCK_DRIFT_KNOWN, False), bool):
+        raise StudyError(f"{path}: vary.{CLOCK_DRIFT_KNOWN}: give true or false")
     try:
         faults = draw_faults(case.faults, _team(case), seed=0)
         check_robots(faults, _team(case))
@@ -374,7 +379,8 @@ def _together(runs: Sequence[Run]) -> list[list[Run]]:
 
 def _common_to_batch(run: Run) -> object:
     """Return what the runs of a batch share: all but seed, faults and clocks."""
-    return tuple(pair for pair in run.case.values if pair[0] not in (FAULTS, *_CLOCKS))
+    without = (FAULTS, *_CLOCKS, CLOCK_DRIFT_KNOWN)
+    return tuple(pair for pair in run.case.values if pair[0] not in without)
 
 
 def _fits_batch(run: Run) -> bool:
@@ -404,11 +410,17 @@ def bench_runs(runs: Sequence[Run]) -> list[Result]:
         clocks=[
             clock
             for run in runs
-            for clock in wrong_clocks(run.case.robots, run.seed, *run.case.clocks)
+            for clock in wrong_clocks(
+                run.case.robots,
+                run.seed,
+                *run.case.clocks,
+                drift_known=bool(run.case.get(CLOCK_DRIFT_KNOWN, False)),
+            )
         ],
     )
     moments = MOMENTS if first.all_knowing else 0
-    figures = run_batch(batch, first.duration, moments=moments)
+    # The tables have the settled intruder only, of the second half.
+    figures = run_batch(batch, first.duration, moments=moments, since=first.duration / 2.0)
     return [Result(run, own) for run, own in zip(runs, figures, strict=True)]
 
 

@@ -12,7 +12,7 @@ from maps.pose import Pose, wrap_angle
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.patrol.actions import PATROLLING, Action
 from robot_agent.patrol.patrol import Patrol, PatrolDecision
-from robot_agent.patrol.settings import PatrolSettings
+from robot_agent.patrol.settings import PAPER_STRATEGY, PatrolSettings
 
 DT = 0.1
 VISIBILITY = 2.5  # m
@@ -86,7 +86,9 @@ class Robot:
 
 def drive(border, poses, duration, *, seed=0, probability=0.0, stopped=(), supervisor="fuzzy"):
     """Let robots patrol; returns them with their samples."""
-    settings = PatrolSettings(reversal_probability=probability, supervisor=supervisor)
+    settings = PatrolSettings(
+        reversal_probability=probability, supervisor=supervisor, modifiers=PAPER_STRATEGY
+    )
     robots = [Robot(border, p, 100 * seed + i, settings) for i, p in enumerate(poses)]
     for i in stopped:
         robots[i].stopped = True
@@ -150,7 +152,9 @@ def test_tightest_border_accepted_is_followed(turn):
         corner = Arc((4.0, turn * radius), radius, -turn * math.pi / 2, turn * math.pi)
         back = Segment(corner.end, (0.0, corner.end[1]))
         border = Border([Segment((0.0, 0.0), (4.0, 0.0)), corner, back], closed=False)
-        settings = PatrolSettings(reversal_probability=0.0, turning_radius=radius)
+        settings = PatrolSettings(
+            reversal_probability=0.0, turning_radius=radius, modifiers=PAPER_STRATEGY
+        )
         robots = run([Robot(border, on(border, 1.0), 0, settings)], 20.0)
         assert robots[0].samples[-1].decision.abscissa > 4.0 + math.pi * radius + 1.0
         deviations.append(distances(robots).max())

@@ -17,7 +17,7 @@ from robot_agent.patrol.modifier import OverrideReason
 from robot_agent.patrol.neighbor_state import NO_NEIGHBOR, NeighborView
 from robot_agent.patrol.patrol import Patrol
 from robot_agent.patrol.rules import RULES_FILE, load_rules
-from robot_agent.patrol.settings import DEFAULT_MODIFIERS, PatrolSettings
+from robot_agent.patrol.settings import PAPER_STRATEGY, PatrolSettings
 from robot_agent.patrol.supervisor import Supervisor
 from robot_agent.patrol.turn_log import Turn, TurnCause, TurnLog
 from tests.robot_agent.patrol.situations import choice, situation
@@ -170,7 +170,7 @@ def test_among_wrecks_no_gap_stays_undriven(off, gaps):
     """Five of twenty robots fail on 51 m; seed 4 of ``wrecks_20.toml``."""
     folder = load_map_folder(Path("maps/paper_lab"), "border")
     names = [f"robot{number}" for number in range(1, 21)]
-    modifiers = [name for name in DEFAULT_MODIFIERS if name != off]
+    modifiers = [name for name in PAPER_STRATEGY if name != off]
     config = parse_config(f"[patrol]\nmodifiers = {modifiers}\n".encode(), "test")
     faults = draw_faults(["any5:dead@60..400"], names, 4)
     figures = run_ideal_bench(IdealFleet(folder, 20, 4, config, faults=faults), 900.0)

@@ -10,11 +10,12 @@ from maps.map_folder import load_map_folder
 from maps.pose import Pose
 from robot_agent.config import AgentConfig, find_map
 from robot_agent.patrol.common_clock import CommonClock, common_clock
+from robot_agent.patrol.patrol import Patrol
 from robot_agent.patrol.settings import PatrolSettings
 from robot_agent.patrol.turn_log import TurnCause, TurnLog
 from tools.batch.batch import Batch
 from tools.bench.bench_fault import parse_fault
-from tools.bench.ideal_fleet import IdealFleet
+from tools.bench.ideal_fleet import IdealFleet, secret_of
 
 COMMON = (
     *("standoff", "hold_at_end", "blockage", "closing_in"),
@@ -81,6 +82,50 @@ def test_late_clocks_deaths_and_wrong_counts_end_common_turns_without_a_contact(
     last = max(max(common_turns(batch.patrols.turns[robot]), default=0.0) for robot in (9, 11))
     assert last < 1500.0
     assert [batch.bodies.contacts(run) for run in range(4)] == [0] * 4
+
+
+class FastPatrol:
+    """A patrol on a computer whose clock gains so many s a day."""
+
+    def __init__(self, patrol, gain: float):
+        self._patrol = patrol
+        self._rate = 1.0 + gain / 86400.0
+
+    def step(self, t: float, *seen, **held):
+        return self._patrol.step(t * self._rate, *seen, **held)
+
+
+@pytest.mark.parametrize(("drift", "together"), [(500.0, True), (0.0, False)])
+def test_a_clock_that_gains_is_right_with_its_drift_known(drift, together):
+    """One clock gains 7 s until 1200 s; the team turns together from 600 or 1200 s on."""
+    settings = config(reversal_probability=0.7)
+    fleet = IdealFleet(FOLDER, 3, 2, settings, starts=spaced())
+    one = fleet.robots[0]
+    secret = secret_of(settings, seed=2)
+    own = Patrol(
+        msgspec.structs.replace(settings.patrol, common_secret=secret),
+        FOLDER.border,
+        np.random.default_rng(2000),
+        clock=CommonClock(0.0, drift),
+    )
+    one.patrol = FastPatrol(own, gain=500.0)
+    turns: list[set[float]] = [set(), set(), set()]
+    while fleet.t < 1402.0:  # half a tick after the last
+        fleet.step()
+        for times, robot in zip(turns, fleet.robots, strict=True):
+            if robot.decision.turn is TurnCause.COMMON and fleet.t > 1201.0:
+                times.add(fleet.t)
+    assert len(turns[1]) >= 3
+    assert turns[1] == turns[2]
+    assert same_moments(turns[0], turns[1]) is together
+
+
+def same_moments(some: set[float], others: set[float]) -> bool:
+    """Return whether every moment of one set is within a second of one of the other, both ways."""
+    apart = np.abs(np.subtract.outer(sorted(some), sorted(others)))
+    return bool(apart.size) and bool(
+        (apart <= 1.0).any(axis=0).all() and (apart <= 1.0).any(1).all()
+    )
 
 
 def test_without_secret_or_clock_there_are_no_common_turns():

@@ -75,6 +75,14 @@ def test_robots_converge_to_one_direction_evenly_spaced(count, directions):
     assert ring.gaps() == pytest.approx(np.full(count, LENGTH / count), rel=0.2)
 
 
+def test_a_robot_alone_searches_three_times_and_then_goes_round():
+    ring = Ring([1.0], [1])
+    ring.run(3000.0)
+    assert (
+        sum(1 for way in (1, -1) for _ in ring.logs[0].latest_first(TurnCause.EVEN_GAPS, way)) == 3
+    )
+
+
 def test_no_turn_unless_the_action_is_keep_going():
     modifier = EvenGaps(RING, SPEED, TurnLog(), np.random.default_rng(0))
     asked = [modifier.turns_back(0.1 * i, 0.0, 1, keeps_going=False) for i in range(6000)]
@@ -107,6 +115,10 @@ def test_a_robot_that_knows_the_way_to_be_blocked_patrols_by_the_rules_alone():
         if wreck is not None and t % 50.0 > 49.85:
             log.add(Turn(t, 0.0, -1, TurnCause.TEAMMATE))
     assert modifier.team is None
+    soon = situation(125.0, (-RADIUS, 0.0), border=RING, direction=-1)
+    override = modifier.propose(soon, choice(Action.KEEP_GOING), Action.KEEP_GOING)
+    assert override is not None
+    assert not override.may_turn, "no random reversal soon after a turn"
     later = situation(900.0, (-RADIUS, 0.0), border=RING, direction=1)
     assert modifier.propose(later, choice(Action.KEEP_GOING), Action.KEEP_GOING) is None
 

@@ -172,7 +172,8 @@ def test_without_modifiers_every_action_is_the_raw_winner():
 
 @pytest.mark.parametrize("name", DEFAULT_MODIFIERS)
 def test_every_modifier_can_be_switched_off(name):
-    modifiers = tuple(each for each in DEFAULT_MODIFIERS if each != name)
+    without = {name, "common_turns"} if name == "even_gaps" else {name}
+    modifiers = tuple(each for each in DEFAULT_MODIFIERS if each not in without)
     decision = patrol(LINE, modifiers=modifiers).step(0.0, Pose(5.0, 0.0, 0.0), None)
     assert decision.action is Action.KEEP_GOING
 

@@ -7,15 +7,13 @@ import pytest
 
 from maps.map_folder import load_map_folder
 from robot_agent.config import AgentConfig, find_map
-from robot_agent.patrol.settings import COMMON_TURNS, DEFAULT_MODIFIERS, EVEN_GAPS
+from robot_agent.patrol.settings import PAPER_STRATEGY
 from tools.batch.batch import Batch
 from tools.batch.situations import ACTIONS, CAUSES, NONE, REASONS
 from tools.bench.bench_fault import BenchFaultError, draw_faults
 from tools.bench.ideal_fleet import IdealFleet
 
 ROUNDING = 1e-9  # m, m/s and rad/s: of the functions of numpy and of the C library
-COMMON = (*DEFAULT_MODIFIERS[:-2], COMMON_TURNS, EVEN_GAPS, *DEFAULT_MODIFIERS[-2:])
-EVEN = (*DEFAULT_MODIFIERS[:-2], EVEN_GAPS, *DEFAULT_MODIFIERS[-2:])
 
 
 def folder(name: str, border: str = "border"):
@@ -34,33 +32,40 @@ def name_of(names: tuple[str, ...], code: int) -> str | None:
 @pytest.mark.parametrize(
     ("place", "robots", "seeds", "duration", "faults", "patrol"),
     [
-        (("paper_lab",), 3, (1, 2), 150.0, [], {}),
+        (("paper_lab",), 3, (1, 2), 150.0, [], {"modifiers": PAPER_STRATEGY}),
         (("paper_lab",), 3, (3,), 60.0, [], {"modifiers": ()}),
-        (("paper_lab",), 3, (1, 2), 250.0, [], {"modifiers": EVEN}),
+        (("paper_lab",), 3, (1, 2), 250.0, [], {}),
         (
             *(("paper_lab",), 3, (1, 2), 400.0, ["any1:dead@60"]),
-            {"modifiers": EVEN, "team_size": 3},
+            {"team_size": 3},
         ),
         (("paper_lab",), 20, (1,), 40.0, [], {}),
         (("paper_lab", "open"), 5, (3,), 120.0, ["any1:dead@30..60"], {}),
-        (("intel_lab",), 8, (4, 5), 60.0, ["any2:dead@20..40", "any1:stuck@30+20"], {}),
+        (
+            *(("intel_lab",), 8, (4, 5), 60.0, ["any2:dead@20..40", "any1:stuck@30+20"]),
+            {"modifiers": PAPER_STRATEGY},
+        ),
         pytest.param(
             *(("paper_lab",), 3, (2, 3), 1400.0, ["any1:dead@1300"]),
-            {"modifiers": COMMON, "common_secret": "x", "team_size": 3},
+            {"common_secret": "x", "team_size": 3},
             marks=pytest.mark.long,
         ),
         (("intel_lab", "open"), 8, (2,), 60.0, [], {"reversal_distribution": "exponential"}),
+        (("paper_lab",), 8, (2,), 200.0, [], {"common_secret": "x", "team_size": 8}),
+        (("paper_lab",), 1, (1,), 700.0, [], {}),
     ],
     ids=[
-        "default",
+        "paper's strategy",
         "paper alone",
-        "even gaps",
-        "even gaps, one dies",
+        "default",
+        "one dies",
         "20 robots",
         "open, one dies",
         "two die",
         "common turns",
         "chance",
+        "too many for common turns",
+        "one alone",
     ],
 )
 def test_every_step_is_that_of_the_agents_own_decision_layer(

@@ -14,3 +14,10 @@ def test_clocks_are_wrong_by_no_more_than_asked_for_and_differ():
 def test_right_clocks_and_the_same_seed():
     assert wrong_clocks(3, seed=2, error=0.0, gain=0.0) == [CommonClock(0.0)] * 3
     assert wrong_clocks(3, 2, 1.0, 1.0) == wrong_clocks(3, 2, 1.0, 1.0)
+
+
+def test_a_known_drift_leaves_the_right_time():
+    known = wrong_clocks(3, 1, error=0.0, gain=5000.0, drift_known=True)
+    unknown = wrong_clocks(3, 1, error=0.0, gain=5000.0)
+    assert max(abs(clock.at(2400.0) - 2400.0) for clock in known) < 9.0  # (gain / day)^2
+    assert max(abs(clock.at(2400.0) - 2400.0) for clock in unknown) > 50.0

@@ -12,7 +12,7 @@ from maps.pose import Pose
 from robot_agent.config import find_map, parse_config
 from robot_agent.patrol.actions import Action
 from robot_agent.patrol.patrol import Patrol
-from robot_agent.patrol.settings import DEFAULT_MODIFIERS, PatrolSettings
+from robot_agent.patrol.settings import PatrolSettings
 from tools.bench.bench_fault import BenchFault, BenchFaultError, FaultKind
 from tools.bench.fleet import Fleet
 from tools.bench.ideal_fleet import IdealFleet, run_ideal_bench
@@ -109,8 +109,7 @@ def test_device_faults_are_refused(folder):
 
 
 def test_even_gaps_bring_worst_idleness_near_the_minimum(folder):
-    names = [*DEFAULT_MODIFIERS, "even_gaps"]
-    content = f"[patrol]\nmodifiers = {names}\nreversal_probability = 0.0".encode()
+    content = b"[patrol]\nreversal_probability = 0.0"
     figures = run_ideal_bench(IdealFleet(folder, 3, 1, parse_config(content, "test")), 2000.0)
     assert figures["settled"]["idleness_s"]["worst"] < 1.15 * 51.0 / (3 * 0.35)
     assert figures["contacts"] == 0

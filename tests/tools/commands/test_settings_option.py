@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from robot_agent.config import AgentConfig, ConfigError
+from robot_agent.patrol.settings import PAPER_STRATEGY
 from tools import cli
 from tools.commands.settings_option import add_set_option, chosen_config
 
@@ -31,6 +32,14 @@ def test_values_are_read_as_toml_and_words_need_no_quotes() -> None:
     config = chosen("--set", "patrol.modifiers=[]", "--set", "patrol.supervisor=automaton")
     assert config.patrol.modifiers == ()
     assert config.patrol.supervisor == "automaton"
+
+
+def test_a_commands_own_defaults_hold_unless_set_names_them() -> None:
+    parser = argparse.ArgumentParser()
+    add_set_option(parser)
+    own = {"patrol.modifiers": list(PAPER_STRATEGY)}
+    assert chosen_config(parser.parse_args([]), own).patrol.modifiers == PAPER_STRATEGY
+    assert chosen_config(parser.parse_args(["--pure"]), own).patrol.modifiers == ()
 
 
 def test_a_robots_file_is_what_set_changes(tmp_path: Path) -> None:

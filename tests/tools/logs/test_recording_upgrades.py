@@ -9,6 +9,7 @@ import pytest
 from maps.map_identity import identity
 from robot_agent.config import ConfigError
 from robot_agent.messages.events import BytesReceived
+from robot_agent.patrol.settings import PAPER_STRATEGY
 from robot_agent.recording.run_header import SCHEMA_VERSION
 from tools.logs.recorded_config import changed_config, parse_old_config, recorded_config
 from tools.logs.recording import read_recording
@@ -62,6 +63,13 @@ def test_renamed_keys_are_followed_and_constants_left_out_unless_different() -> 
     assert config.localization.max_particles == 900
     assert left_out == ["localization.health.lost_below", "perception.most_extent"]
     assert changed_config(old, "old", ["localization.particles=700"]).localization.particles == 700
+
+
+def test_the_papers_strategy_of_old_recordings_has_no_even_gaps() -> None:
+    paper, _ = parse_old_config(b'[patrol]\nstrategy = "paper"\n', "old")
+    even, _ = parse_old_config(b'[patrol]\nstrategy = "even_gaps"\n', "old")
+    assert paper.patrol.modifiers == PAPER_STRATEGY
+    assert even.patrol.modifiers == (*PAPER_STRATEGY, "even_gaps")
 
 
 def test_kept_recordings_configuration_is_readable() -> None:

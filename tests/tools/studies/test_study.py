@@ -207,7 +207,7 @@ def test_absent_cluster_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 def test_lists_vary_too_and_are_labelled_by_their_difference(tmp_path: Path) -> None:
     names = list(DEFAULT_MODIFIERS)
-    choices = [names, [*names[1:], "even_gaps"], []]
+    choices = [names, names[1:], [*names[1:4], *names[5:]], []]
     path = tmp_path / "modifiers.toml"
     path.write_text(
         f"""[study]
@@ -221,14 +221,15 @@ sensing = "ideal"
     study = read_study(path, ["patrol.reversal_probability=0"])
     assert [str(case) for case in study.cases] == [
         "patrol.modifiers default",
-        "patrol.modifiers +even_gaps -standoff",
+        "patrol.modifiers -standoff",
+        "patrol.modifiers -standoff -common_turns",
         "patrol.modifiers none",
     ]
     configs = [configuration(run.case, "test", run.changes) for run in study.runs]
     assert [list(config.patrol.modifiers) for config in configs] == choices
     assert {config.patrol.reversal_probability for config in configs} == {0.0}
     assert study.runs[0].file_name != read_study(path).runs[0].file_name
-    assert len(run_study(study, tmp_path / "out", jobs=1)) == 3
+    assert len(run_study(study, tmp_path / "out", jobs=1)) == 4
 
 
 def test_a_changed_setting_that_does_not_exist_is_named(tmp_path: Path) -> None:
