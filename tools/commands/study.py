@@ -72,7 +72,7 @@ def run(options: argparse.Namespace) -> int:
     write_differences(found, names, options.output / "differences.csv")
     write_markdown(rows, names, options.output / "study.md")
     plot_study(rows, names, options.output)
-    plot_trade_off(rows, results[0].figures["intruder_bound"], options.output)
+    plot_trade_off(rows, names, results[0].figures["intruder_bound"], options.output)
     seeds = f"{study.settings.seeds} seeds"
     print_table(rows, names, f"mean and 95 % interval over {seeds}")
     if found:
