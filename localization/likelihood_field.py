@@ -78,14 +78,15 @@ class LikelihoodField:
         homogeneous[:, :2] = points
         tile = self._tile.round(particles, float(np.hypot(*points.T).max()))
         to_column, to_row = self._pixels_from_base(particles, tile)
+        # Rays are cast once for all particles: those of different chunks share their places.
+        through = self._rays.through(particles, points) if through_walls else None
         total = np.empty(len(particles))
         step = min(_WIDEST, _CHUNK // len(points))
         for start in range(0, len(particles), step):
             some = slice(start, start + step)
             looked_up = self._look_up(homogeneous, to_column[:, some], to_row[:, some], tile)
-            if through_walls:
-                through = self._rays.through(particles[some], points)
-                np.putmask(looked_up, through, math.log(THROUGH_SHARE))
+            if through is not None:
+                np.putmask(looked_up, through[:, some], math.log(THROUGH_SHARE))
             total[some] = weight @ looked_up
         return total
 

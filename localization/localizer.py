@@ -294,13 +294,6 @@ class Localizer:
         self._filter.belief = belief
         return other
 
-    def _odds(self, one: Hypothesis, two: Hypothesis, points: NDArray[np.float64]) -> float:
-        """Return the log of the likelihood ratio of one scan, the first hypothesis over another."""
-        first, second = (
-            self._matching.check.log_likelihood(each.pose, points) for each in (one, two)
-        )
-        return INDEPENDENT_BEAMS * (first - second)
-
     def _fits_better(self, other: Hypothesis, rival: Rival, points: NDArray[np.float64]) -> bool:
         """Whether a scan fits a hypothesis clearly better than the present rival."""
         fit = self._matching.check.fit(rival.pose, points)
@@ -352,7 +345,9 @@ class Localizer:
         assert other.fit is not None
         empty = other.fit.whole >= EMPTY_ABOVE
         refuted = refuted or (empty and hypothesis.fit.fit_without_dynamic < UNSURE_BELOW)
-        refuted = refuted and self._odds(other, hypothesis, points) >= FOUND_ODDS
+        if refuted:
+            odds = self._matching.check.log_odds(other.pose, hypothesis.pose, points)
+            refuted = INDEPENDENT_BEAMS * odds >= FOUND_ODDS
         if refuted:
             self._restart_alternatives(points)
         return self._propose(hypothesis, other, belief, points, at_once=refuted)

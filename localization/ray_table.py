@@ -87,7 +87,7 @@ class RayTable:
             pixels = (starts + directions * along) * scale
             rows = np.clip(pixels.imag.astype(np.int32), 0, height - 1)
             cols = np.clip(pixels.real.astype(np.int32), 0, width - 1)
-            codes = self._codes.ravel().take(rows * width + cols)
+            codes = self._codes.take(rows * width + cols)
             hit = codes >> DISTANCE_BITS == OCCUPIED
             ranges[rays[hit]] = along[hit]
             distance = (codes & DISTANCE_MASK).astype(np.float32) - np.float32(ON_SURFACE)

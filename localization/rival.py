@@ -82,8 +82,7 @@ class Rival:
 
     def compare(self, tracked: Pose, points: NDArray[np.float64], information: float) -> None:
         """Count one scan for the tracked pose or the rival."""
-        check = self._matching.check
-        gain = check.log_likelihood(tracked, points) - check.log_likelihood(self.pose, points)
+        gain = self._matching.check.log_odds(tracked, self.pose, points)
         gain *= INDEPENDENT_BEAMS * information
         self.odds = min(max(self.odds + gain, -2.0 * BEATEN), 2.0 * BEATEN)
         self._scans += information

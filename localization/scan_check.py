@@ -113,6 +113,10 @@ class ScanCheck:
         likelihood[self._crossing(pose, arms)] = THROUGH_SHARE
         return float(np.log(likelihood).mean())
 
+    def log_odds(self, pose: Pose, other: Pose, points: NDArray[np.float64]) -> float:
+        """Return by how much ``log_likelihood`` of a scan is greater at a pose than at another."""
+        return self.log_likelihood(pose, points) - self.log_likelihood(other, points)
+
     def short(self, pose: Pose, points: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return (m,) which end points (m, 2), m, base_link, lie on free floor, as on people.
 

@@ -73,16 +73,10 @@ class SlipSearch:
         others = points[~self._check.short(pose, points)]
         places = np.array((pose, refined.pose))
         before, after = self._fits(places, others).tolist()
-        certain = after - before >= self._min_gain and self._odds(places, points) >= CERTAIN_ODDS
-        return Slipped(refined, certain)
-
-    def _odds(self, places: NDArray[np.float64], points: NDArray[np.float64]) -> float:
-        """Return the log of the likelihood ratio of the second of places (2, 3) over the first.
-
-        Beams through walls are counted.
-        """
-        before, after = (self._check.log_likelihood(Pose(*place), points) for place in places)
-        return INDEPENDENT_BEAMS * (after - before)
+        if after - before < self._min_gain:
+            return Slipped(refined, certain=False)
+        odds = INDEPENDENT_BEAMS * self._check.log_odds(refined.pose, pose, points)
+        return Slipped(refined, certain=odds >= CERTAIN_ODDS)
 
     def _behind(self, pose: Pose, increment: Pose, travel: float) -> NDArray[np.float64]:
         """Return (n, 3) poses back along a step of travel, m, by each share lost; same heading."""

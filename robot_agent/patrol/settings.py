@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 import msgspec
 
@@ -30,23 +30,9 @@ ModifierName = Literal[
     "around_walls",
     "dwell",
 ]
-DEFAULT_MODIFIERS: tuple[ModifierName, ...] = (
-    "standoff",
-    "hold_at_end",
-    "blockage",
-    "closing_in",
-    "common_turns",
-    "even_gaps",
-    "around_walls",
-    "dwell",
-)
-PAPER_STRATEGY: tuple[ModifierName, ...] = (
-    "standoff",
-    "hold_at_end",
-    "blockage",
-    "closing_in",
-    "around_walls",
-    "dwell",
+DEFAULT_MODIFIERS: tuple[ModifierName, ...] = get_args(ModifierName)
+PAPER_STRATEGY: tuple[ModifierName, ...] = tuple(
+    name for name in DEFAULT_MODIFIERS if name not in (COMMON_TURNS, EVEN_GAPS)
 )
 """Robots that turn where the paper's do, kept from deadlocks: ``patrol paper``, and the default of
 recordings that have ``patrol.strategy``."""
