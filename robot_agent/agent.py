@@ -300,8 +300,9 @@ class Agent:
             at_report = Pose(state.x, state.y, state.theta)
             self.odometry.add(state)
             self.freshness.on_base_report(t, state)
-            self.surroundings.on_sonar(state, at_report)
-            self._track_by_sonar(t, at_report)
+            localized = self.pose_tracker.localized_pose_at(state.t)
+            self.surroundings.on_sonar(state, at_report, localized)
+            self._track_by_sonar(t, at_report, localized)
             self._control_step(t, state)
         if states:
             self.pose_tracker.remember(t)
@@ -313,11 +314,14 @@ class Agent:
         if missing is not None:
             self.outbox.add(Notice(t, "bumpers", missing, LogLevel.INFO))
 
-    def _track_by_sonar(self, t: float, odometry: Pose) -> None:
-        """Update teammate tracks outside the laser's view by sonar; odometry: odom_from_base."""
-        pose = self.pose_tracker.localized_pose_at(t)
-        if pose is not None and self.perception.tracker.needs_echoes(t):
-            self.perception.tracker.on_echoes(t, pose, self.surroundings.echoes(t, odometry))
+    def _track_by_sonar(self, t: float, odometry: Pose, localized: Pose | None) -> None:
+        """Update teammate tracks outside the laser's view by sonar.
+
+        odometry: odom_from_base; localized: map_from_base, None unless localized.
+        """
+        if localized is not None and self.perception.tracker.needs_echoes(t):
+            echoes = self.surroundings.echoes(t, odometry)
+            self.perception.tracker.on_echoes(t, localized, echoes)
 
     def _on_laser_bytes(self, t: float, data: bytes) -> None:
         """Decode scans and process each one that is accepted."""

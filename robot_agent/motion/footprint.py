@@ -41,3 +41,18 @@ class Footprint:
             & (x > -self._rear - margin)
             & (np.abs(y) < self._half_width + margin)
         )
+
+    def nearer(
+        self, points: NDArray[np.float64], error: float, margin: float
+    ) -> NDArray[np.float64]:
+        """Return points (n, 2), m, base_link, nearer to the footprint by an error, m.
+
+        None comes nearer than margin, m, by that; those nearer already, or inside, stay.
+        """
+        x, y = points.T
+        dx = x - np.clip(x, -self._rear, self._front)
+        dy = y - np.clip(y, -self._half_width, self._half_width)
+        away = np.hypot(dx, dy)
+        left = np.maximum(away - error, np.minimum(away, margin))
+        share = np.divide(away - left, away, out=np.zeros_like(away), where=away > 0.0)
+        return np.column_stack((x - share * dx, y - share * dy))

@@ -25,6 +25,7 @@ from robot_agent.motion.repeated_fault_latch import RepeatedFaultLatch
 from robot_agent.motion.stopping import stoppable_rate, stopping_way
 from robot_agent.motion.swept_footprint import SweptFootprint
 
+MORE_ROOM = 0.015  # m, ours: as much as noise shifts the nearest point of a surface
 _LONGEST_STEP = 0.3  # s; longer intervals between commands count as this for the acceleration
 
 
@@ -80,6 +81,7 @@ class SafetyGate:
         self._v = 0.0
         self._w = 0.0
         self._acceleration = 0.0  # m/s2, of the last step; not negative
+        self._blocked_sides: set[float] = set()  # of turns in place, +1.0 left, -1.0 right
         self._reason = GateReason.NONE
         self.stops: Counter[GateReason] = Counter()
 
@@ -266,17 +268,34 @@ class SafetyGate:
             arc = math.copysign(max(stop * abs(w) / rolling, turn), w)
             free = stop * self._body.free_share(stop, arc, inputs.obstacles)
             if free == stop:
+                self._blocked_sides.clear()
                 return v, w
             if stopping_way(inputs.v, settings.braking, 0.0) > free:
                 return 0.0, 0.0  # too late to stop before the obstacle on this arc
             slow = min(v, stoppable_rate(free, settings.braking, delay))
             if slow > settings.creep_speed:
+                self._blocked_sides.clear()
                 return slow, w * slow / rolling
-        free = turn * self._body.free_share(0.0, math.copysign(turn, w), inputs.obstacles)
+        free = turn * self._free_turn(math.copysign(turn, w), inputs.obstacles)
         if free == turn:
             return 0.0, w
         slow = min(abs(w), stoppable_rate(free, settings.turn_braking, delay))
         return 0.0, math.copysign(slow, w)
+
+    def _free_turn(self, turn: float, obstacles: NDArray[np.float64]) -> float:
+        """Return the share, 0 to 1, of a turn in place, rad, free of obstacles (n, 2), m.
+
+        To a side to which an obstacle stopped a turn, the next one needs more room, until the robot
+        drives: else it would come nearer and nearer whenever noise shifts the nearest point away.
+        """
+        side = np.sign(turn)  # 0.0: no turn
+        more = MORE_ROOM if side in self._blocked_sides else 0.0
+        share = self._body.free_share(0.0, turn, obstacles, more)
+        if share > 0.0:
+            self._blocked_sides.discard(side)
+        elif self._w * turn > 0.0:  # stopped on its way to that side
+            self._blocked_sides.add(side)
+        return share
 
     def _is_way_covered(self, v: float, w: float, inputs: GateInputs) -> bool:
         """Return whether fields of view cover the front edge at the end of the stopping way."""

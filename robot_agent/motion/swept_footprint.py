@@ -16,6 +16,8 @@ SHARES = np.arange(1, POSES + 1) / POSES
 EDGING_SHARE = 1.135  # of EDGING_SPEED: a base rolls slightly faster than commanded
 SEEN_INSIDE = 0.02  # m by which noise shifts points at the side into the footprint
 FREE_SHARES = np.arange(POSES) / POSES  # free up to the pose before the first collision
+Edge = float | NDArray[np.float64]
+"""Distance of an edge of the footprint from the axle's middle, m: one, or one for each point."""
 
 
 class SweptFootprint:
@@ -28,8 +30,14 @@ class SweptFootprint:
         speed = EDGING_SHARE * EDGING_SPEED
         self._edging_way = stopping_way(speed, settings.braking, settings.reaction_delay)
 
-    def free_share(self, way: float, turn: float, obstacles: NDArray[np.float64]) -> float:
-        """Return the share, 0 to 1, of an arc (way m, turn rad) free of obstacles (n, 2), m."""
+    def free_share(
+        self, way: float, turn: float, obstacles: NDArray[np.float64], more: float = 0.0
+    ) -> float:
+        """Return the share, 0 to 1, of an arc (way m, turn rad) free of obstacles (n, 2), m.
+
+        more: m added to the margin of a turn in place; but points that are nearer already must
+        come no nearer.
+        """
         if not len(obstacles):
             return 1.0
         settings = self._settings
@@ -38,19 +46,32 @@ class SweptFootprint:
         if not len(near):
             return 1.0  # the usual case
         if way > 0.0:
-            front = self._front
-            side = settings.half_width + self._side_margin(near)
+            front, rear, side = self._driving(near)
             if turn == 0.0 and way <= self._edging_way:
                 # Slow and straight ahead, out of a place too narrow to turn: the clearance to
                 # points beside the robot does not shrink.
                 near = near[~self._beside(near)]
         else:
-            front = settings.front + settings.turn_margin
-            side = settings.half_width + settings.turn_margin
+            front, rear, side = self._turning(near, more)
         x, y = _seen_along_arc(way * SHARES, turn * SHARES, near)
-        rear = settings.rear + settings.turn_margin
         hit = ((x < front) & (x > -rear) & (np.abs(y) < side)).any(axis=1)
         return float(FREE_SHARES[hit.argmax()]) if hit.any() else 1.0
+
+    def _driving(self, near: NDArray[np.float64]) -> tuple[Edge, Edge, Edge]:
+        """Return front, rear and side, m from the axle, with margins; near: points (n, 2), m."""
+        settings = self._settings
+        side = settings.half_width + self._side_margin(near)
+        return self._front, settings.rear + settings.turn_margin, side
+
+    def _turning(self, near: NDArray[np.float64], more: float) -> tuple[Edge, Edge, Edge]:
+        """Return the same for a turn in place, each (n,): of each of the points (n, 2), m."""
+        settings = self._settings
+        x, y = near.T
+        clearance = np.maximum(
+            np.maximum(x - settings.front, -settings.rear - x), np.abs(y) - settings.half_width
+        )
+        margin = settings.turn_margin + np.clip(clearance - settings.turn_margin, 0.0, more)
+        return settings.front + margin, settings.rear + margin, settings.half_width + margin
 
     def front_edge(self, way: float, turn: float) -> list[tuple[float, float]]:
         """Return the front edge's left end, middle and right end, margins included, after an arc.

@@ -17,6 +17,7 @@ from robot_agent.motion.footprint import Footprint
 from robot_agent.motion.gate_limits import GateLimits
 
 _MARGIN = 0.1  # m beyond the corners' reach in a turn in place
+POSITION_ERROR = 0.015  # m, of a localized pose and of the map together; ours
 _NOTHING = np.empty((0, 2))
 
 
@@ -28,22 +29,27 @@ class MapObstacles:
         self._resolution = occupancy.resolution
         self._origin = occupancy.origin
         self._footprint = Footprint(gate)
-        reach = self._footprint.corner_reach + _MARGIN
-        self._cells = math.ceil(reach / occupancy.resolution)
+        self._turn_margin = gate.turn_margin
+        self._reach = self._footprint.corner_reach + _MARGIN
 
     def around(self, pose: Pose) -> NDArray[np.float64]:
         """Return points (n, 2), m, in base_link at map_from_base ``pose``.
 
-        Points inside the footprint are left out: the pose or the map is wrong there. No further
-        margin is added, as the gate's turn margin allows for the error of pose and map; a larger
-        one would pin robots beside walls.
+        Points inside the footprint are left out: the pose or the map is wrong there. The others
+        are nearer by the error of a position, which the gate's turn margin does not allow for; but
+        not so near that they would pin a robot that stands beside a wall.
         """
+        points = self.within(self._reach, pose)
+        outside = points[~self._footprint.covers(points)]
+        return self._footprint.nearer(outside, POSITION_ERROR, self._turn_margin)
+
+    def within(self, reach: float, pose: Pose) -> NDArray[np.float64]:
+        """Return all points (n, 2), m, within reach, m, and some beyond; pose: map_from_base."""
+        cells = math.ceil(reach / self._resolution)
         row = math.floor((pose.y - self._origin.y) / self._resolution)
         col = math.floor((pose.x - self._origin.x) / self._resolution)
-        top, left = max(row - self._cells, 0), max(col - self._cells, 0)
-        window = self._walls[
-            top : max(row + self._cells + 1, 0), left : max(col + self._cells + 1, 0)
-        ]
+        top, left = max(row - cells, 0), max(col - cells, 0)
+        window = self._walls[top : max(row + cells + 1, 0), left : max(col + cells + 1, 0)]
         if not window.any():
             return _NOTHING  # the usual case
         rows, cols = np.nonzero(window)
@@ -53,5 +59,4 @@ class MapObstacles:
         dx -= np.clip(dx, -half, half)  # from the cell's centre to its nearest point
         dy -= np.clip(dy, -half, half)
         c, s = math.cos(pose.theta), math.sin(pose.theta)
-        points = np.column_stack((c * dx + s * dy, c * dy - s * dx))
-        return points[~self._footprint.covers(points)]
+        return np.column_stack((c * dx + s * dy, c * dy - s * dx))

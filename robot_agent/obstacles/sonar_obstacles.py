@@ -2,14 +2,16 @@
 
 Beside and behind every echo counts. Ahead the laser is more precise, but covers one plane only: a
 front echo counts for things under or above that plane, and outside the laser's field of view. Such
-an echo has no laser point in the transducer's cone at its range or nearer, as a wall has; and a
-second echo from the same place confirms it, which false echoes such as crosstalk do not have.
+an echo has nothing in the transducer's cone at its range or nearer that is known already, as a
+wall has; and a second echo from the same place confirms it, which false echoes such as crosstalk do
+not have.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +27,7 @@ from robot_agent.perception.scan_points import move_points
 ABEAM = math.radians(89.0)
 """rad; transducers at smaller angles from straight ahead are those of the front."""
 FRONT_REACH = 1.5  # m from the transducer; farther front echoes cannot matter to the gate yet
+HEARD_WITHIN = 2.0  # m from the axle; nothing farther away explains such an echo
 HALF_CONE = math.radians(15.0)  # of a transducer (Stage's Pioneer models: 15 to 30 deg in all)
 SAME_PLACE = 0.15  # m between two echoes that confirm each other
 CONFIRM_WITHIN = 1.0  # s; a ring of eight fires each transducer every 0.32 s
@@ -34,7 +37,7 @@ a turning robot's corner must not hit it."""
 MISSES = 2
 """Readings through a place without an echo after which nothing is there: a slanted face sends one
 ping elsewhere (specular loss), and the robot would turn its corner into it."""
-_SEEN_BEYOND = 0.15  # m farther than the echo at which a laser point still explains it
+_SEEN_BEYOND = 0.15  # m farther than the echo at which a known point still explains it
 _WIDE_CONE = math.radians(20.0)  # to each side: within it near things are heard, if weakly
 _SIDE_LOBES = math.radians(30.0)  # likewise, near walls and door frames; ours
 _ORIGIN = Pose(0.0, 0.0, 0.0)
@@ -75,21 +78,22 @@ class SonarObstacles:
         self,
         state: BaseState,
         odometry: Pose,
-        seen: Callable[[], NDArray[np.float64]],
+        known: Callable[[], NDArray[np.float64]],
     ) -> None:
         """Store a base report's readings; odometry: odom_from_base when it was measured.
 
-        seen: returns the laser's points near the robot, (n, 2), m, base_link; few reports need
-        them.
+        known: returns the points near the robot of what the gate knows otherwise, (n, 2), m,
+        base_link; few reports need them.
         """
         self._ring.update(state.t, state.sonar)
         fresh = [number for number, _ in state.sonar]
         if not fresh:
             return
+        known = cache(known)
         places = move_points(self._ring.echoes()[fresh], odometry)
         for number, place in zip(fresh, places, strict=True):
             if self._is_front[number]:
-                self._update_front(state.t, number, place, odometry, seen)
+                self._update_front(state.t, number, place, odometry, known)
             self._echoes[number], self._heard_t[number] = place, state.t
 
     def around(self, t: float, odometry: Pose) -> NDArray[np.float64]:
@@ -114,7 +118,7 @@ class SonarObstacles:
         number: int,
         place: NDArray[np.float64],
         odometry: Pose,
-        seen: Callable[[], NDArray[np.float64]],
+        known: Callable[[], NDArray[np.float64]],
     ) -> None:
         """Add a front echo at a place (x, y), m, odom, if it counts; nan: there is none.
 
@@ -130,7 +134,7 @@ class SonarObstacles:
             self._low_t = self._low_t[kept]
             self._low_misses = self._low_misses[kept]
         if distance < FRONT_REACH and self._is_confirmed(t, number, place):
-            explained = self._cone_to(number, _SIDE_LOBES, distance + _SEEN_BEYOND).mask(seen())
+            explained = self._cone_to(number, _SIDE_LOBES, distance + _SEEN_BEYOND).mask(known())
             if not explained.any():
                 self._low = np.concatenate((self._low, place[None]))
                 self._low_t = np.append(self._low_t, t)

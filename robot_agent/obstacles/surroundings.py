@@ -21,7 +21,7 @@ from robot_agent.obstacles.latest_scan import Obstacles
 from robot_agent.obstacles.map_obstacles import MapObstacles
 from robot_agent.obstacles.person_room import PersonRoom
 from robot_agent.obstacles.recent_scan_memory import RecentScanMemory
-from robot_agent.obstacles.sonar_obstacles import SonarObstacles
+from robot_agent.obstacles.sonar_obstacles import HEARD_WITHIN, SonarObstacles
 from robot_agent.obstacles.teammate_keep_out import TeammateKeepOut
 from robot_agent.obstacles.wall_memory import WallMemory
 from robot_agent.perception.scan_points import ScanProjector, move_points
@@ -93,9 +93,13 @@ class Surroundings:
         walls = points[~self._unexplained.mask(localized, points, ranges)]
         self._wall_memory.update(odometry, walls)
 
-    def on_sonar(self, state: BaseState, odometry: Pose) -> None:
-        """Store the sonar echoes of a base report; odometry: odom_from_base at the report."""
-        self._sonar_obstacles.update(state, odometry, lambda: self._obstacles.around(odometry))
+    def on_sonar(self, state: BaseState, odometry: Pose, localized: Pose | None) -> None:
+        """Store the sonar echoes of a base report.
+
+        odometry: odom_from_base; localized: map_from_base, None unless localized, both at the
+        report.
+        """
+        self._sonar_obstacles.update(state, odometry, lambda: self._explaining(odometry, localized))
 
     def views(self, t: float) -> tuple[FieldOfView, ...]:
         """Return the fields of view, base_link, of the laser and of the front sonars heard by t.
@@ -154,6 +158,20 @@ class Surroundings:
             around = self._person_room.around(_middles(people, to_base))
             rooms.append((ObstacleSource.PERSON_ROOM, around))
         return rooms
+
+    def _explaining(self, odometry: Pose, localized: Pose | None) -> NDArray[np.float64]:
+        """Return what else the gate knows ahead, (n, 2), m, base_link, and more precisely.
+
+        The laser's points, and walls of the map that it cannot see: a dark door frame gives it no
+        return, and the sonars, which hear it, place it in the middle of their cones.
+        """
+        seen = self._obstacles.around(odometry)
+        if localized is None:
+            return seen
+        walls = self._map_obstacles.within(HEARD_WITHIN, localized)
+        if not len(walls):
+            return seen
+        return np.concatenate((seen, walls[self._unseen(odometry, walls)]))
 
     def _unseen_walls(
         self, odometry: Pose, localized: Pose

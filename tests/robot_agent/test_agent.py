@@ -251,7 +251,7 @@ def test_sonar_echo_behind_slows_a_turn_towards_it(folder: MapFolder) -> None:
     state = agent.odometry.latest
     assert state is not None
     behind = replace(state, sonar=((11, 0.1), (12, 0.1)))
-    agent.surroundings.on_sonar(behind, Pose(state.x, state.y, state.theta))
+    agent.surroundings.on_sonar(behind, Pose(state.x, state.y, state.theta), None)
     inputs = msgspec.structs.replace(agent._gate_inputs(state.t, state), v=0.0, w=0.0, bumpers=0)
     with_sonar, without = (
         msgspec.structs.replace(inputs, obstacles=points)

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from robot_agent.motion.gate import MORE_ROOM
 from robot_agent.motion.gate_hold import CRAWL, CREEPING_TURN
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.stopping import stopping_way
@@ -31,6 +32,7 @@ class SafetyGates:
         self._acceleration = np.zeros(n)
         self._obstacle = np.zeros(n, dtype=np.bool_)
         self._stops = np.zeros(n, dtype=np.bool_)
+        self._blocked = np.zeros((2, n), dtype=np.bool_)  # turns in place, to the right and left
         self.stops = np.zeros(n, dtype=np.intp)
         """How often an obstacle held each robot, from its begin."""
 
@@ -50,6 +52,7 @@ class SafetyGates:
         v, w = ramped[0].copy(), ramped[1].copy()
         some = obstacles.robots
         self._obstacle[:] = False
+        self._release(np.maximum(v, measured[0]), w, some)
         if some.size:
             inputs = ramped[0][some], ramped[1][some], measured[0][some], measured[1][some]
             v[some], w[some] = self._within_sight(*inputs, obstacles)
@@ -62,7 +65,8 @@ class SafetyGates:
 
     def pick(self, robots: Indices) -> None:
         """Keep some robots, as ``arrays.pick`` does."""
-        pick(self, ("v", "w", "_acceleration", "_obstacle", "_stops", "stops"), robots)
+        names = ("v", "w", "_acceleration", "_obstacle", "_stops", "_blocked", "stops")
+        pick(self, names, robots)
 
     def held(self) -> Flags:
         """Return which robots an obstacle stops, or nearly (``held_by_obstacle``)."""
@@ -97,6 +101,14 @@ class SafetyGates:
             np.minimum(np.maximum(w, self.w - turn), self.w + turn),
         )
 
+    def _release(self, rolling: Reals, w: Reals, near: Indices) -> None:
+        """Forget what stopped turns of robots that drive, or turn, without an obstacle near."""
+        alone = np.ones(len(w), dtype=np.bool_)
+        alone[near] = False
+        drives = rolling > self._limits.creep_speed
+        self._blocked[0, alone & (drives | (w < 0.0))] = False
+        self._blocked[1, alone & (drives | (w > 0.0))] = False
+
     def _within_sight(
         self, v: Reals, w: Reals, base_v: Reals, base_w: Reals, obstacles: ObstaclePoints
     ) -> tuple[Reals, Reals]:
@@ -122,15 +134,27 @@ class SafetyGates:
             slowed = w[rolls] * slow / rolling[rolls]
             out_w[rolls] = np.where(clear, w[rolls], np.where(creeps, slowed, 0.0))
             done[rolls] = clear | late | creeps
+            self._blocked[:, obstacles.robots[rolls[clear | creeps]]] = False
         turns = (~done).nonzero()[0]
         if turns.size:
             own = w[turns]
             angle = np.copysign(turn[turns], own)
-            share = self._swept.free_shares(np.zeros(len(own)), angle, obstacles.of(turns))
+            share = self._free_turns(angle, turns, obstacles)
             free = turn[turns] * share
             rate = np.minimum(np.abs(own), _stoppable(free, limits.turn_braking, delay))
             out_w[turns] = np.where(free == turn[turns], own, np.copysign(rate, own))
         return out_v, out_w
+
+    def _free_turns(self, turn: Reals, some: Indices, obstacles: ObstaclePoints) -> Reals:
+        """Return the free shares of turns in place, rad, of some robots near obstacles."""
+        robots, left = obstacles.robots[some], (turn > 0.0).astype(np.intp)
+        more = np.where(self._blocked[left, robots] & (turn != 0.0), MORE_ROOM, 0.0)
+        share = self._swept.free_shares(np.zeros(len(turn)), turn, obstacles.of(some), more)
+        turns = turn != 0.0
+        ends, begins = turns & (share > 0.0), (share == 0.0) & (self.w[robots] * turn > 0.0)
+        self._blocked[left[ends], robots[ends]] = False
+        self._blocked[left[begins], robots[begins]] = True
+        return share
 
 
 class SweptFootprints:
@@ -143,10 +167,15 @@ class SweptFootprints:
         self._reach = limits.front + limits.rear + limits.half_width
         widest = limits.half_width + max(limits.margin, limits.turn_margin)
         longest = max(limits.front + limits.front_margin, limits.rear + limits.turn_margin)
-        self._corner = math.hypot(longest, widest) + 1e-6
+        self._corner = math.hypot(longest, widest) + 2.0 * MORE_ROOM
 
-    def free_shares(self, way: Reals, turn: Reals, points: ObstaclePoints) -> Reals:
-        """Return (n,) the shares, 0 to 1, of arcs (way m, turn rad) that are free of points."""
+    def free_shares(
+        self, way: Reals, turn: Reals, points: ObstaclePoints, more: Reals | None = None
+    ) -> Reals:
+        """Return (n,) the shares, 0 to 1, of arcs (way m, turn rad) that are free of points.
+
+        more (n,): m added to the margin of turns in place; None: nothing.
+        """
         limits = self._limits
         robot, x, y = points.owner, points.x, points.y
         n = len(way)
@@ -173,14 +202,26 @@ class SweptFootprints:
             return shares
         # 3. The first pose along the arc at which it does.
         rear = limits.rear + limits.turn_margin
+        room = 0.0 if more is None else self._more_room(more[robot], x, y)
         seen_x, seen_y = _seen_along_arcs(way, turn, robot, x, y)
-        hit = (seen_x < front[robot]) & (seen_x > -rear) & (np.abs(seen_y) < side[robot])
+        hit = (
+            (seen_x < front[robot] + room)
+            & (seen_x > -rear - room)
+            & (np.abs(seen_y) < side[robot] + room)
+        )
         first = np.where(hit.any(axis=0), hit.argmax(axis=0), len(SHARES))
         pose = np.full(n, len(SHARES))
         np.minimum.at(pose, robot, first)
         hits = pose < len(SHARES)
         shares[hits] = FREE_SHARES[pose[hits]]
         return shares
+
+    def _more_room(self, more: Reals, x: Reals, y: Reals) -> Reals:
+        """Return (m,) what points (m,) add to the margin of a turn in place, at most more, m."""
+        limits = self._limits
+        beyond = np.maximum(x - limits.front, -limits.rear - x)
+        clearance = np.maximum(beyond, np.abs(y) - limits.half_width)
+        return np.asarray(np.clip(clearance - limits.turn_margin, 0.0, more))
 
 
 def _seen_along_arcs(

@@ -44,9 +44,12 @@ _ONE_SPEED = "differs at one speed only, whose stopping way is the limit to the 
 _AT_LIMIT = "no difference: the share is 1 at the limit"
 _OTHER_SHARE = "no difference: the minimum takes the other share, at most 1"
 _FIRST_STEP = "no difference: the first step takes no time and sets the acceleration to 0"
+_DRIVING = "no difference: only the check of a turn uses it, and the gate names it there"
 _LARGER_BODY = "differs for larger bodies only; a test of the gate's settings has its value"
 SURVIVORS = [
     ("gate_limits.3.0 -> 2.7", _LARGER_BODY),
+    ("swept_footprint.free_share: 0.0 -> 1.0", _DRIVING),
+    ("swept_footprint.free_share: 0.0 -> -1.0", _DRIVING),
     ("swept_footprint.free_share: x < front -> x <= front", _EDGE),
     ("swept_footprint.free_share: x > -rear -> x >= -rear", _EDGE),
     ("swept_footprint.free_share: way <= self._edging_way -> way < self._edging_way", _ONE_SPEED),

@@ -458,6 +458,7 @@ class Step:
     inputs: dict[str, Any] = field(default_factory=dict)
     requested: tuple[float, float] = DRIVE
     v: float | None = None
+    w: float | None = None
     between: bool = False
     """Between two reports: only ages are looked at; the reason may be that it GOES_ON."""
 
@@ -484,8 +485,9 @@ def holds(story: Story, module: ModuleType = gate) -> bool:
             continue
         if decision.reason != step.reason:
             return False
-        if step.v is not None and not math.isclose(decision.v, step.v, abs_tol=1e-6):
-            return False
+        for permitted_rate, rate in ((decision.v, step.v), (decision.w, step.w)):
+            if rate is not None and not math.isclose(permitted_rate, rate, abs_tol=1e-6):
+                return False
     return dict(tested.stops) == story.stops
 
 
@@ -513,6 +515,105 @@ def stalled_at(*times: float) -> list[Step]:
 
 def battery(t: float, volts: float, reason: str = "none") -> Step:
     return Step(t, reason, {"battery": volts}, requested=ZERO)
+
+
+FLANK = 0.2125  # m, half the width
+FIRST = 0.2  # rad/s, permitted in the first step of a turn
+TURN_PER_POSE = stopping(FIRST, 2.0) / 12
+
+
+def nearing(side: int, clearance: float) -> tuple[float, float]:
+    """Position of a point beside the rear of a flank, which a turn to a side, +1 left, nears."""
+    return -0.25, -side * (FLANK + clearance)
+
+
+def clearance_for(margin: float, poses_free: int) -> float:
+    """Clearance of such a point that comes within a margin after so many poses of a first turn."""
+    angle = TURN_PER_POSE * (poses_free + 0.5)
+    return (FLANK + margin + 0.25 * math.sin(angle)) / math.cos(angle) - FLANK
+
+
+def turn(
+    t: float, side: int, w: float, reason: str = "obstacle", *points: tuple[float, float]
+) -> Step:
+    """A step of a turn in place at t to a side, +1 left, with obstacles; w: permitted, absolute."""
+    seen = {"obstacles": points} if points else {}
+    return Step(t, reason, seen, requested=(0.0, side * 1.2), v=0.0, w=side * w)
+
+
+def stopped(side: int) -> list[Step]:
+    """A turn to a side that an obstacle stops at 0.2 s, nearer than the turn margin."""
+    return [
+        turn(0.0, side, 0.0, GOES),
+        turn(0.1, side, FIRST, GOES),
+        turn(0.2, side, 0.0, "obstacle", nearing(side, 0.019)),
+    ]
+
+
+def turned_on(side: int) -> list[Story]:
+    """A turn that an obstacle stopped needs more room to go on to that side, until driving."""
+    there, back, other = 0.21 + 0.025, -0.30 - 0.025, -side
+    near, room = nearing(side, 0.025), nearing(side, clearance_for(0.035, 5))
+    slowly, on = turned(FIRST, 3), turned(FIRST, 5)
+    once, begun = {"obstacle": 1}, stopped(side)
+    braked = (FRONT + stopping(0.025) * 11.5 / 12, 0.0)
+    return [
+        # what is nearer than that comes no nearer, on any face of the body
+        Story([*begun, turn(0.3, side, 0.0, "obstacle", near)], once),
+        Story([*begun, turn(0.3, side, 0.0, "obstacle", (there, -side * 0.1))], once),
+        Story([*begun, turn(0.3, side, 0.0, "obstacle", (back, side * 0.1))], once),
+        # but a turn away from it is free
+        Story([*begun, turn(0.3, side, FIRST, GOES, nearing(other, 0.025))], once),
+        Story([*begun, turn(0.3, side, FIRST, GOES, (there, side * 0.1))], once),
+        Story([*begun, turn(0.3, side, FIRST, GOES, (back, -side * 0.1))], once),
+        # unless it is nearer than any turn may come
+        Story([*begun, turn(0.3, side, 0.0, "obstacle", nearing(other, 0.0185))], once),
+        # without a turn it stays so
+        Story(
+            [
+                *begun,
+                Step(0.3, "none", requested=ZERO, v=0.0, w=0.0),
+                turn(0.4, side, 0.0, "obstacle", near),
+            ],
+            {"obstacle": 2},
+        ),
+        # with more room it goes on, and then as before
+        Story(
+            [
+                *begun,
+                turn(0.3, side, on, "obstacle", room),
+                turn(0.4, side, turned(on + FIRST, 2), "obstacle", near),
+            ],
+            once,
+        ),
+        # a turn to the other side was not stopped, nor one that had not begun
+        Story([*begun, turn(0.3, other, slowly, "obstacle", nearing(other, 0.025))], once),
+        Story(
+            [
+                turn(0.0, side, 0.0, GOES),
+                turn(0.1, side, 0.0, "obstacle", nearing(side, 0.019)),
+                turn(0.2, side, slowly, "obstacle", near),
+            ],
+            once,
+        ),
+        Story(
+            [
+                *begun[:2],
+                turn(0.2, other, 0.0, GOES, nearing(other, 0.019)),
+                turn(0.3, other, slowly, "obstacle", nearing(other, 0.025)),
+            ]
+        ),
+        # driving ends it, also if an obstacle slows it
+        Story([*begun, Step(0.3, GOES, v=0.025), turn(0.4, side, slowly, "obstacle", near)], once),
+        Story(
+            [
+                *begun,
+                Step(0.3, "obstacle", {"obstacles": [braked]}, v=ahead(0.025, 11)),
+                turn(0.4, side, slowly, "obstacle", near),
+            ],
+            once,
+        ),
+    ]
 
 
 STORIES = [
@@ -707,6 +808,8 @@ STORIES = [
             Step(0.7, "obstacle", {"obstacles": [(0.4101 + S / 2, 0.0)]}),
         ],
     ),
+    *turned_on(1),
+    *turned_on(-1),
 ]
 
 

@@ -9,7 +9,7 @@ from maps.occupancy_map import FREE, OCCUPIED, OccupancyMap
 from maps.pose import Pose
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.swept_footprint import SweptFootprint
-from robot_agent.obstacles.map_obstacles import MapObstacles
+from robot_agent.obstacles.map_obstacles import POSITION_ERROR, MapObstacles
 
 
 @pytest.fixture(scope="module")
@@ -21,11 +21,11 @@ def walls() -> MapObstacles:
     return MapObstacles(OccupancyMap(cells, 0.05, Pose(-0.05, -0.05, 0.0)), GateLimits())
 
 
-def test_wall_nearby_is_at_its_distance(walls: MapObstacles) -> None:
+def test_wall_nearby_is_nearer_by_the_error_of_a_position(walls: MapObstacles) -> None:
     behind = walls.around(Pose(0.38, 2.0, 0.0))
-    assert behind[:, 0].max() == pytest.approx(-0.38, abs=0.005)  # its surface
+    assert behind[:, 0].max() == pytest.approx(-0.38 + POSITION_ERROR, abs=0.005)  # its surface
     ahead = walls.around(Pose(3.6, 2.0, 0.0))
-    assert ahead[:, 0].min() == pytest.approx(0.40, abs=0.005)
+    assert ahead[:, 0].min() == pytest.approx(0.40 - POSITION_ERROR, abs=0.005)
     assert walls.around(Pose(2.0, 2.0, 0.0)).size == 0
     assert walls.around(Pose(-9.0, 2.0, 0.0)).size == 0
 
@@ -45,3 +45,19 @@ def test_map_points_inside_the_footprint_are_left_out(walls: MapObstacles) -> No
     pose = Pose(0.25, 2.0, 0.0)  # its rear would be 5 cm deep in the wall
     points = walls.around(pose)
     assert not ((points[:, 0] > -0.24) & (np.abs(points[:, 1]) < 0.15)).any()
+
+
+def test_wall_beside_the_robot_does_not_come_nearer_than_its_turn_margin(
+    walls: MapObstacles,
+) -> None:
+    gate = GateLimits()
+    for gap in (0.01, gate.turn_margin, gate.turn_margin + 0.005):
+        points = walls.around(Pose(2.0, gate.half_width + gap, 0.0))
+        nearest = np.abs(points[np.abs(points[:, 0]) < 0.2, 1]).min() - gate.half_width
+        assert nearest == pytest.approx(min(gap, gate.turn_margin), abs=1e-6)
+
+
+def test_all_walls_within_a_reach_are_returned(walls: MapObstacles) -> None:
+    points = walls.within(1.0, Pose(0.5, 2.0, 0.0))
+    assert points[:, 0].min() == pytest.approx(-0.5, abs=0.005)
+    assert np.abs(points[:, 1]).max() == pytest.approx(1.0, abs=0.05)

