@@ -27,6 +27,7 @@ from tools.simulation.lockstep_camera import LockstepCamera
 from tools.simulation.rig import RobotRig, make_rigs, outline_of, sense
 from tools.simulation.start_poses import free_start_poses
 from tools.simulation.stranger import make_strangers
+from tools.simulation.tight_starts import tight_start_poses
 from tools.simulation.true_world import make_world
 from tools.simulation.truth.truth import Truth, load_truth
 
@@ -73,13 +74,15 @@ class Fleet:
         strangers: int = 0,
         cameras: bool = False,
         truth: Truth | None = None,
+        tight: bool = False,
     ) -> None:
         """Place the robots (at seeded random starts unless given) and power them.
 
         observer: makes a robot's recorder by its name. strangers: number of moving people and
         carts. cameras: whether the robots have cameras. truth: what the robots and
-        the noise really are, by default the shipped ``plain``. Raises BenchFaultError for a fault
-        of an unknown robot, StrangerError where there is no room for strangers.
+        the noise really are, by default the shipped ``plain``. tight: whether random starts are
+        beside walls. Raises BenchFaultError for a fault of an unknown robot, StrangerError where
+        there is no room for strangers, StartPoseError where there is none for the robots.
         """
         rng = np.random.default_rng(seed)
         self.folder = folder
@@ -90,8 +93,11 @@ class Fleet:
         self.world = make_world(folder, rng, self.truth)
         if starts is None:
             assert folder.border is not None, "random starts lie near a border"
-            reach = outline_of(self.truth.robot).reach
-            starts = free_start_poses(self.world.occupancy, folder.border, robots, rng, reach)
+            outline, occupancy = outline_of(self.truth.robot), self.world.occupancy
+            if tight:
+                starts = tight_start_poses(occupancy, folder.border, robots, rng, outline)
+            else:
+                starts = free_start_poses(occupancy, folder.border, robots, rng, outline.reach)
         rigs = self._rigs = make_rigs(self.world, starts, self.t, self.truth)
         self.faults = tuple(faults)
         check_robots(self.faults, [rig.name for rig in rigs])

@@ -35,12 +35,13 @@ def bench(
     strangers: int = 0,
     cameras: bool = False,
     truth: Truth | None = None,
+    tight: bool = False,
     progress: Callable[[float], None] = lambda _: None,
 ) -> dict[str, Any]:
     """Run robots from seeded starts for a duration, s; return the figures of ``bench --json``.
 
     observer: makes the receiver of a robot's events and effects; ideal sensing has neither.
-    strangers, cameras, truth: as for ``Fleet``; ideal sensing has none.
+    strangers, cameras, truth, tight: as for ``Fleet``; ideal sensing has none.
     Raises BenchFaultError and StartPoseError.
     """
     if sensing is Sensing.IDEAL:
@@ -56,5 +57,6 @@ def bench(
         strangers=strangers,
         cameras=cameras,
         truth=truth,
+        tight=tight,
     )
     return run_bench(fleet, duration, progress)

@@ -67,6 +67,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--camera", choices=["on", "off"], default="off", help="emulate the robots' cameras; slower"
     )
+    parser.add_argument(
+        "--tight",
+        action="store_true",
+        help="start beside walls, where robots can hardly turn: a stress of the safety gate",
+    )
     add_truth_option(parser)
     add_set_option(parser)
     parser.add_argument("--record", type=Path, metavar="DIR", help="keep a recording per robot")
@@ -97,8 +102,9 @@ def run(options: argparse.Namespace) -> int:
         print("patrol bench: --all-knowing needs --sensing ideal", file=sys.stderr)
         return 2
     cameras = options.camera == "on"
-    if (options.strangers or cameras) and sensing is Sensing.IDEAL:
-        print("patrol bench: --strangers and --camera need --sensing bytes", file=sys.stderr)
+    if (options.strangers or cameras or options.tight) and sensing is Sensing.IDEAL:
+        needs = "--strangers, --camera and --tight need --sensing bytes"
+        print(f"patrol bench: {needs}", file=sys.stderr)
         return 2
     with ExitStack() as stack:
         recorder = None
@@ -121,6 +127,7 @@ def run(options: argparse.Namespace) -> int:
                 strangers=options.strangers,
                 cameras=cameras,
                 truth=truth,
+                tight=options.tight,
                 progress=progress,
             )
     text = json.dumps(figures, indent=2)
