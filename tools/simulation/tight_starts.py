@@ -37,7 +37,10 @@ def tight_start_poses(
     places = places[distances <= _FROM_BORDER]
     walls, cell = _centres(occupancy, OCCUPIED), occupancy.resolution
     chosen: list[Pose] = []
-    for x, y in places[rng.integers(len(places), size=_DRAWS)].tolist():
+    drawn = places[rng.integers(len(places), size=_DRAWS)]
+    # Anywhere in a cell: at centres a robot along a wall would have a few distances only.
+    drawn += rng.uniform(-0.5, 0.5, drawn.shape) * cell
+    for x, y in drawn.tolist():
         pose = Pose(x, y, rng.uniform(-math.pi, math.pi))
         apart = all(math.hypot(other.x - x, other.y - y) > _APART for other in chosen)
         if apart and GAP[0] < _gap(pose, outline, walls, cell) < GAP[1]:
