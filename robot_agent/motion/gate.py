@@ -276,24 +276,26 @@ class SafetyGate:
             if slow > settings.creep_speed:
                 self._blocked_sides.clear()
                 return slow, w * slow / rolling
-        free = turn * self._free_turn(math.copysign(turn, w), inputs.obstacles)
+        free = turn * self._free_turn(math.copysign(turn, w), inputs)
         if free == turn:
             return 0.0, w
         slow = min(abs(w), stoppable_rate(free, settings.turn_braking, delay))
         return 0.0, math.copysign(slow, w)
 
-    def _free_turn(self, turn: float, obstacles: NDArray[np.float64]) -> float:
-        """Return the share, 0 to 1, of a turn in place, rad, free of obstacles (n, 2), m.
+    def _free_turn(self, turn: float, inputs: GateInputs) -> float:
+        """Return the share, 0 to 1, of a turn in place, rad, that is free of obstacles.
 
         To a side to which an obstacle stopped a turn, the next one needs more room, until the robot
         drives: else it would come nearer and nearer whenever noise shifts the nearest point away.
+        Not while scans have not shown any motion: what is near may be part of the robot, and only
+        a turn tells.
         """
         side = np.sign(turn)  # 0.0: no turn
         more = MORE_ROOM if side in self._blocked_sides else 0.0
-        share = self._body.free_share(0.0, turn, obstacles, more)
+        share = self._body.free_share(0.0, turn, inputs.obstacles, more)
         if share > 0.0:
             self._blocked_sides.discard(side)
-        elif self._w * turn > 0.0:  # stopped on its way to that side
+        elif self._w * turn > 0.0 and not inputs.unproven:  # stopped on its way to that side
             self._blocked_sides.add(side)
         return share
 

@@ -603,6 +603,22 @@ def turned_on(side: int) -> list[Story]:
                 turn(0.3, other, slowly, "obstacle", nearing(other, 0.025)),
             ]
         ),
+        # what stopped it may be a part of the robot, before scans have shown any motion
+        Story(
+            [
+                *begun[:2],
+                Step(
+                    0.2,
+                    "obstacle",
+                    {"obstacles": [nearing(side, 0.019)], "unproven": True},
+                    requested=(0.0, side * 1.2),
+                    v=0.0,
+                    w=0.0,
+                ),
+                turn(0.3, side, slowly, "obstacle", near),
+            ],
+            once,
+        ),
         # driving ends it, also if an obstacle slows it
         Story([*begun, Step(0.3, GOES, v=0.025), turn(0.4, side, slowly, "obstacle", near)], once),
         Story(
