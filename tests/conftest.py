@@ -7,6 +7,7 @@ import signal
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from tools.fixed_arithmetic import fix_arithmetic
 
@@ -14,6 +15,11 @@ fix_arithmetic()  # as the program does, before numpy is imported
 # Programs that tests start inherit what is ignored, as by a shell that runs the tests with "&".
 signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
+# The same examples every time, and no limit that depends on the speed of the machine.
+settings.register_profile(
+    "fixed", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.load_profile("fixed")
 
 LONG_TEST_S = 1200
 """Limit of a test that takes minutes; all others have that of pyproject.toml."""

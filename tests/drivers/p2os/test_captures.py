@@ -159,10 +159,8 @@ def test_emulator_answers_the_client_like_the_simulator(capture: Capture) -> Non
 
 
 @settings(
-    derandomize=True,
-    deadline=None,
     max_examples=30,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(st.randoms(use_true_random=False))
 def test_damaged_traffic_raises_nothing_at_either_end(
@@ -190,7 +188,6 @@ def test_damaged_traffic_raises_nothing_at_either_end(
     assert emulator.framer.counters.bad_checksum + emulator.framer.counters.discarded_bytes > 0
 
 
-@settings(derandomize=True, deadline=None)
 @given(st.lists(st.binary(min_size=1, max_size=30), max_size=40), st.booleans())
 def test_any_packets_raise_nothing_at_either_end(packets: list[bytes], opened: bool) -> None:
     session, emulator = P2osSession(BaseSettings()), P2osEmulator(PIONEER_2DX)

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from drivers.p2os.command_numbers import ARGUMENT_RANGES, CommandNumber
@@ -93,7 +93,6 @@ def test_invalid_arguments_are_refused() -> None:
         host_baud(4800)
 
 
-@settings(derandomize=True, deadline=None)
 @given(
     st.integers(0, 255), st.one_of(st.none(), st.integers(-65535, 65535), st.binary(max_size=196))
 )
@@ -102,7 +101,6 @@ def test_commands_round_trip(number: int, argument: int | bytes | None) -> None:
     assert decode_command(sent.encode()[3:-2]) == sent
 
 
-@settings(derandomize=True, deadline=None)
 @given(st.binary(min_size=1, max_size=253))
 def test_any_data_decodes_to_a_command(data: bytes) -> None:
     assert decode_command(data).number == data[0]

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from drivers.p2os.framing import (
@@ -145,7 +145,6 @@ def test_checksum_wraps_at_16_bits() -> None:
     assert checksum(b"\xff\xff\x00\x02\x80") == 0x0081
 
 
-@settings(derandomize=True, deadline=None)
 @given(st.lists(st.binary(min_size=1, max_size=253), max_size=5))
 def test_packets_round_trip(data: list[bytes]) -> None:
     framer = PacketFramer()
@@ -153,7 +152,6 @@ def test_packets_round_trip(data: list[bytes]) -> None:
     assert framer.counters.discarded_bytes == 0
 
 
-@settings(derandomize=True, deadline=None)
 @given(
     st.lists(
         st.one_of(
@@ -175,7 +173,6 @@ def test_any_stream_gives_the_same_packets_in_any_pieces(pieces: list[bytes]) ->
     assert whole.counters.discarded_bytes + framed + whole.pending == len(stream)
 
 
-@settings(derandomize=True, deadline=None)
 @given(st.data())
 def test_mutated_traffic_never_raises_and_untouched_packets_survive(data: st.DataObject) -> None:
     sip = bytes.fromhex(VECTORS["SIP moving"])

@@ -3,13 +3,12 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from drivers.p2os.odometer import Odometer, counter_step
 
 
-@settings(derandomize=True, deadline=None)
 @given(
     st.integers(-(10**6), 10**6),
     st.integers(-2048, 2047),

@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from drivers.p2os.base_state import base_state
@@ -91,7 +91,6 @@ def test_sip_cut_anywhere_is_none_or_re_encodes(length: int) -> None:
         assert sip.encode() == MOVING[:length]
 
 
-@settings(derandomize=True, deadline=None)
 @given(st.binary(min_size=20, max_size=120), st.integers(0x30, 0x3F), st.integers(0, 20))
 def test_any_sip_decodes_or_not_and_re_encodes(data: bytes, kind: int, sonars: int) -> None:
     changed = bytes((kind,)) + data[1:19] + bytes((sonars,)) + data[20:]
@@ -101,7 +100,6 @@ def test_any_sip_decodes_or_not_and_re_encodes(data: bytes, kind: int, sonars: i
         assert sip.encode() == changed
 
 
-@settings(derandomize=True, deadline=None)
 @given(st.binary(min_size=1, max_size=253))
 def test_no_data_raises(data: bytes) -> None:
     decode_sip(data)

@@ -124,7 +124,7 @@ def test_robot_never_touches_a_static_obstacle(seed):
         pending = (decision.v, decision.w)
 
 
-@hypothesis_settings(max_examples=60, deadline=None)
+@hypothesis_settings(max_examples=60)
 @given(
     st.floats(),
     st.floats(),

@@ -131,7 +131,7 @@ def sampled_over(output: Variable, cuts: dict[str, float]) -> float:
 ascending = st.lists(st.integers(0, 20), min_size=4, max_size=4).map(sorted)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.lists(ascending, min_size=1, max_size=4), st.data())
 def test_centroid_of_any_sets_equals_a_dense_sampling(corners, data):
     """Three and more sets over one point, vertical edges, gaps: as a dense sampling has it."""

@@ -41,7 +41,7 @@ def task_lists(draw):
     return tasks
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(task_lists(), st.one_of(st.just(np.inf), st.floats(0.05, 3.0)))
 def test_task_never_changes_velocities_of_higher_priority(tasks, limit):
     for count in range(1, len(tasks)):
@@ -51,13 +51,13 @@ def test_task_never_changes_velocities_of_higher_priority(tasks, limit):
             assert task.jacobian @ more == pytest.approx(task.jacobian @ alone, abs=1e-6 * scale)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(task_lists(), st.floats(0.05, 3.0))
 def test_speed_never_exceeds_the_limit(tasks, limit):
     assert np.linalg.norm(compose(tasks, limit)) <= limit * (1 + 1e-9)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(task_lists())
 def test_equals_the_formula_with_pseudo_inverses(tasks):
     """v = v1 + N1 v2 + N12 v3 ..., N of the stacked Jacobians."""
@@ -136,7 +136,7 @@ place = st.tuples(st.floats(-2.0, 18.0), st.floats(-2.0, 18.0))
 
 
 @pytest.mark.parametrize(("first", "second"), list(permutations(BEHAVIORS, 2)))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     border=st.sampled_from(BORDERS),
     position=place,

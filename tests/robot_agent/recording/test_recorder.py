@@ -101,7 +101,7 @@ def record(recorder: Recorder, recorded: list[Item]) -> None:
             recorder.record_effect(t, item)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(recorded=items, start_wall_ns=st.integers(0, 2**61), flush_after=st.integers(0, 30))
 def test_everything_written_is_read_back_exactly_and_in_order(
     tmp_path_factory: pytest.TempPathFactory,

@@ -171,7 +171,7 @@ keys = st.one_of(
 )
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(messages=st.lists(st.tuples(keys, st.binary(max_size=40)), max_size=10))
 def test_arbitrary_messages_do_not_raise(messages: list[tuple[str, bytes]]) -> None:
     team = TeamState()
