@@ -133,8 +133,7 @@ class ApproachField:
 
     def _center(self, cell: int) -> tuple[float, float]:
         row, col = divmod(cell, self._clearance.shape[1])
-        resolution, origin = self._occupancy.resolution, self._occupancy.origin
-        return origin.x + (col + 0.5) * resolution, origin.y + (row + 0.5) * resolution
+        return self._occupancy.centre(row, col)
 
     def _is_passable(self, x: float, y: float, to_x: float, to_y: float) -> bool:
         """Whether a line keeps the clearance to turn, or that of its start or end if less.

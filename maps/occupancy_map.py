@@ -97,6 +97,17 @@ class OccupancyMap:
         index = np.floor((xy - self.origin[:2]) / self.resolution).astype(np.intp)
         return index[:, 1], index[:, 0]
 
+    def centre(self, row: int, col: int) -> tuple[float, float]:
+        """Return (x, y), m in the map frame, of the centre of a cell."""
+        return (
+            self.origin.x + (col + 0.5) * self.resolution,
+            self.origin.y + (row + 0.5) * self.resolution,
+        )
+
+    def centres(self, cells: NDArray[np.intp]) -> NDArray[np.float64]:
+        """Return the centres (n, 2), m in the map frame, of cells (n, 2) by row and column."""
+        return np.asarray((cells[:, ::-1] + 0.5) * self.resolution + self.origin[:2])
+
     def inside(self, rows: NDArray[np.intp], cols: NDArray[np.intp]) -> NDArray[np.bool_]:
         """Return (n,) which cells lie in the grid."""
         height, width = self.cells.shape

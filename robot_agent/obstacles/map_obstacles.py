@@ -25,9 +25,8 @@ class MapObstacles:
     """Gives the nearest points of a map's occupied cells near the robot."""
 
     def __init__(self, occupancy: OccupancyMap, gate: GateLimits) -> None:
+        self._map = occupancy
         self._walls = occupancy.cells == OCCUPIED
-        self._resolution = occupancy.resolution
-        self._origin = occupancy.origin
         self._footprint = Footprint(gate)
         self._turn_margin = gate.turn_margin
         self._reach = self._footprint.corner_reach + _MARGIN
@@ -45,18 +44,17 @@ class MapObstacles:
 
     def within(self, reach: float, pose: Pose) -> NDArray[np.float64]:
         """Return all points (n, 2), m, within reach, m, and some beyond; pose: map_from_base."""
-        cells = math.ceil(reach / self._resolution)
-        row = math.floor((pose.y - self._origin.y) / self._resolution)
-        col = math.floor((pose.x - self._origin.x) / self._resolution)
+        origin, size = self._map.origin, self._map.resolution
+        cells = math.ceil(reach / size)
+        row = math.floor((pose.y - origin.y) / size)
+        col = math.floor((pose.x - origin.x) / size)
         top, left = max(row - cells, 0), max(col - cells, 0)
         window = self._walls[top : max(row + cells + 1, 0), left : max(col + cells + 1, 0)]
         if not window.any():
             return _NOTHING  # the usual case
-        rows, cols = np.nonzero(window)
-        dx = self._origin.x + (left + cols + 0.5) * self._resolution - pose.x
-        dy = self._origin.y + (top + rows + 0.5) * self._resolution - pose.y
-        half = self._resolution / 2
-        dx -= np.clip(dx, -half, half)  # from the cell's centre to its nearest point
-        dy -= np.clip(dy, -half, half)
+        cells_near = np.add(np.argwhere(window), (top, left))
+        off = self._map.centres(cells_near) - pose[:2]
+        off -= np.clip(off, -size / 2, size / 2)  # from the cell's centre to its nearest point
+        dx, dy = off.T
         c, s = math.cos(pose.theta), math.sin(pose.theta)
         return np.column_stack((c * dx + s * dy, c * dy - s * dx))

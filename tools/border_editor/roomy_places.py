@@ -33,11 +33,6 @@ class RoomyPlaces:
         rows, cols = self._occupancy.cells_at((x, y))
         if self._occupancy.inside(rows, cols)[0] and self.mask[rows[0], cols[0]]:
             return x, y
-        places = self.places(cells)
+        places = self._occupancy.centres(cells)
         best = int(np.argmin(np.hypot(*(places - (x, y)).T)))
         return float(places[best, 0]), float(places[best, 1])
-
-    def places(self, cells: NDArray[np.intp]) -> NDArray[np.float64]:
-        """Return the centres (n, 2), m in the map frame, of cells (n, 2) by row and column."""
-        x, y = self._occupancy.origin[:2]
-        return np.asarray((cells[:, ::-1] + 0.5) * self._occupancy.resolution + (x, y))

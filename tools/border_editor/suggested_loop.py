@@ -39,7 +39,7 @@ def suggest_loop(occupancy: OccupancyMap, needed: float) -> BorderDraft | None:
     for margin in (MARGIN, 0.0):
         roomy = RoomyPlaces(occupancy, needed, margin)
         for cells in sorted(_loops(roomy, occupancy.resolution), key=_area, reverse=True):
-            draft = _draft_along(occupancy, roomy.places(cells), needed)
+            draft = _draft_along(occupancy, occupancy.centres(cells), needed)
             if draft is not None:
                 return draft
     return None

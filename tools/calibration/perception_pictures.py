@@ -83,10 +83,8 @@ def draw_scan(moment: Moment, path: Path) -> None:
     """Draw map, border, scan and tracks around the robot into a PNG."""
     figure, axes = plt.subplots(figsize=(6.0, 5.0), dpi=80)
     occupancy = moment.occupancy
-    rows, cols = np.nonzero(occupancy.cells == OCCUPIED)
-    x = occupancy.origin.x + (cols + 0.5) * occupancy.resolution
-    y = occupancy.origin.y + (rows + 0.5) * occupancy.resolution
-    axes.plot(x, y, ",", color="0.6")
+    walls = occupancy.centres(np.argwhere(occupancy.cells == OCCUPIED))
+    axes.plot(*walls.T, ",", color="0.6")
     if moment.agent.border is not None:
         axes.plot(
             *moment.agent.border.polyline(0.1).T, "--", color="tab:green", lw=1, label="border"

@@ -78,8 +78,7 @@ def posters_on_walls(world: World, count: int = 24) -> list[Prism]:
     for _ in range(count):
         row, col = free[int(rng.integers(len(free)))].tolist()
         direction = float(rng.uniform(-math.pi, math.pi))
-        x = occupancy.origin.x + (col + 0.5) * occupancy.resolution
-        y = occupancy.origin.y + (row + 0.5) * occupancy.resolution
+        x, y = occupancy.centre(row, col)
         # Just before the wall that the ray hits, turned along the nearer axis of the map.
         reach = world.free_way(x, y, direction) - 0.03
         if not math.isfinite(reach):

@@ -96,8 +96,7 @@ def _points_at(
     rng: np.random.Generator,
 ) -> NDArray[np.float64]:
     """Return centres (n, 2), map frame, of clear cells at the right distance from the border."""
-    cells = np.argwhere(clearance >= clear)[:, ::-1]
-    points = (cells + 0.5) * occupancy.resolution + (occupancy.origin.x, occupancy.origin.y)
+    points = occupancy.centres(np.argwhere(clearance >= clear))
     _, distances = border.project_many(points)
     near = points[(distances >= from_border[0]) & (distances <= from_border[1])]
     return np.asarray(near[rng.permutation(len(near))[:_CANDIDATES]])

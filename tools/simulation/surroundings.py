@@ -165,8 +165,7 @@ class _Placing:
     def _some_place(self, cells: NDArray[np.intp]) -> Pose:
         """Return the middle of one of cells (n, 2), with any direction."""
         row, col = cells[int(self._rng.integers(len(cells)))].tolist()
-        origin, size = self._map.origin, self._map.resolution
-        x, y = origin.x + (col + 0.5) * size, origin.y + (row + 0.5) * size
+        x, y = self._map.centre(row, col)
         return Pose(x, y, float(self._rng.uniform(-math.pi, math.pi)))
 
     def _put(

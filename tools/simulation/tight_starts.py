@@ -32,10 +32,11 @@ def tight_start_poses(
 
     Each is within 3 m of the border, beyond walls too. Raises StartPoseError without room.
     """
-    places = _centres(occupancy, FREE)
+    places = occupancy.centres(np.argwhere(occupancy.cells == FREE))
     _, distances = border.project_many(places)
     places = places[distances <= _FROM_BORDER]
-    walls, cell = _centres(occupancy, OCCUPIED), occupancy.resolution
+    walls = occupancy.centres(np.argwhere(occupancy.cells == OCCUPIED))
+    cell = occupancy.resolution
     chosen: list[Pose] = []
     drawn = places[rng.integers(len(places), size=_DRAWS)]
     # Anywhere in a cell: at centres a robot along a wall would have a few distances only.
@@ -50,13 +51,6 @@ def tight_start_poses(
     raise StartPoseError(
         f"no room beside walls for {count} robots, found places for {len(chosen)}: use fewer robots"
     )
-
-
-def _centres(occupancy: OccupancyMap, kind: int) -> NDArray[np.float64]:
-    """Return the centres (n, 2), m, of all cells of a kind, in the map."""
-    columns_rows = np.argwhere(occupancy.cells == kind)[:, ::-1]
-    origin = occupancy.origin
-    return np.asarray((columns_rows + 0.5) * occupancy.resolution + (origin.x, origin.y))
 
 
 def _gap(pose: Pose, outline: Outline, walls: NDArray[np.float64], cell: float) -> float:
