@@ -29,6 +29,16 @@ class Footprint:
         return math.hypot(max(self._front, self._rear), self._half_width)
 
     @property
+    def front(self) -> float:
+        """Distance, m, of the foremost edge from the middle of the axle."""
+        return self._front
+
+    @property
+    def front_corner_reach(self) -> float:
+        """Distance, m, of the front corners from the middle of the axle."""
+        return math.hypot(self._front, self._half_width)
+
+    @property
     def middle_offset(self) -> float:
         """Distance, m, of the body's middle from the middle of the axle."""
         return 0.5 * abs(self._rear - self._front)

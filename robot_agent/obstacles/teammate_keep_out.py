@@ -32,22 +32,30 @@ class TeammateKeepOut:
         self.radius = _whole_centimetres(reach + footprint.middle_offset)
         """m round the middle of a teammate: its corners' reach from its axle, wherever that is."""
         self.own = _whole_centimetres(reach) + _OWN_MARGIN
-        """m round the own axle within which no point is kept."""
+        """m round the own axle within which no point beside or behind is kept."""
+        self.own_ahead = _whole_centimetres(footprint.front_corner_reach) + _OWN_MARGIN
+        """m likewise ahead, where a turn in place brings the front corners only."""
 
     def around(
         self, middles: NDArray[np.float64], passing: NDArray[np.bool_] | None = None
     ) -> NDArray[np.float64]:
         """Return points (m, 2) on the circles round robots' middles (n, 2), m, all in base_link.
 
-        Points within this robot's own circle are left out, so that the keep-out zone stops robots
-        from driving into it but never from turning away; of robots that are ``passing`` (n,), None
-        for none, only those within the footprint: a turn can wait until they have passed.
+        Points that this robot's corners reach in a turn are left out, so that the keep-out zone
+        stops robots from driving into it but never from turning away; of robots that are
+        ``passing`` (n,), None for none, only those within the footprint: a turn can wait until they
+        have passed.
         """
         points = (middles[:, None, :] + self.radius * CIRCLE).reshape(-1, 2)
-        kept = np.hypot(points[:, 0], points[:, 1]) > self.own
+        kept = self.keeps(*points.T)
         if passing is not None:
             kept |= passing.repeat(_STEPS) & ~self._footprint.covers(points)
         return points[kept]
+
+    def keeps(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Return which points (x, y), m, base_link, lie beyond the reach of the own corners."""
+        own = np.where(x > self._footprint.front, self.own_ahead, self.own)
+        return np.asarray(np.hypot(x, y) > own)
 
 
 def _whole_centimetres(metres: float) -> float:

@@ -52,8 +52,12 @@ class Track:
 
     @property
     def may_turn(self) -> bool:
-        """Whether it may be a robot that turns in place, which has not moved."""
-        return self.needs_room or (self.robot_sized and self.kind is Kind.UNKNOWN)
+        """Whether it may be a robot that turns in place, which has not moved.
+
+        Its shape denies it no more than its rest: in a gap between walls no outline fits.
+        """
+        denied = self.by_color and self.kind is Kind.STRANGER
+        return self.needs_room or (self.robot_sized and not denied)
 
     @property
     def person_like(self) -> bool:

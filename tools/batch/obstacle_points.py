@@ -149,7 +149,7 @@ class Obstacles:
         cx, cy = (self._keep_out.radius * CIRCLE).T
         ring_x = (at_x + cos * self._middle)[:, None] + cx
         ring_y = (at_y + sin * self._middle)[:, None] + cy
-        kept = np.hypot(ring_x, ring_y) > self._keep_out.own
+        kept = self._keep_out.keeps(ring_x, ring_y)
         owner = np.broadcast_to(one[:, None], outline_x.shape)
         ring_owner = np.broadcast_to(one[:, None], ring_x.shape)
         return (
