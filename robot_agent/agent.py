@@ -354,7 +354,7 @@ class Agent:
             if estimate.health is Health.LOCALIZED:
                 self.freshness.on_localized(self._now)
             self.surroundings.on_located_scan(
-                odometry, self.pose_tracker.localized_pose_at(scan.t), points
+                scan.t, odometry, self.pose_tracker.localized_pose_at(scan.t), points
             )
             # 3. Who else is there.
             new = self.perception.update(t, scan, estimate, points)

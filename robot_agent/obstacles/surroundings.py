@@ -17,6 +17,7 @@ from robot_agent.motion.field_of_view import FieldOfView
 from robot_agent.motion.footprint import Footprint
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.obstacle_points import ObstaclePoints, ObstacleSource
+from robot_agent.obstacles.gone_walls import ASIDE, GoneWalls
 from robot_agent.obstacles.latest_scan import Obstacles
 from robot_agent.obstacles.map_obstacles import MapObstacles
 from robot_agent.obstacles.person_room import PersonRoom
@@ -32,6 +33,7 @@ from robot_agent.pose.odometry_history import OdometryHistory
 _JUST_SEEN = 0.6  # s since the last detection for which a teammate is an obstacle
 _PASSING = 0.1  # m/s, ours: a robot that is slower may be standing, by the track's error
 _NEAR = 2.5  # m; teammates farther away are no obstacle yet
+_SOON_NEAR = 1.2  # m from the axle; walls of the map farther away do not matter for a while
 
 
 class Surroundings:
@@ -55,6 +57,7 @@ class Surroundings:
         self._recent_scans = RecentScanMemory(gate)
         self._sonar_obstacles = SonarObstacles(model)
         self._map_obstacles = MapObstacles(occupancy, gate)
+        self._gone_walls = GoneWalls()
         self._wall_memory = WallMemory(gate)
         self._keep_out = TeammateKeepOut(Footprint(gate))
         self._person_room = PersonRoom(Footprint(gate), gate.turn_margin)
@@ -78,17 +81,24 @@ class Surroundings:
         return points
 
     def on_located_scan(
-        self, odometry: Pose, localized: Pose | None, points: NDArray[np.float64]
+        self, t: float, odometry: Pose, localized: Pose | None, points: NDArray[np.float64]
     ) -> None:
-        """Store a scan's points on walls, for when these are out of view.
+        """Store a scan's points on walls, and walls that it shows gone, for when out of view.
 
-        odometry: odom_from_base; localized: map_from_base, None unless localized, both at the
-        scan. points: (n, 2), m, base_link. Without a pose all stored walls are dropped.
+        odometry: odom_from_base; localized: map_from_base, None unless localized, both at t, that
+        of the scan. points: (n, 2), m, base_link. Without a pose all that is stored is dropped.
         """
         self._recent_scans.lasts = localized is None
         if localized is None:
             self._wall_memory.forget()  # without a pose walls cannot be told from other points
+            self._gone_walls.forget()
             return
+        cells, places = self._map_obstacles.within(_SOON_NEAR, localized)
+        beyond = (
+            self._projector.goes_beyond(places, 0.0),
+            self._projector.goes_beyond(places, ASIDE),
+        )
+        self._gone_walls.update(cells, places, beyond, self.echoes(t, odometry))
         ranges = np.hypot(points[:, 0], points[:, 1])
         walls = points[~self._unexplained.mask(localized, points, ranges)]
         self._wall_memory.update(odometry, walls)
@@ -168,7 +178,7 @@ class Surroundings:
         seen = self._obstacles.around(odometry)
         if localized is None:
             return seen
-        walls = self._map_obstacles.within(HEARD_WITHIN, localized)
+        walls = self._map_obstacles.within(HEARD_WITHIN, localized).places
         if not len(walls):
             return seen
         return np.concatenate((seen, walls[self._unseen(odometry, walls)]))
@@ -177,7 +187,8 @@ class Surroundings:
         self, odometry: Pose, localized: Pose
     ) -> list[tuple[ObstacleSource, NDArray[np.float64]]]:
         """Return walls of the map, and walls just passed, that the latest scan did not measure."""
-        mapped, passed = self._map_obstacles.around(localized), self._wall_memory.around(odometry)
+        mapped = self._map_obstacles.around(localized, self._gone_walls.cells)
+        passed = self._wall_memory.around(odometry)
         walls = np.concatenate((mapped, passed))
         if not len(walls):
             return []

@@ -45,6 +45,7 @@ class ScanProjector:
         self._directions = np.empty((0, 2))
         self._delays = np.empty(0)
         self._hit = np.empty(0, dtype=np.bool_)  # of the latest scan's beams
+        self._ranges = np.empty(0)  # m, likewise; of use where hit
 
     def points(self, scan: Scan, v: float = 0.0, w: float = 0.0) -> NDArray[np.float64]:
         """Return the returns of a scan, shape (n, 2), m, base_link at the middle of the sweep.
@@ -54,6 +55,7 @@ class ScanProjector:
         """
         self._look_along(scan)
         hit = self._hit = hits(scan)
+        self._ranges = scan.ranges
         points = self._directions[hit] * scan.ranges[hit, None]
         points += (self._mount.x, self._mount.y)
         return deskewed(points, self._delays[hit], v, w) if v or w else points
@@ -108,12 +110,39 @@ class ScanProjector:
         measured = self.in_view(points)
         if self._geometry is None or self._hit.all():
             return measured
+        beam = np.rint(self._beams_to(points)[0]).astype(np.intp)
+        measured &= self._hit.take(beam, mode="clip")
+        return measured
+
+    def goes_beyond(self, points: NDArray[np.float64], aside: float) -> NDArray[np.float64]:
+        """Return how far, m, beams of the latest scan go on beyond each of points (n, 2), m.
+
+        The least of all beams within aside, m, of a point, in base_link. -inf where one of them is
+        out of view or has no return, which says nothing.
+        """
+        if self._geometry is None:
+            return np.full(len(points), -math.inf)
+        beams, away = self._beams_to(points)
+        width = aside / np.maximum(away, aside) / self._geometry[2]
+        first = np.rint(beams - width).astype(np.intp)
+        last = np.rint(beams + width).astype(np.intp)
+        told = self.in_view(points) & (first >= 0) & (last < len(self._hit))
+        least = np.full(len(points), -math.inf)
+        if told.any():
+            ranges = np.append(np.where(self._hit, self._ranges, -math.inf), math.inf)
+            spans = np.column_stack((first[told], last[told] + 1)).ravel()
+            least[told] = np.minimum.reduceat(ranges, spans)[::2] - away[told]
+        return least
+
+    def _beams_to(
+        self, points: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return number and fraction of the beam to, and distance, m, of each of points (n, 2)."""
+        assert self._geometry is not None
         _, first, increment, *_ = self._geometry
         x, y = (points - (self._mount.x, self._mount.y)).T
         bearing = np.arctan2(y, x) - self._mount.theta - first
-        beam = np.rint(bearing % math.tau / increment).astype(np.intp)
-        measured &= self._hit.take(beam, mode="clip")
-        return measured
+        return bearing % math.tau / increment, np.hypot(x, y)
 
     def _beam_directions(self, n: int, angle_min: float, increment: float) -> NDArray[np.float64]:
         angles = self._mount.theta + angle_min + increment * np.arange(n)

@@ -86,6 +86,32 @@ def test_map_walls_count_where_the_beams_do_not_return(surroundings: Surrounding
     assert len(around(surroundings, 0.4)) == 1
 
 
+def located(surroundings: Surroundings, heading: float, localized: bool = True) -> None:
+    """Take in that the latest scan was measured at the origin with a heading."""
+    pose = Pose(0.0, 0.0, heading)
+    surroundings.on_located_scan(1.0, pose, pose if localized else None, np.empty((0, 2)))
+
+
+def test_a_mapped_wall_that_was_seen_through_is_gone_also_out_of_view(
+    surroundings: Surroundings,
+) -> None:
+    for _ in range(3):
+        looked(surroundings, heading=1.0)
+        located(surroundings, heading=1.0)
+    looked(surroundings, heading=-0.5)
+    located(surroundings, heading=-0.5)
+    assert not len(around(surroundings, -0.5))
+    located(surroundings, heading=-0.5, localized=False)
+    assert len(around(surroundings, -0.5)) == 1, "without a pose nothing is known of it"
+
+
+def test_a_mapped_wall_that_sends_no_beam_back_is_not_gone(surroundings: Surroundings) -> None:
+    for heading in (1.0, 1.0, 1.0, -0.5):
+        looked(surroundings, heading, far=np.inf)
+        located(surroundings, heading)
+    assert len(around(surroundings, -0.5)) == 1
+
+
 BEFORE_THE_POST = Pose(-0.5, 0.05, 0.0)
 """map_from_base: the post stands ahead on the left, in the cone of the transducer at 30 degrees."""
 
@@ -123,19 +149,20 @@ def test_without_a_scan_map_walls_of_all_sides_are_returned(surroundings: Surrou
 
 
 @pytest.mark.parametrize(
-    ("model", "kind", "robot_sized", "moving", "has_room"),
+    ("model", "kind", "is_like", "has_room"),
     [
-        pytest.param("p2dx", Kind.TEAMMATE, True, False, True, id="teammate"),
-        pytest.param("p2dx", Kind.STRANGER, True, True, True, id="moves like a robot"),
-        pytest.param("p2dx", Kind.STRANGER, True, False, False, id="box"),
-        pytest.param("p2dx", Kind.UNKNOWN, True, False, False, id="short robot or box"),
-        pytest.param("powerbot", Kind.UNKNOWN, True, False, True, id="may be long and turn"),
-        pytest.param("powerbot", Kind.UNKNOWN, False, False, False, id="too small or too large"),
-        pytest.param("powerbot", Kind.STRANGER, True, False, False, id="box among long robots"),
+        pytest.param("p2dx", Kind.TEAMMATE, {"robot_sized"}, True, id="teammate"),
+        pytest.param("p2dx", Kind.STRANGER, {"robot_sized", "moving"}, True, id="moves like one"),
+        pytest.param("p2dx", Kind.STRANGER, {"robot_sized"}, False, id="box"),
+        pytest.param("p2dx", Kind.UNKNOWN, {"robot_sized"}, False, id="short robot or box"),
+        pytest.param("powerbot", Kind.UNKNOWN, {"robot_sized"}, True, id="may be long and turn"),
+        pytest.param("powerbot", Kind.UNKNOWN, set(), False, id="too small or too large"),
+        pytest.param("powerbot", Kind.STRANGER, {"robot_sized"}, True, id="long one in a gap"),
+        pytest.param("powerbot", Kind.STRANGER, {"robot_sized", "by_color"}, False, id="no band"),
     ],
 )
 def test_room_is_kept_round_whatever_may_be_a_robot(
-    model: str, kind: Kind, *, robot_sized: bool, moving: bool, has_room: bool
+    model: str, kind: Kind, is_like: set[str], *, has_room: bool
 ) -> None:
     surroundings = surroundings_of(model)
     looked(surroundings, heading=0.0)
@@ -150,9 +177,9 @@ def test_room_is_kept_round_whatever_may_be_a_robot(
         last_seen=1.0,
         kind=kind,
         probabilities=Probabilities(0.3, 0.3, 0.4),
-        robot_sized=robot_sized,
-        moving=moving,
-        by_color=False,
+        robot_sized="robot_sized" in is_like,
+        moving="moving" in is_like,
+        by_color="by_color" in is_like,
     )
     origin = Pose(0.0, 0.0, 0.0)
     points = surroundings.around(1.0, origin, origin, [track])

@@ -97,6 +97,22 @@ def test_a_beam_without_a_return_has_measured_nothing() -> None:
     assert projector.has_measured(places).tolist() == [True, False, False, True, False]
 
 
+def test_how_far_beams_go_beyond_a_place() -> None:
+    projector = ScanProjector(Pose(0.1, 0.0, 0.0))
+    places = np.array([(0.6, 0.0), (0.1, 0.5), (0.0, 0.5), (0.6, 0.0)])
+    assert np.isneginf(projector.goes_beyond(places, 0.0)).all(), "nothing before the first scan"
+    ranges = np.full(181, 2.0)
+    ranges[[84, 100]] = 0.4, math.inf  # 6 degrees to the right, 10 to the left
+    projector.points(scan_of(ranges, math.radians(1.0)))
+    inf = math.inf
+    assert projector.goes_beyond(places, 0.0) == pytest.approx([1.5, 1.5, -inf, 1.5], abs=1e-6)
+    # 0.04 m are 4.6 degrees there, 0.06 m 6.9 and 0.1 m 11.5.
+    assert projector.goes_beyond(places[:1], 0.04) == pytest.approx(1.5)
+    assert projector.goes_beyond(places[:1], 0.06) == pytest.approx(-0.1)
+    assert projector.goes_beyond(places[:1], 0.1) == pytest.approx(-inf)
+    assert projector.goes_beyond(places[1:2], 0.1) == pytest.approx(-inf), "partly out of view"
+
+
 def test_beam_delays_follow_the_mirror() -> None:
     delays = beam_time_offsets(181, -math.pi / 2, math.radians(1.0), 1, TURN)
     assert delays[90] == pytest.approx(0.0, abs=1e-12)
