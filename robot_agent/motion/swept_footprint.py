@@ -16,7 +16,7 @@ SHARES = np.arange(1, POSES + 1) / POSES
 EDGING_SHARE = 1.135  # of EDGING_SPEED: a base rolls slightly faster than commanded
 SEEN_INSIDE = 0.02  # m by which noise shifts points at the side into the footprint
 FREE_SHARES = np.arange(POSES) / POSES  # free up to the pose before the first collision
-Edge = float | NDArray[np.float64]
+_Edge = float | NDArray[np.float64]
 """Distance of an edge of the footprint from the axle's middle, m: one, or one for each point."""
 
 
@@ -57,13 +57,13 @@ class SweptFootprint:
         hit = ((x < front) & (x > -rear) & (np.abs(y) < side)).any(axis=1)
         return float(FREE_SHARES[hit.argmax()]) if hit.any() else 1.0
 
-    def _driving(self, near: NDArray[np.float64]) -> tuple[Edge, Edge, Edge]:
+    def _driving(self, near: NDArray[np.float64]) -> tuple[_Edge, _Edge, _Edge]:
         """Return front, rear and side, m from the axle, with margins; near: points (n, 2), m."""
         settings = self._settings
         side = settings.half_width + self._side_margin(near)
         return self._front, settings.rear + settings.turn_margin, side
 
-    def _turning(self, near: NDArray[np.float64], more: float) -> tuple[Edge, Edge, Edge]:
+    def _turning(self, near: NDArray[np.float64], more: float) -> tuple[_Edge, _Edge, _Edge]:
         """Return the same for a turn in place, each (n,): of each of the points (n, 2), m."""
         settings = self._settings
         x, y = near.T
