@@ -26,6 +26,8 @@ from robot_agent.motion.stopping import stoppable_rate, stopping_way
 from robot_agent.motion.swept_footprint import SweptFootprint
 
 MORE_ROOM = 0.015  # m, ours: as much as noise shifts the nearest point of a surface
+TURNED_AWAY = 0.2
+"""rad from where an obstacle stopped a turn, ours: back there one look decides, not one of many."""
 _LONGEST_STEP = 0.3  # s; longer intervals between commands count as this for the acceleration
 
 
@@ -81,7 +83,8 @@ class SafetyGate:
         self._v = 0.0
         self._w = 0.0
         self._acceleration = 0.0  # m/s2, of the last step; not negative
-        self._blocked_sides: set[float] = set()  # of turns in place, +1.0 left, -1.0 right
+        # Sides to which a turn in place was stopped, +1.0 left, -1.0 right; rad turned away since.
+        self._blocked_sides: dict[float, float] = {}
         self._reason = GateReason.NONE
         self.stops: Counter[GateReason] = Counter()
 
@@ -99,6 +102,7 @@ class SafetyGate:
             return self._decided(0.0, 0.0, denied)
         elapsed = 0.0 if self._t is None else min(max(t - self._t, 0.0), _LONGEST_STEP)
         self._t = t
+        self._turn_away(inputs.w * elapsed)
         v, w, slowed = self._within_speed(*requested, inputs)
         ramped = self._ramped(v, w, elapsed)
         free = self._within_sight(*ramped, inputs)
@@ -286,7 +290,8 @@ class SafetyGate:
         """Return the share, 0 to 1, of a turn in place, rad, that is free of obstacles.
 
         To a side to which an obstacle stopped a turn, the next one needs more room, until the robot
-        drives: else it would come nearer and nearer whenever noise shifts the nearest point away.
+        drives or has turned away: else it would come nearer and nearer whenever noise shifts the
+        nearest point away.
         Not while scans have not shown any motion: what is near may be part of the robot, and only
         a turn tells.
         """
@@ -294,10 +299,15 @@ class SafetyGate:
         more = MORE_ROOM if side in self._blocked_sides else 0.0
         share = self._body.free_share(0.0, turn, inputs.obstacles, more)
         if share > 0.0:
-            self._blocked_sides.discard(side)
+            self._blocked_sides.pop(side, None)
         elif self._w * turn > 0.0 and not inputs.unproven:  # stopped on its way to that side
-            self._blocked_sides.add(side)
+            self._blocked_sides[side] = 0.0
         return share
+
+    def _turn_away(self, turned: float) -> None:
+        """Let go of the sides from which the robot has turned away; turned: rad since the last."""
+        away = {s: max(past - s * turned, 0.0) for s, past in self._blocked_sides.items()}
+        self._blocked_sides = {s: angle for s, angle in away.items() if angle <= TURNED_AWAY}
 
     def _is_way_covered(self, v: float, w: float, inputs: GateInputs) -> bool:
         """Return whether fields of view cover the front edge at the end of the stopping way."""

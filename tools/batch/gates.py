@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from robot_agent.motion.gate import MORE_ROOM
+from robot_agent.motion.gate import MORE_ROOM, TURNED_AWAY
 from robot_agent.motion.gate_hold import CRAWL, CREEPING_TURN
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.stopping import stopping_way
@@ -33,6 +33,7 @@ class SafetyGates:
         self._obstacle = np.zeros(n, dtype=np.bool_)
         self._stops = np.zeros(n, dtype=np.bool_)
         self._blocked = np.zeros((2, n), dtype=np.bool_)  # turns in place, to the right and left
+        self._away = np.zeros((2, n))  # rad turned away since
         self.stops = np.zeros(n, dtype=np.intp)
         """How often an obstacle held each robot, from its begin."""
 
@@ -48,6 +49,7 @@ class SafetyGates:
 
         measured: (v, w) of the base. counted: whose stops count.
         """
+        self._turn_away(measured[1] * dt)
         ramped = self._ramped(*self._within_speed(*requested), dt)
         v, w = ramped[0].copy(), ramped[1].copy()
         some = obstacles.robots
@@ -65,7 +67,7 @@ class SafetyGates:
 
     def pick(self, robots: Indices) -> None:
         """Keep some robots, as ``arrays.pick`` does."""
-        names = ("v", "w", "_acceleration", "_obstacle", "_stops", "_blocked", "stops")
+        names = ("v", "w", "_acceleration", "_obstacle", "_stops", "_blocked", "_away", "stops")
         pick(self, names, robots)
 
     def held(self) -> Flags:
@@ -154,7 +156,13 @@ class SafetyGates:
         ends, begins = turns & (share > 0.0), (share == 0.0) & (self.w[robots] * turn > 0.0)
         self._blocked[left[ends], robots[ends]] = False
         self._blocked[left[begins], robots[begins]] = True
+        self._away[left[begins], robots[begins]] = 0.0
         return share
+
+    def _turn_away(self, turned: Reals) -> None:
+        """Let go of the sides from which robots have turned away, by turned (n,), rad."""
+        self._away = np.maximum(self._away + np.stack((turned, -turned)), 0.0)
+        self._blocked &= self._away <= TURNED_AWAY
 
 
 class SweptFootprints:

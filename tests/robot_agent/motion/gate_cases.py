@@ -550,8 +550,13 @@ def stopped(side: int) -> list[Step]:
     ]
 
 
+def turning(t: float, w: float) -> Step:
+    """A step at t in which the base still turns with w, rad/s, and nothing is requested."""
+    return Step(t, "none", {"w": w}, requested=ZERO, v=0.0, w=0.0)
+
+
 def turned_on(side: int) -> list[Story]:
-    """A turn that an obstacle stopped needs more room to go on to that side, until driving."""
+    """A turn that an obstacle stopped needs more room to that side, until driving or away."""
     there, back, other = 0.21 + 0.025, -0.30 - 0.025, -side
     near, room = nearing(side, 0.025), nearing(side, clearance_for(0.035, 5))
     slowly, on = turned(FIRST, 3), turned(FIRST, 5)
@@ -602,6 +607,66 @@ def turned_on(side: int) -> list[Story]:
                 turn(0.2, other, 0.0, GOES, nearing(other, 0.019)),
                 turn(0.3, other, slowly, "obstacle", nearing(other, 0.025)),
             ]
+        ),
+        # 0.2 rad away from there ends it, wherever the turn away began
+        Story(
+            [
+                *begun,
+                turning(0.3, -side * 1.05),
+                turning(0.4, -side * 1.05),
+                turn(0.5, side, slowly, "obstacle", near),
+            ],
+            once,
+        ),
+        Story(
+            [
+                *begun,
+                turning(0.3, side * 1.5),
+                turning(0.4, -side * 1.05),
+                turning(0.5, -side * 1.05),
+                turn(0.6, side, slowly, "obstacle", near),
+            ],
+            once,
+        ),
+        Story(
+            [
+                *begun,
+                turning(0.3, -side * 0.95),
+                turning(0.4, -side * 0.95),
+                turn(0.5, side, 0.0, "obstacle", near),
+            ],
+            {"obstacle": 2},
+        ),
+        Story(
+            [
+                *begun,
+                turning(0.3, -side * 1.05),
+                turning(0.4, side * 0.3),
+                turning(0.5, -side * 1.05),
+                turn(0.6, side, 0.0, "obstacle", near),
+            ],
+            {"obstacle": 2},
+        ),
+        Story(  # 0.2 rad to the bit
+            [
+                *begun,
+                turning(0.45, -side * 0.8),
+                turn(0.55, side, 0.0, "obstacle", near),
+            ],
+            {"obstacle": 2},
+        ),
+        # stopped there again, the way away counts from its beginning
+        Story(
+            [
+                *begun,
+                turning(0.3, -side * 1.05),
+                turning(0.4, -side * 1.05),
+                turn(0.5, side, FIRST, GOES),
+                turn(0.6, side, 0.0, "obstacle", nearing(side, 0.019)),
+                turning(0.7, -side * 1.05),
+                turn(0.8, side, 0.0, "obstacle", near),
+            ],
+            {"obstacle": 3},
         ),
         # what stopped it may be a part of the robot, before scans have shown any motion
         Story(
