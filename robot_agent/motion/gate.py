@@ -28,6 +28,8 @@ from robot_agent.motion.swept_footprint import SweptFootprint
 MORE_ROOM = 0.015  # m, ours: as much as noise shifts the nearest point of a surface
 TURNED_AWAY = 0.2
 """rad from where an obstacle stopped a turn, ours: back there one look decides, not one of many."""
+BEGUN = 0.05
+"""rad that a turn has gone before a stop of it counts, ours: at once, it may be a false echo."""
 _LONGEST_STEP = 0.3  # s; longer intervals between commands count as this for the acceleration
 
 
@@ -85,6 +87,7 @@ class SafetyGate:
         self._acceleration = 0.0  # m/s2, of the last step; not negative
         # Sides to which a turn in place was stopped, +1.0 left, -1.0 right; rad turned away since.
         self._blocked_sides: dict[float, float] = {}
+        self._turned = 0.0  # rad, + left, since the robot turned the other way
         self._reason = GateReason.NONE
         self.stops: Counter[GateReason] = Counter()
 
@@ -102,7 +105,7 @@ class SafetyGate:
             return self._decided(0.0, 0.0, denied)
         elapsed = 0.0 if self._t is None else min(max(t - self._t, 0.0), _LONGEST_STEP)
         self._t = t
-        self._turn_away(inputs.w * elapsed)
+        self._count_turn(inputs.w * elapsed)
         v, w, slowed = self._within_speed(*requested, inputs)
         ramped = self._ramped(v, w, elapsed)
         free = self._within_sight(*ramped, inputs)
@@ -272,13 +275,13 @@ class SafetyGate:
             arc = math.copysign(max(stop * abs(w) / rolling, turn), w)
             free = stop * self._body.free_share(stop, arc, inputs.obstacles)
             if free == stop:
-                self._blocked_sides.clear()
+                self._forget_turns()
                 return v, w
             if stopping_way(inputs.v, settings.braking, 0.0) > free:
                 return 0.0, 0.0  # too late to stop before the obstacle on this arc
             slow = min(v, stoppable_rate(free, settings.braking, delay))
             if slow > settings.creep_speed:
-                self._blocked_sides.clear()
+                self._forget_turns()
                 return slow, w * slow / rolling
         free = turn * self._free_turn(math.copysign(turn, w), inputs)
         if free == turn:
@@ -291,23 +294,27 @@ class SafetyGate:
 
         To a side to which an obstacle stopped a turn, the next one needs more room, until the robot
         drives or has turned away: else it would come nearer and nearer whenever noise shifts the
-        nearest point away.
-        Not while scans have not shown any motion: what is near may be part of the robot, and only
-        a turn tells.
+        nearest point away. Not if the turn had hardly begun; nor while scans have not shown any
+        motion: what is near may be part of the robot, and only a turn tells.
         """
         side = np.sign(turn)  # 0.0: no turn
         more = MORE_ROOM if side in self._blocked_sides else 0.0
         share = self._body.free_share(0.0, turn, inputs.obstacles, more)
         if share > 0.0:
             self._blocked_sides.pop(side, None)
-        elif self._w * turn > 0.0 and not inputs.unproven:  # stopped on its way to that side
+        elif side * self._turned > BEGUN and not inputs.unproven:  # stopped on its way there
             self._blocked_sides[side] = 0.0
         return share
 
-    def _turn_away(self, turned: float) -> None:
-        """Let go of the sides from which the robot has turned away; turned: rad since the last."""
+    def _count_turn(self, turned: float) -> None:
+        """Add what the robot has turned, rad; let go of the sides from which it has turned away."""
+        self._turned = turned + (self._turned if self._turned * turned >= 0.0 else 0.0)
         away = {s: max(past - s * turned, 0.0) for s, past in self._blocked_sides.items()}
         self._blocked_sides = {s: angle for s, angle in away.items() if angle <= TURNED_AWAY}
+
+    def _forget_turns(self) -> None:
+        """Take the robot to be at another place, as when it drives."""
+        self._blocked_sides, self._turned = {}, 0.0
 
     def _is_way_covered(self, v: float, w: float, inputs: GateInputs) -> bool:
         """Return whether fields of view cover the front edge at the end of the stopping way."""

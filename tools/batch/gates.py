@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from robot_agent.motion.gate import MORE_ROOM, TURNED_AWAY
+from robot_agent.motion.gate import BEGUN, MORE_ROOM, TURNED_AWAY
 from robot_agent.motion.gate_hold import CRAWL, CREEPING_TURN
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.stopping import stopping_way
@@ -34,6 +34,7 @@ class SafetyGates:
         self._stops = np.zeros(n, dtype=np.bool_)
         self._blocked = np.zeros((2, n), dtype=np.bool_)  # turns in place, to the right and left
         self._away = np.zeros((2, n))  # rad turned away since
+        self._turned = np.zeros(n)  # rad, + left, since the robot turned the other way
         self.stops = np.zeros(n, dtype=np.intp)
         """How often an obstacle held each robot, from its begin."""
 
@@ -49,7 +50,7 @@ class SafetyGates:
 
         measured: (v, w) of the base. counted: whose stops count.
         """
-        self._turn_away(measured[1] * dt)
+        self._count_turns(measured[1] * dt)
         ramped = self._ramped(*self._within_speed(*requested), dt)
         v, w = ramped[0].copy(), ramped[1].copy()
         some = obstacles.robots
@@ -67,7 +68,17 @@ class SafetyGates:
 
     def pick(self, robots: Indices) -> None:
         """Keep some robots, as ``arrays.pick`` does."""
-        names = ("v", "w", "_acceleration", "_obstacle", "_stops", "_blocked", "_away", "stops")
+        names = (
+            "v",
+            "w",
+            "_acceleration",
+            "_obstacle",
+            "_stops",
+            "_blocked",
+            "_away",
+            "_turned",
+            "stops",
+        )
         pick(self, names, robots)
 
     def held(self) -> Flags:
@@ -108,6 +119,7 @@ class SafetyGates:
         alone = np.ones(len(w), dtype=np.bool_)
         alone[near] = False
         drives = rolling > self._limits.creep_speed
+        self._turned[alone & drives] = 0.0
         self._blocked[0, alone & (drives | (w < 0.0))] = False
         self._blocked[1, alone & (drives | (w > 0.0))] = False
 
@@ -136,7 +148,8 @@ class SafetyGates:
             slowed = w[rolls] * slow / rolling[rolls]
             out_w[rolls] = np.where(clear, w[rolls], np.where(creeps, slowed, 0.0))
             done[rolls] = clear | late | creeps
-            self._blocked[:, obstacles.robots[rolls[clear | creeps]]] = False
+            drive = obstacles.robots[rolls[clear | creeps]]
+            self._blocked[:, drive], self._turned[drive] = False, 0.0
         turns = (~done).nonzero()[0]
         if turns.size:
             own = w[turns]
@@ -153,14 +166,16 @@ class SafetyGates:
         more = np.where(self._blocked[left, robots] & (turn != 0.0), MORE_ROOM, 0.0)
         share = self._swept.free_shares(np.zeros(len(turn)), turn, obstacles.of(some), more)
         turns = turn != 0.0
-        ends, begins = turns & (share > 0.0), (share == 0.0) & (self.w[robots] * turn > 0.0)
+        begun = np.sign(turn) * self._turned[robots] > BEGUN
+        ends, begins = turns & (share > 0.0), (share == 0.0) & begun
         self._blocked[left[ends], robots[ends]] = False
         self._blocked[left[begins], robots[begins]] = True
         self._away[left[begins], robots[begins]] = 0.0
         return share
 
-    def _turn_away(self, turned: Reals) -> None:
-        """Let go of the sides from which robots have turned away, by turned (n,), rad."""
+    def _count_turns(self, turned: Reals) -> None:
+        """Add what robots have turned (n,), rad; let go of the sides they have turned away from."""
+        self._turned = turned + np.where(self._turned * turned >= 0.0, self._turned, 0.0)
         self._away = np.maximum(self._away + np.stack((turned, -turned)), 0.0)
         self._blocked &= self._away <= TURNED_AWAY
 

@@ -534,11 +534,19 @@ def clearance_for(margin: float, poses_free: int) -> float:
 
 
 def turn(
-    t: float, side: int, w: float, reason: str = "obstacle", *points: tuple[float, float]
+    t: float,
+    side: int,
+    w: float,
+    reason: str = "obstacle",
+    *points: tuple[float, float],
+    base_w: float = 0.0,
 ) -> Step:
-    """A step of a turn in place at t to a side, +1 left, with obstacles; w: permitted, absolute."""
+    """A step of a turn in place at t to a side, +1 left, with obstacles.
+
+    w: permitted, base_w: of the base, both rad/s to that side.
+    """
     seen = {"obstacles": points} if points else {}
-    return Step(t, reason, seen, requested=(0.0, side * 1.2), v=0.0, w=side * w)
+    return Step(t, reason, {"w": side * base_w, **seen}, (0.0, side * 1.2), v=0.0, w=side * w)
 
 
 def stopped(side: int) -> list[Step]:
@@ -546,7 +554,44 @@ def stopped(side: int) -> list[Step]:
     return [
         turn(0.0, side, 0.0, GOES),
         turn(0.1, side, FIRST, GOES),
-        turn(0.2, side, 0.0, "obstacle", nearing(side, 0.019)),
+        turn(0.2, side, 0.0, "obstacle", nearing(side, 0.019), base_w=0.6),
+    ]
+
+
+def hardly_begun(side: int) -> list[list[Step]]:
+    """Steps up to 1 s, the last of which stops a turn to a side that has not gone 0.05 rad."""
+    stop = nearing(side, 0.019)
+    first = turn(0.0, side, 0.0, GOES)
+    last = turn(1.0, side, 0.0, "obstacle", stop)
+    return [
+        [turning(0.9, 0.0), turn(1.0, side, 0.0, "obstacle", stop, base_w=0.45)],
+        [first, turning(0.25, side * 0.2), last],  # 0.05 rad to the bit
+        [turning(0.4, 0.0), turning(0.5, side * 1.0), turning(0.6, -side * 0.2), last],
+        [
+            turning(0.4, 0.0),
+            turning(0.5, side * 0.4),
+            turning(0.6, -side * 0.1),
+            turning(0.7, side * 0.4),
+            last,
+        ],
+        [turning(0.4, 0.0), turning(0.5, side * 1.0), Step(0.6, GOES, v=0.025), last],
+    ]
+
+
+def well_begun(side: int) -> list[list[Step]]:
+    """Likewise of a turn that has, also in parts."""
+    last = turn(1.0, side, 0.0, "obstacle", nearing(side, 0.019))
+    return [
+        [turning(0.4, 0.0), turning(0.5, side * 0.55), last],
+        [turning(0.4, 0.0), turning(0.5, side * 0.3), turning(0.6, side * 0.3), last],
+        [
+            turning(0.4, 0.0),
+            turning(0.5, side * 0.3),
+            turning(0.6, 0.0),
+            turning(0.7, side * 0.3),
+            last,
+        ],
+        [turning(0.4, 0.0), turning(0.5, -side * 1.0), turning(0.6, side * 0.55), last],
     ]
 
 
@@ -608,6 +653,15 @@ def turned_on(side: int) -> list[Story]:
                 turn(0.3, other, slowly, "obstacle", nearing(other, 0.025)),
             ]
         ),
+        # a turn stopped within 0.05 rad had hardly begun, since the robot drove or turned otherwise
+        *(
+            Story([*before, turn(1.1, side, slowly, "obstacle", near)], once)
+            for before in hardly_begun(side)
+        ),
+        *(
+            Story([*before, turn(1.1, side, 0.0, "obstacle", near)], once)
+            for before in well_begun(side)
+        ),
         # 0.2 rad away from there ends it, wherever the turn away began
         Story(
             [
@@ -662,7 +716,7 @@ def turned_on(side: int) -> list[Story]:
                 turning(0.3, -side * 1.05),
                 turning(0.4, -side * 1.05),
                 turn(0.5, side, FIRST, GOES),
-                turn(0.6, side, 0.0, "obstacle", nearing(side, 0.019)),
+                turn(0.6, side, 0.0, "obstacle", nearing(side, 0.019), base_w=0.6),
                 turning(0.7, -side * 1.05),
                 turn(0.8, side, 0.0, "obstacle", near),
             ],
@@ -675,7 +729,7 @@ def turned_on(side: int) -> list[Story]:
                 Step(
                     0.2,
                     "obstacle",
-                    {"obstacles": [nearing(side, 0.019)], "unproven": True},
+                    {"obstacles": [nearing(side, 0.019)], "unproven": True, "w": side * 0.6},
                     requested=(0.0, side * 1.2),
                     v=0.0,
                     w=0.0,
