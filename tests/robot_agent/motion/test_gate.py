@@ -90,6 +90,25 @@ def body_hits(points, x, y, theta, settings):
     )
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_a_turn_asked_for_again_and_again_does_not_creep_to_a_wall(seed: int) -> None:
+    """Few points on the wall, 10 mm of noise, two minutes; the wall is 0.34 m beside the axle."""
+    rng = np.random.default_rng(seed)
+    limits = GateLimits()
+    tested = gate.SafetyGate(limits)
+    front, rear, side = limits.front, limits.rear, limits.half_width
+    corners = np.array([(front, side), (front, -side), (-rear, side), (-rear, -side)])
+    theta = w = 0.0
+    for k in range(1200):
+        c, s = math.cos(theta), math.sin(theta)
+        wall = np.column_stack((np.linspace(-0.45, 0.45, 7), rng.normal(-0.34, 0.01, 7)))
+        seen = wall @ np.array([[c, -s], [s, c]])
+        w = tested.permit(0.1 * k, (0.0, 1.2), inputs(gate, 0.1 * k, obstacles=seen, w=w)).w
+        theta += 0.1 * w
+        nearest = float((corners @ np.array([math.sin(theta), math.cos(theta)])).min())
+        assert nearest > -0.34, "the gap without more room: 27 mm too little"
+
+
 @pytest.mark.parametrize(
     "seed", [*range(20), 87, 306, 502, 754, 1010, 1273, 2365, 2556, 2843, 3854]
 )
