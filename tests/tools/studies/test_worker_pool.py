@@ -67,9 +67,10 @@ def test_an_exception_ends_workers_amid_their_work_and_what_waits_for_it(tmp_pat
             time.sleep(0.01)
         (worker,) = multiprocessing.active_children()
         raise EndedBySignal(signal.SIGTERM)
-    worker.join(20.0)
-    assert not worker.is_alive()
-    assert time.monotonic() - began < 60.0
+    # Not by one join: the pool's own thread joins as well, and the slower of both sees it alive.
+    while worker.is_alive():
+        assert time.monotonic() - began < 60.0
+        time.sleep(0.01)
     assert not Path(names[1]).exists()
 
 
