@@ -123,7 +123,7 @@ class ScanProjector:
         if self._geometry is None:
             return np.full(len(points), -math.inf)
         beams, away = self._beams_to(points)
-        width = aside / np.maximum(away, aside) / self._geometry[2]
+        width = aside / np.maximum(away, aside or math.inf) / self._geometry[2]
         first = np.rint(beams - width).astype(np.intp)
         last = np.rint(beams + width).astype(np.intp)
         told = self.in_view(points) & (first >= 0) & (last < len(self._hit))

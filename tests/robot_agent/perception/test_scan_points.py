@@ -111,6 +111,7 @@ def test_how_far_beams_go_beyond_a_place() -> None:
     assert projector.goes_beyond(places[:1], 0.06) == pytest.approx(-0.1)
     assert projector.goes_beyond(places[:1], 0.1) == pytest.approx(-inf)
     assert projector.goes_beyond(places[1:2], 0.1) == pytest.approx(-inf), "partly out of view"
+    assert projector.goes_beyond(np.array([(0.1, 0.0)]), 0.0) == pytest.approx(2.0), "at the laser"
 
 
 def test_beam_delays_follow_the_mirror() -> None:
