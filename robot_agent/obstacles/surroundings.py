@@ -93,15 +93,22 @@ class Surroundings:
             self._wall_memory.forget()  # without a pose walls cannot be told from other points
             self._gone_walls.forget()
             return
+        self._look_through_walls(t, odometry, localized)
+        ranges = np.hypot(points[:, 0], points[:, 1])
+        walls = points[~self._unexplained.mask(localized, points, ranges)]
+        self._wall_memory.update(odometry, walls)
+
+    def _look_through_walls(self, t: float, odometry: Pose, localized: Pose) -> None:
+        """Find walls of the map that the latest scan, at t and these poses, shows to be gone."""
         cells, places = self._map_obstacles.within(_SOON_NEAR, localized)
+        if not len(cells):
+            self._gone_walls.forget()  # the usual case
+            return
         beyond = (
             self._projector.goes_beyond(places, 0.0),
             self._projector.goes_beyond(places, ASIDE),
         )
         self._gone_walls.update(cells, places, beyond, self.echoes(t, odometry))
-        ranges = np.hypot(points[:, 0], points[:, 1])
-        walls = points[~self._unexplained.mask(localized, points, ranges)]
-        self._wall_memory.update(odometry, walls)
 
     def on_sonar(self, state: BaseState, odometry: Pose, localized: Pose | None) -> None:
         """Store the sonar echoes of a base report.

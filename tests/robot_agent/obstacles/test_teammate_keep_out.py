@@ -54,7 +54,7 @@ def test_points_within_the_own_circle_are_left_out(distance: float) -> None:
     braking = stopping_way(1.5, GateLimits().turn_braking, GateLimits().reaction_delay)
     assert SweptFootprint(GateLimits()).free_share(0.0, braking, room) == 1.0
     ahead = room[:, 0] > GateLimits().front
-    assert np.hypot(*room[~ahead].T).min() > KEEP_OUT.own
+    assert np.hypot(*room[~ahead].T).min() > KEEP_OUT.radius
     assert np.hypot(*room[ahead].T).min() > KEEP_OUT.own_ahead
 
 
