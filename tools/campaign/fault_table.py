@@ -34,7 +34,7 @@ from tools.campaign.reaction import (
 )
 from tools.preflight.watchdog_trial import ADVISED_WATCHDOG_S
 
-START_LIMIT_S = 25.0
+START_LIMIT_S = 40.0
 """Limit from an agent's start until the robot patrols, s."""
 WATCHED_S = 15.0
 """Time a robot is observed after a fault, s."""
@@ -95,9 +95,12 @@ def run_fault(fault: Fault, folder: Path, watchdog: float = ADVISED_WATCHDOG_S) 
 
 
 def _wait_for_patrol(stage: AgentStage) -> None:
-    """Step until the robot patrols at speed."""
-    moments = _watch(stage, START_LIMIT_S, until=lambda seen: patrols(seen) and seen[-1].v > 0.25)
-    if not patrols(moments):
+    """Step until the robot patrols at speed and is not just ordered to stand."""
+
+    def at_speed(seen: Sequence[Moment]) -> bool:
+        return patrols(seen) and seen[-1].v > 0.25 and not seen[-1].order
+
+    if not at_speed(_watch(stage, START_LIMIT_S, until=at_speed)):
         raise FaultError(f"the robot did not begin to patrol: {stage.agent_log()}")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import msgspec
 
@@ -15,10 +15,9 @@ from tools.monitor.page_server import WebError, parsed_address
 
 if TYPE_CHECKING:
     import foxglove
-    from foxglove.websocket import ChannelView, Client
 
 MAX_CHANNELS = 2000
-_AGAIN_S = 1.0
+_ZONES_EACH_S = 1.0
 
 
 class FoxgloveServer:
@@ -43,18 +42,13 @@ class FoxgloveServer:
         self._foxglove = foxglove
         self._context = foxglove.Context()
         self._channels: dict[str, foxglove.Channel] = {}
-        # Its protocol names every call; the server makes those that are there.
-        drawn: Any = _ZonesChannel(self._context, zones) if zones else None
         try:
             self._server = foxglove.start_server(
-                name="border patrol",
-                host=host,
-                port=port,
-                context=self._context,
-                server_listener=drawn,
+                name="border patrol", host=host, port=port, context=self._context
             )
         except Exception as error:
             raise WebError(f"--foxglove {address}: {error}; give a free address") from error
+        self._zones = _ZonesChannel(self._context, zones) if zones else None
 
     @property
     def port(self) -> int:
@@ -84,28 +78,29 @@ class FoxgloveServer:
 
     def close(self) -> None:
         """Stop listening."""
+        if self._zones is not None:
+            self._zones.close()
         self._server.stop()
 
 
 class _ZonesChannel:
-    """Draws the zones for each viewer when it subscribes: they never change."""
+    """Draws the zones each second while somebody looks: the SDK keeps nothing for later viewers."""
 
     def __init__(self, context: foxglove.Context, zones: Sequence[Zone]) -> None:
         from foxglove import channels
 
         self._scene = zones_scene(zones)
         self._channel = channels.SceneUpdateChannel(ZONES_TOPIC, context=context)
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._draw, name="foxglove zones", daemon=True)
+        self._thread.start()
 
-    def on_subscribe(self, client: Client, channel: ChannelView) -> None:
-        """Send the zones, and once more, as the first may come before the subscription is known.
+    def close(self) -> None:
+        """Draw no more."""
+        self._closing.set()
+        self._thread.join()
 
-        Called by Foxglove's server.
-        """
-        if channel.topic == ZONES_TOPIC:
-            self._send(client.id)
-            again = threading.Timer(_AGAIN_S, self._send, (client.id,))
-            again.daemon = True
-            again.start()
-
-    def _send(self, viewer: int) -> None:
-        self._channel.log(self._scene, sink_id=viewer)
+    def _draw(self) -> None:
+        while not self._closing.wait(_ZONES_EACH_S):
+            if self._channel.has_sinks():
+                self._channel.log(self._scene)
