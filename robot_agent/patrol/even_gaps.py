@@ -9,10 +9,12 @@ v, so each robot can estimate from the times of its meetings alone
 which, summed over both directions, is the number N of robots. Then all follow a convention:
 clockwise is onwards. A robot turned back by a meeting drives back for length / N / (2 v), which
 leaves it length / N behind the robot it met, and turns onwards again. If it meets the next robot
-sooner, that one is turned back in its place, and so on until a wide gap is found and filled. A
-robot that has not measured the gap ahead as even probes: it turns back once at a random time.
-Probing leaves even gaps even, and so does a random reversal if the next one waits until its turn
-has gone round.
+sooner, that one is turned back in its place, and so on until a wide gap is found and filled. One
+that is turned back twice at one place has not found it: two robots can push each other back so for
+ever, one of them between the other and a wreck, and leave the rest of the border to itself. It
+drives back until a teammate ends that. A robot that has not measured the gap ahead as even probes:
+it turns back once at a random time. Probing leaves even gaps even, and so does a random reversal if
+the next one waits until its turn has gone round.
 
 The worst idleness of the result is length / (N v), the minimum possible. The estimate of N expires
 after an hour, or when the robot no longer gets round (a wreck on the border): then it patrols by
@@ -34,6 +36,9 @@ from robot_agent.patrol.turn_log import Turn, TurnCause, TurnLog
 
 COUNTING_LAPS = 1.5  # of patrol by the rules alone, before the team is counted
 TOLERANCE = 0.15  # of the gap ahead, within which it counts as even
+ONE_PLACE = 1.0 / 16.0
+"""Of an even gap, between two turns at one place. Of three robots without a wreck one such turn in
+25 is so near the one before, with a wreck every second one."""
 COUNT_LIFETIME = 3600.0  # s after which the team is counted anew
 BLOCKED_LIFETIME = 3600.0
 """s for which the way round counts as blocked after the last sign of it: a wreck seen, no progress.
@@ -79,6 +84,8 @@ class EvenGaps:
         self._leg: Turn | None = None  # the last turn processed, which began the present leg
         self._begun = 0.0  # time of the first step; start of the leg before any turn
         self._ahead: float | None = None  # m to the robot ahead, if known
+        self._gained: float | None = None  # m onwards since it was sent back, if that counts
+        self._in_vain = False  # whether the present leg back is the second from one place
         self._way = BlockedWay(border)
         self._blocked = False  # the way round, by what the robot has seen: no probes
         self._counting = False  # meetings are counted from the first one on
@@ -147,6 +154,7 @@ class EvenGaps:
         """Take what happens during the suspension for no observation."""
         self._t, self._abscissa, self._direction = t, abscissa, direction
         self._leg = self._turns.latest
+        self._gained, self._in_vain = None, False
         self._restart_check(t)
 
     # ---- observations -------------------------------------------------------------------------
@@ -166,13 +174,26 @@ class EvenGaps:
         back = self._direction == COUNTER_CLOCKWISE
         self._ahead = self._gap_left(turn.t) if back and self._sent_back else None
         self._leg, self._direction = turn, turn.direction
+        self._compare_place(turn)
         self._schedule_probe(turn.t)
+
+    def _compare_place(self, turn: Turn) -> None:
+        """Note whether a turn sends the robot back from where it was sent back before."""
+        self._in_vain = False
+        if turn.cause is TurnCause.EVEN_GAPS:
+            return
+        gained, self._gained = self._gained, 0.0 if self._sent_back else None
+        if gained is not None and self._sent_back and self.team is not None:
+            self._in_vain = abs(gained) <= ONE_PLACE * self._border.length / self.team
 
     def _accumulate(self, t: float, abscissa: float) -> None:
         """Add the time since the last step to its direction, and the way to the progress, m."""
         assert self._t is not None
         self._time[self._direction] += t - self._t
-        self._progress += self._border.difference(abscissa, self._abscissa)
+        way = self._border.difference(abscissa, self._abscissa)
+        self._progress += way
+        if self._gained is not None:
+            self._gained += way
         self._t, self._abscissa = t, abscissa
 
     @property
@@ -245,6 +266,8 @@ class EvenGaps:
         if self.team is None:
             return self._should_search(t)
         if self._direction == COUNTER_CLOCKWISE:
+            if self._in_vain:
+                return False
             even = self._border.length / self.team
             return (self._sent_back and self._gap_left(t) >= even) or t >= self._probe_at
         if t < self._probe_at or self._probes == 0 or self._is_even():

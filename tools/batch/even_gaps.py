@@ -11,7 +11,7 @@ from robot_agent.patrol import even_gaps
 from robot_agent.patrol.behaviors import CLOCKWISE, COUNTER_CLOCKWISE
 from robot_agent.patrol.modifier import OverrideReason
 from robot_agent.patrol.settings import PatrolSettings
-from robot_agent.patrol.turn_log import TurnCause
+from robot_agent.patrol.turn_log import Turn, TurnCause
 from tools.batch.arbiters import Choices
 from tools.batch.arrays import Codes, Flags, Indices, Reals, pick
 from tools.batch.blocked_ways import BlockedWays
@@ -33,6 +33,8 @@ _STATE = (
     "by_chance",
     "suspended",
     "_ahead",
+    "_gained",
+    "_in_vain",
     "_blocked",
     "_counting",
     "_searches",
@@ -76,6 +78,8 @@ class EvenGapsOfMany:
         self._sent_back = np.zeros(n, dtype=np.bool_)
         self._own_leg = np.ones(n, dtype=np.bool_)  # begun by the robot itself, or no leg yet
         self._ahead = np.full(n, math.nan)
+        self._gained = np.full(n, math.nan)
+        self._in_vain = np.zeros(n, dtype=np.bool_)
         self._way = BlockedWays(feet, turns)
         self._blocked, self._counting = np.zeros((2, n), dtype=np.bool_)
         self._searches = np.zeros(n, dtype=np.intp)
@@ -170,6 +174,7 @@ class EvenGapsOfMany:
             self._own_leg[robot] = turn.cause in even_gaps.OWN_CAUSES
         back = at.direction[some] == COUNTER_CLOCKWISE
         self._sent_back[some] = back & ~self._own_leg[some]
+        self._gained[some], self._in_vain[some] = math.nan, False
         self._progress[some] = 0.0
         self._check_at[some] = at.t + even_gaps.CHECK_LAPS * self._lap
 
@@ -203,7 +208,18 @@ class EvenGapsOfMany:
         self._direction[robot] = turn.direction
         self._own_leg[robot] = own
         self._sent_back[robot] = turn.direction == COUNTER_CLOCKWISE and not own
+        self._compare_place(robot, turn)
         self._schedule_probe(robot, turn.t)
+
+    def _compare_place(self, robot: int, turn: Turn) -> None:
+        self._in_vain[robot] = False
+        if turn.cause is TurnCause.EVEN_GAPS:
+            return
+        gained = self._gained[robot]
+        self._gained[robot] = 0.0 if self._sent_back[robot] else math.nan
+        if self._sent_back[robot] and self.team[robot] != _UNKNOWN:
+            near = even_gaps.ONE_PLACE * self._feet.length / self.team[robot]
+            self._in_vain[robot] = abs(gained) <= near  # nan, after a meeting: False
 
     def _accumulate(self, some: Indices, t: float, s: Reals) -> None:
         clockwise = self._direction[some] == CLOCKWISE
@@ -211,7 +227,9 @@ class EvenGapsOfMany:
         self._time[0, some] += np.where(clockwise, elapsed, 0.0)
         self._time[1, some] += np.where(clockwise, 0.0, elapsed)
         place = s[some]
-        self._progress[some] += self._feet.difference(place, self._abscissa[some])
+        way = self._feet.difference(place, self._abscissa[some])
+        self._progress[some] += way
+        self._gained[some] += way
         self._t[some], self._abscissa[some] = t, place
 
     def _gap_left(self, robots: Indices | int, t: float) -> Reals:
@@ -287,7 +305,8 @@ class EvenGapsOfMany:
         searches = ~counted & due & ~self._blocked[some] & keeps
         searches &= self._searches[some] < even_gaps.MOST_SEARCHES
         self._searches[some[searches]] += 1
-        turns = np.where(counted, np.where(back, wide | due, probes), searches)
+        ends = (wide | due) & ~self._in_vain[some]
+        turns = np.where(counted, np.where(back, ends, probes), searches)
         return np.asarray(turns & keeps)
 
 
