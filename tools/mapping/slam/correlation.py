@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from maps.pose import Pose, wrap_angle
@@ -19,6 +20,7 @@ _REACH = 10.0  # m; points of the scan farther away are left out
 _TURN = math.radians(1.5)  # rad between two rotations tried
 _PRIOR = 0.1  # of score, subtracted at the edge of the window
 _SAME_PLACE = 0.7  # m; two peaks nearer than this are one
+_LOOKED_UP = 61  # shifts each way; up to 3 m looking cells up is faster than a convolution
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,8 +92,13 @@ def _scores(
 ) -> NDArray[np.float32]:
     """Return the mean likelihood of the points at each shift."""
     cells = np.rint(points @ rotation_of(theta).T / _CELL).astype(int) + half
+    taken = np.unique(cells[:, 1] * len(field) + cells[:, 0])
+    rows, cols = np.divmod(taken, len(field))
+    each_way = len(field) - 2 * half  # shifts, none among them
+    if each_way <= _LOOKED_UP:
+        shifted = sliding_window_view(field, (each_way, each_way))[rows, cols]
+        return np.asarray(shifted.sum(axis=0) / max(len(taken), 1), dtype=np.float32)
     scan = np.zeros((2 * half + 1, 2 * half + 1), dtype=np.float32)
-    scan[cells[:, 1], cells[:, 0]] = 1.0
-    total = float(scan.sum())
+    scan[rows, cols] = 1.0
     result = cv2.matchTemplate(field, scan, cv2.TM_CCORR)
-    return np.asarray(result / max(total, 1.0), dtype=np.float32)
+    return np.asarray(result / max(len(taken), 1), dtype=np.float32)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from maps.pose import Pose
 from robot_agent.perception.scan_points import move_points
+from tools.mapping.slam import correlation
 from tools.mapping.slam.alignment import align
 from tools.mapping.slam.cloud import Cloud
 from tools.mapping.slam.correlation import search
@@ -86,6 +87,20 @@ def test_search_finds_a_pose_beyond_the_reach_of_alignment() -> None:
     assert abs(peak.pose.theta - truth.theta) < math.radians(2.0)
     assert peak.score > 0.8
     assert peak.runner_up < 0.9 * peak.score
+
+
+@pytest.mark.parametrize("window", [0.0, 0.2, 0.5, 2.0])
+def test_scores_looked_up_are_those_of_the_convolution(
+    window: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    scan = seen_from(ROOM, Pose(0.15, -0.1, math.radians(7.0)))
+    arguments = (scan, ROOM, Pose(0.0, 0.0, 0.0), window, math.radians(10.0))
+    looked_up = search(*arguments)
+    monkeypatch.setattr(correlation, "_LOOKED_UP", -1)
+    convolved = search(*arguments)
+    assert looked_up.pose == convolved.pose
+    assert looked_up.score == pytest.approx(convolved.score, abs=1e-5)
+    assert looked_up.runner_up == pytest.approx(convolved.runner_up, abs=1e-5)
 
 
 def test_runner_up_score_is_high_when_places_are_alike() -> None:
