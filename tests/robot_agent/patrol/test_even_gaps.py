@@ -18,13 +18,13 @@ RING = Border([Arc((0.0, 0.0), RADIUS, np.pi, -2.0 * np.pi)], closed=True)
 class Ring:
     """Points on a ring, in order, that turn back when they meet."""
 
-    def __init__(self, places, directions, seed=0, blocked=None):
+    def __init__(self, places, directions, seed=0, blocked=None, team_size=0):
         self.t = 0.0
         self.place = np.array(places, dtype=float)
         self.direction = list(directions)
         self.logs = [TurnLog() for _ in places]
         self.modifiers = [
-            EvenGaps(RING, SPEED, log, np.random.default_rng([seed, i]))
+            EvenGaps(RING, SPEED, log, np.random.default_rng([seed, i]), team_size)
             for i, log in enumerate(self.logs)
         ]
         self.blocked = blocked  # index of a point that stands
@@ -143,53 +143,49 @@ def test_no_random_reversal_until_the_last_turn_has_gone_round_the_border():
     assert proposed(2.0 + 1.01 * round_at_twice_the_speed) is None
 
 
-class Walker:
-    """One robot of a team of three on the ring, turned back where the test says."""
+def alone(place):
+    """Return a ring of one robot that believes in a team of three; the test turns it back."""
+    return Ring([place], [1], team_size=3)
 
-    def __init__(self, place):
-        self.t, self.place, self.direction = 0.0, place, 1
-        self.log = TurnLog()
-        self.modifier = EvenGaps(RING, SPEED, self.log, np.random.default_rng(1), team_size=3)
 
-    def turn(self, cause):
-        self.direction = -self.direction
-        self.log.add(Turn(self.t, self.place, self.direction, cause))
+def meet(ring):
+    """Turn the robot back as one that comes towards it does."""
+    ring.turn(0, -ring.direction[0], TurnCause.TEAMMATE)
 
-    def drive(self, duration):
-        """Drive until the modifier turns the robot, and return how far; None: it does not."""
-        end, begun = self.t + duration, self.place
-        while self.t < end:
-            self.t += STEP
-            self.place = (self.place + self.direction * SPEED * STEP) % LENGTH
-            if self.modifier.turns_back(self.t, self.place, self.direction, keeps_going=True):
-                self.turn(TurnCause.EVEN_GAPS)
-                return abs(RING.difference(self.place, begun))
-        return None
+
+def drive(ring, duration):
+    """Run until the robot turns by itself, and return how far; None: it does not."""
+    end, begun, leg = ring.t + duration, ring.place[0], ring.logs[0].latest
+    while ring.t < end:
+        ring.step()
+        if ring.logs[0].latest is not leg:
+            return abs(RING.difference(ring.place[0], begun))
+    return None
 
 
 @pytest.mark.parametrize(("short", "ends"), [(0.0, False), (0.9, False), (1.3, True), (5.0, True)])
 def test_a_robot_sent_back_twice_from_one_place_goes_back_until_a_teammate_ends_it(short, ends):
-    robot = Walker(20.0)
-    robot.drive(1.0)
-    robot.turn(TurnCause.TEAMMATE)
-    back = robot.drive(60.0)
+    robot = alone(20.0)
+    drive(robot, 1.0)
+    meet(robot)
+    back = drive(robot, 60.0)
     assert back == pytest.approx(LENGTH / 3.0 / 2.0, abs=0.1)
-    assert robot.drive((back - short) / SPEED) is None
-    robot.turn(TurnCause.TEAMMATE)
+    assert drive(robot, (back - short) / SPEED) is None
+    meet(robot)
     lap = LENGTH / SPEED
     if ends:
-        assert robot.drive(lap) == pytest.approx(back, abs=0.1)
+        assert drive(robot, lap) == pytest.approx(back, abs=0.1)
     else:
-        assert robot.drive(2.0 * lap) is None
+        assert drive(robot, 2.0 * lap) is None
 
 
 def test_a_robot_sent_back_from_one_place_after_another_meeting_goes_back_an_even_share():
-    robot = Walker(20.0)
+    robot = alone(20.0)
     for _ in range(3):
-        robot.drive(1.0)
-        robot.turn(TurnCause.TEAMMATE)
-        robot.drive(10.0)
-        robot.turn(TurnCause.TEAMMATE)  # by one behind, which goes back in its place
-        robot.drive(9.0)
-    robot.turn(TurnCause.TEAMMATE)
-    assert robot.drive(60.0) == pytest.approx(LENGTH / 3.0 / 2.0, abs=0.1)
+        drive(robot, 1.0)
+        meet(robot)
+        drive(robot, 10.0)
+        meet(robot)  # one behind, which goes back in its place
+        drive(robot, 9.0)
+    meet(robot)
+    assert drive(robot, 60.0) == pytest.approx(LENGTH / 3.0 / 2.0, abs=0.1)

@@ -96,9 +96,9 @@ def _scores(
     rows, cols = np.divmod(taken, len(field))
     each_way = len(field) - 2 * half  # shifts, none among them
     if each_way <= _LOOKED_UP:
-        shifted = sliding_window_view(field, (each_way, each_way))[rows, cols]
-        return np.asarray(shifted.sum(axis=0) / max(len(taken), 1), dtype=np.float32)
-    scan = np.zeros((2 * half + 1, 2 * half + 1), dtype=np.float32)
-    scan[rows, cols] = 1.0
-    result = cv2.matchTemplate(field, scan, cv2.TM_CCORR)
-    return np.asarray(result / max(len(taken), 1), dtype=np.float32)
+        total = sliding_window_view(field, (each_way, each_way))[rows, cols].sum(axis=0)
+    else:
+        scan = np.zeros((2 * half + 1, 2 * half + 1), dtype=np.float32)
+        scan[rows, cols] = 1.0
+        total = cv2.matchTemplate(field, scan, cv2.TM_CCORR)
+    return np.asarray(total / max(len(taken), 1), dtype=np.float32)
