@@ -15,7 +15,8 @@ ROOT = Path(__file__).parents[1]
 INDEX = ROOT / "README.md"
 TOOLS = ROOT / "tools" / "README.md"
 AGENT = ROOT / "robot_agent" / "README.md"
-READMES = [INDEX, *sorted(path for room in ROOMS for path in (ROOT / room).rglob("README.md"))]
+PAGES = [INDEX, *sorted(path for room in ROOMS for path in (ROOT / room).rglob("*.md"))]
+"""The READMEs, and pages of figures beside them."""
 MAX_LINES, MAX_WORDS = 150, 1500
 
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
@@ -56,12 +57,12 @@ def anchors(text: str) -> set[str]:
     return {re.sub(r"[^\w -]", "", head.lower()).replace(" ", "-") for head in heads}
 
 
-def links(readme: Path) -> list[str]:
-    return [link for link in LINK.findall(readme.read_text()) if "://" not in link]
+def links(page: Path) -> list[str]:
+    return [link for link in LINK.findall(page.read_text()) if "://" not in link]
 
 
-def linked_files(readme: Path) -> set[Path]:
-    return {(readme.parent / link.split("#")[0]).resolve() for link in links(readme)}
+def linked_files(page: Path) -> set[Path]:
+    return {(page.parent / link.split("#")[0]).resolve() for link in links(page)}
 
 
 def actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
@@ -101,26 +102,26 @@ def test_every_command_is_in_the_tables():
         assert named >= set(COMMANDS), table
 
 
-@pytest.mark.parametrize("readme", READMES, ids=identity)
-def test_begins_with_a_title_and_a_paragraph(readme):
-    title, empty, first = readme.read_text().splitlines()[:3]
+@pytest.mark.parametrize("page", PAGES, ids=identity)
+def test_begins_with_a_title_and_a_paragraph(page):
+    title, empty, first = page.read_text().splitlines()[:3]
     assert title.startswith("# ")
     assert not empty
     assert first[:1].isalpha()
 
 
-@pytest.mark.parametrize("readme", READMES, ids=identity)
-def test_links_have_existing_targets(readme):
-    for link in links(readme):
+@pytest.mark.parametrize("page", PAGES, ids=identity)
+def test_links_have_existing_targets(page):
+    for link in links(page):
         name, _, anchor = link.partition("#")
-        target = (readme.parent / name).resolve() if name else readme
+        target = (page.parent / name).resolve() if name else page
         assert target.exists(), link
         assert not anchor or anchor in anchors(target.read_text()), link
 
 
-@pytest.mark.parametrize("readme", READMES, ids=identity)
-def test_commands_and_their_options_exist(readme):
-    for command, rest in commands_in(readme.read_text()):
+@pytest.mark.parametrize("page", PAGES, ids=identity)
+def test_commands_and_their_options_exist(page):
+    for command, rest in commands_in(page.read_text()):
         if command in ("COMMAND", "ANYTHING"):
             continue
         assert command in COMMANDS, f"patrol {command}"
@@ -128,32 +129,32 @@ def test_commands_and_their_options_exist(readme):
         assert given <= options_of(command), f"patrol {command}{rest}"
 
 
-@pytest.mark.parametrize("readme", READMES, ids=identity)
-def test_files_exist(readme):
-    """A path in backticks exists in the repository or in the README's own folder."""
-    for words in TICKS.findall(readme.read_text()):
+@pytest.mark.parametrize("page", PAGES, ids=identity)
+def test_files_exist(page):
+    """A path in backticks exists in the repository or in the page's own folder."""
+    for words in TICKS.findall(page.read_text()):
         name = words.split("::")[0]
         if not PATH.fullmatch(name) or name in MADE | ELSEWHERE or EXAMPLES.fullmatch(name):
             continue
-        assert (ROOT / name).exists() or (readme.parent / name).exists(), name
+        assert (ROOT / name).exists() or (page.parent / name).exists(), name
 
 
-@pytest.mark.parametrize("readme", READMES, ids=identity)
-def test_no_path_of_one_machine_is_named(readme):
-    assert not re.search(r"/work/|/tmp/|/home/|/root/", readme.read_text())
+@pytest.mark.parametrize("page", PAGES, ids=identity)
+def test_no_path_of_one_machine_is_named(page):
+    assert not re.search(r"/work/|/tmp/|/home/|/root/", page.read_text())
 
 
-@pytest.mark.parametrize("readme", READMES, ids=identity)
-def test_quoted_tests_exist(readme):
-    for path, name in re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", readme.read_text()):
+@pytest.mark.parametrize("page", PAGES, ids=identity)
+def test_quoted_tests_exist(page):
+    for path, name in re.findall(r"`(tests/[\w/]+\.py)::(\w+)`", page.read_text()):
         assert f"def {name}(" in (ROOT / path).read_text(), f"{path}::{name}"
 
 
-@pytest.mark.parametrize("readme", READMES, ids=identity)
-def test_settings_exist(readme):
+@pytest.mark.parametrize("page", PAGES, ids=identity)
+def test_settings_exist(page):
     keys = {setting.key for setting in list_settings()}
     sections = {key.split(".")[0] for key in {*keys, *RENAMED_KEYS, *FIXED_KEYS}} - {"map"}
-    named = re.findall(r"`([a-z_]+(?:\.[a-z_]+)+)\b(?!\.\w)", readme.read_text())
+    named = re.findall(r"`([a-z_]+(?:\.[a-z_]+)+)\b(?!\.\w)", page.read_text())
     for key in named:
         if key.split(".")[0] in sections and not key.endswith((".py", ".toml", ".md")):
             section = any(each.startswith(f"{key}.") for each in keys)
