@@ -32,6 +32,7 @@ from robot_agent.pose.odometry_history import OdometryHistory
 
 _JUST_SEEN = 0.6  # s since the last detection for which a teammate is an obstacle
 _PASSING = 0.1  # m/s, ours: a robot that is slower may be standing, by the track's error
+_MOVES = 0.25  # m/s, ours: what seems so fast and has a robot's size is one, before it is known
 _NEAR = 2.5  # m; teammates farther away are no obstacle yet
 _SOON_NEAR = 1.2  # m from the axle; walls of the map farther away do not matter for a while
 
@@ -160,9 +161,7 @@ class Surroundings:
             for track in tracks
             if math.hypot(track.x - localized.x, track.y - localized.y) < _NEAR
         ]
-        # Of a short body what may turn in place may as well be a box: it would only be in the way.
-        long = self._keep_out.long_body
-        robots = [e for e in near if (e.may_turn if long else e.needs_room)]
+        robots = [track for track in near if self._needs_room(track)]
         teammates = [e for e in robots if t - e.last_seen <= _JUST_SEEN]
         people = [track for track in near if track.person_like]
         to_base = localized.inverse()
@@ -175,6 +174,15 @@ class Surroundings:
             around = self._person_room.around(_middles(people, to_base))
             rooms.append((ObstacleSource.PERSON_ROOM, around))
         return rooms
+
+    def _needs_room(self, track: Track) -> bool:
+        """Return whether a track is, or may be, a robot whose body needs the room to turn.
+
+        Of a short body what stands and may turn may as well be a box, which would be in the way.
+        """
+        if self._keep_out.long_body:
+            return track.may_turn
+        return track.needs_room or (track.may_turn and math.hypot(track.vx, track.vy) > _MOVES)
 
     def _explaining(self, odometry: Pose, localized: Pose | None) -> NDArray[np.float64]:
         """Return what else the gate knows ahead, (n, 2), m, base_link, and more precisely.

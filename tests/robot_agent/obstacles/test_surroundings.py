@@ -155,6 +155,11 @@ def test_without_a_scan_map_walls_of_all_sides_are_returned(surroundings: Surrou
         pytest.param("p2dx", Kind.STRANGER, {"robot_sized", "moving"}, True, id="moves like one"),
         pytest.param("p2dx", Kind.STRANGER, {"robot_sized"}, False, id="box"),
         pytest.param("p2dx", Kind.UNKNOWN, {"robot_sized"}, False, id="short robot or box"),
+        pytest.param("p2dx", Kind.UNKNOWN, {"robot_sized", "fast"}, True, id="seems to move"),
+        pytest.param("p2dx", Kind.UNKNOWN, {"fast"}, False, id="too small and seems to move"),
+        pytest.param(
+            "p2dx", Kind.STRANGER, {"robot_sized", "fast", "by_color"}, False, id="moves, no band"
+        ),
         pytest.param("powerbot", Kind.UNKNOWN, {"robot_sized"}, True, id="may be long and turn"),
         pytest.param("powerbot", Kind.UNKNOWN, set(), False, id="too small or too large"),
         pytest.param("powerbot", Kind.STRANGER, {"robot_sized"}, True, id="long one in a gap"),
@@ -170,7 +175,7 @@ def test_room_is_kept_round_whatever_may_be_a_robot(
         id=1,
         x=1.5,
         y=0.0,
-        vx=0.0,
+        vx=-0.3 if "fast" in is_like else 0.0,
         vy=0.0,
         covariance=np.zeros((2, 2)),
         first_seen=0.0,
