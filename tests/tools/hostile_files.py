@@ -189,9 +189,9 @@ def recordings(folder: Path) -> Iterator[tuple[str, list[str]]]:
     while whole[offset] != Opcode.CHUNK:
         offset += 9 + struct.unpack_from("<Q", whole, offset + 1)[0]
     bombs = {
-        "zstd bomb": chunk("zstd", zstd_bomb(3072), 1000),
-        "zstd bomb that claims much": chunk("zstd", zstd_bomb(3072), 2**40),
-        "lz4 bomb": chunk("lz4", lz4_bomb(3072), 1000),
+        "zstd bomb": chunk("zstd", zstd_bomb(768), 1000),
+        "zstd bomb that claims much": chunk("zstd", zstd_bomb(768), 2**40),
+        "lz4 bomb": chunk("lz4", lz4_bomb(768), 1000),
         "unknown compression": chunk("brotli", b"x" * 100, 1000),
         "undefined channels": chunk("", b"", 0)
         + b"".join(record(Opcode.MESSAGE_INDEX, struct.pack("<HI", n, 0)) for n in range(20_000)),
