@@ -1,7 +1,7 @@
 """Runs commands on hostile files in one process; prints one JSON line per command.
 
-Usage: python -m tests.tools.hostile_files FOLDER. Each line holds name, exit status, what was
-printed, processor time (s), and the process's peak memory so far (MB).
+Usage: python -m tests.tools.hostile_files GROUP FOLDER. Each line holds name, exit status, what
+was printed, processor time (s), and the process's peak memory so far (MB).
 """
 
 from __future__ import annotations
@@ -236,26 +236,28 @@ def peak_mb() -> int:
     return int(status.partition("VmHWM:")[2].split()[0]) // 1024
 
 
-def run(folder: Path) -> None:
-    for write in (map_folders, logs, recordings, texts):
-        for name, command in list(write(folder)):
-            before = resource.getrusage(resource.RUSAGE_SELF)
-            told = io.StringIO()
-            with redirect_stderr(told), redirect_stdout(told):
-                try:
-                    status: int | str = main(command)
-                except Exception as error:  # noqa: BLE001 - what must not happen is told
-                    status = f"{type(error).__name__}: {error}"[:300]
-            after = resource.getrusage(resource.RUSAGE_SELF)
-            row = {
-                "name": name,
-                "status": status,
-                "told": told.getvalue(),
-                "seconds": round(after.ru_utime - before.ru_utime, 2),
-                "memory_mb": peak_mb(),
-            }
-            sys.stdout.write(json.dumps(row) + "\n")
+GROUPS = {each.__name__: each for each in (map_folders, logs, recordings, texts)}
+
+
+def run(group: str, folder: Path) -> None:
+    for name, command in list(GROUPS[group](folder)):
+        before = resource.getrusage(resource.RUSAGE_SELF)
+        told = io.StringIO()
+        with redirect_stderr(told), redirect_stdout(told):
+            try:
+                status: int | str = main(command)
+            except Exception as error:  # noqa: BLE001 - what must not happen is told
+                status = f"{type(error).__name__}: {error}"[:300]
+        after = resource.getrusage(resource.RUSAGE_SELF)
+        row = {
+            "name": name,
+            "status": status,
+            "told": told.getvalue(),
+            "seconds": round(after.ru_utime - before.ru_utime, 2),
+            "memory_mb": peak_mb(),
+        }
+        sys.stdout.write(json.dumps(row) + "\n")
 
 
 if __name__ == "__main__":
-    run(Path(sys.argv[1]))
+    run(sys.argv[1], Path(sys.argv[2]))
