@@ -88,6 +88,10 @@ class SafetyGate:
         # Sides to which a turn in place was stopped, +1.0 left, -1.0 right; rad turned away since.
         self._blocked_sides: dict[float, float] = {}
         self._turned = 0.0  # rad, + left, since the robot turned the other way
+        # rad to the right, negative, and to the left within which the body has been.
+        self._back_right: float
+        self._back_left: float
+        self._forget_way_back()
         self._reason = GateReason.NONE
         self.stops: Counter[GateReason] = Counter()
 
@@ -103,6 +107,8 @@ class SafetyGate:
         if denied is not None:
             self._t = None  # start again from standstill
             return self._decided(0.0, 0.0, denied)
+        if self._t is None:
+            self._forget_way_back()  # the robot may have moved, or been moved, meanwhile
         elapsed = 0.0 if self._t is None else min(max(t - self._t, 0.0), _LONGEST_STEP)
         self._t = t
         self._count_turn(inputs.w * elapsed)
@@ -295,11 +301,13 @@ class SafetyGate:
         To a side to which an obstacle stopped a turn, the next one needs more room, until the robot
         drives or has turned away: else it would come nearer and nearer whenever noise shifts the
         nearest point away. Not if the turn had hardly begun; nor while scans have not shown any
-        motion: what is near may be part of the robot, and only a turn tells.
+        motion: what is near may be part of the robot, and only a turn tells. Back to where its body
+        has been it may turn with less than the margin: what stopped a turn would hold it there.
         """
         side = np.sign(turn)  # 0.0: no turn
         more = MORE_ROOM if side in self._blocked_sides else 0.0
-        share = self._body.free_share(0.0, turn, inputs.obstacles, more)
+        back = self._back_right <= turn <= self._back_left
+        share = self._body.free_share(0.0, turn, inputs.obstacles, more, back=back)
         if share > 0.0:
             self._blocked_sides.pop(side, None)
         elif side * self._turned > BEGUN and not inputs.unproven:  # stopped on its way there
@@ -309,12 +317,19 @@ class SafetyGate:
     def _count_turn(self, turned: float) -> None:
         """Add what the robot has turned, rad; let go of the sides from which it has turned away."""
         self._turned = turned + (self._turned if self._turned * turned >= 0.0 else 0.0)
+        self._back_right = min(self._back_right - turned, 0.0)
+        self._back_left = max(self._back_left - turned, 0.0)
         away = {s: max(past - s * turned, 0.0) for s, past in self._blocked_sides.items()}
         self._blocked_sides = {s: angle for s, angle in away.items() if angle <= TURNED_AWAY}
 
     def _forget_turns(self) -> None:
         """Take the robot to be at another place, as when it drives."""
         self._blocked_sides, self._turned = {}, 0.0
+        self._forget_way_back()
+
+    def _forget_way_back(self) -> None:
+        """Take the robot not to have turned yet."""
+        self._back_right = self._back_left = 0.0
 
     def _is_way_covered(self, v: float, w: float, inputs: GateInputs) -> bool:
         """Return whether fields of view cover the front edge at the end of the stopping way."""

@@ -15,6 +15,7 @@ POSES = 12  # per stopping way: at most 0.05 m apart at top speed, less than the
 SHARES = np.arange(1, POSES + 1) / POSES
 EDGING_SHARE = 1.135  # of EDGING_SPEED: a base rolls slightly faster than commanded
 SEEN_INSIDE = 0.02  # m by which noise shifts points at the side into the footprint
+LEAST_BACK = -SEEN_INSIDE  # m; margin of a turn back, of the points that are nearest
 FREE_SHARES = np.arange(POSES) / POSES  # free up to the pose before the first collision
 _Edge = float | NDArray[np.float64]
 """Distance of an edge of the footprint from the axle's middle, m: one, or one for each point."""
@@ -31,12 +32,19 @@ class SweptFootprint:
         self._edging_way = stopping_way(speed, settings.braking, settings.reaction_delay)
 
     def free_share(
-        self, way: float, turn: float, obstacles: NDArray[np.float64], more: float = 0.0
+        self,
+        way: float,
+        turn: float,
+        obstacles: NDArray[np.float64],
+        more: float = 0.0,
+        *,
+        back: bool = False,
     ) -> float:
         """Return the share, 0 to 1, of an arc (way m, turn rad) free of obstacles (n, 2), m.
 
         more: m added to the margin of a turn in place; but points that are nearer already must
-        come no nearer.
+        come no nearer. back: whether the body has just been where a turn in place takes it; then
+        that holds for points within the margin too.
         """
         if not len(obstacles):
             return 1.0
@@ -52,7 +60,7 @@ class SweptFootprint:
                 # points beside the robot does not shrink.
                 near = near[~self._beside(near)]
         else:
-            front, rear, side = self._turning(near, more)
+            front, rear, side = self._turning(near, more, back=back)
         x, y = _seen_along_arc(way * SHARES, turn * SHARES, near)
         hit = ((x < front) & (x > -rear) & (np.abs(y) < side)).any(axis=1)
         return float(FREE_SHARES[hit.argmax()]) if hit.any() else 1.0
@@ -63,14 +71,17 @@ class SweptFootprint:
         side = settings.half_width + self._side_margin(near)
         return self._front, settings.rear + settings.turn_margin, side
 
-    def _turning(self, near: NDArray[np.float64], more: float) -> tuple[_Edge, _Edge, _Edge]:
+    def _turning(
+        self, near: NDArray[np.float64], more: float, *, back: bool
+    ) -> tuple[_Edge, _Edge, _Edge]:
         """Return the same for a turn in place, each (n,): of each of the points (n, 2), m."""
         settings = self._settings
         x, y = near.T
         clearance = np.maximum(
             np.maximum(x - settings.front, -settings.rear - x), np.abs(y) - settings.half_width
         )
-        margin = settings.turn_margin + np.clip(clearance - settings.turn_margin, 0.0, more)
+        least = LEAST_BACK - settings.turn_margin if back else 0.0
+        margin = settings.turn_margin + np.clip(clearance - settings.turn_margin, least, more)
         return settings.front + margin, settings.rear + margin, settings.half_width + margin
 
     def front_edge(self, way: float, turn: float) -> list[tuple[float, float]]:

@@ -13,6 +13,7 @@ from robot_agent.motion.stopping import stopping_way
 from robot_agent.motion.swept_footprint import (
     EDGING_SHARE,
     FREE_SHARES,
+    LEAST_BACK,
     SEEN_INSIDE,
     SHARES,
 )
@@ -35,6 +36,7 @@ class SafetyGates:
         self._blocked = np.zeros((2, n), dtype=np.bool_)  # turns in place, to the right and left
         self._away = np.zeros((2, n))  # rad turned away since
         self._turned = np.zeros(n)  # rad, + left, since the robot turned the other way
+        self._been = np.zeros((2, n))  # rad to right and left within which the body has been
         self.stops = np.zeros(n, dtype=np.intp)
         """How often an obstacle held each robot, from its begin."""
 
@@ -77,6 +79,7 @@ class SafetyGates:
             "_blocked",
             "_away",
             "_turned",
+            "_been",
             "stops",
         )
         pick(self, names, robots)
@@ -120,6 +123,7 @@ class SafetyGates:
         alone[near] = False
         drives = rolling > self._limits.creep_speed
         self._turned[alone & drives] = 0.0
+        self._been[:, alone & drives] = 0.0
         self._blocked[0, alone & (drives | (w < 0.0))] = False
         self._blocked[1, alone & (drives | (w > 0.0))] = False
 
@@ -149,7 +153,7 @@ class SafetyGates:
             out_w[rolls] = np.where(clear, w[rolls], np.where(creeps, slowed, 0.0))
             done[rolls] = clear | late | creeps
             drive = obstacles.robots[rolls[clear | creeps]]
-            self._blocked[:, drive], self._turned[drive] = False, 0.0
+            self._blocked[:, drive], self._turned[drive], self._been[:, drive] = False, 0.0, 0.0
         turns = (~done).nonzero()[0]
         if turns.size:
             own = w[turns]
@@ -164,7 +168,8 @@ class SafetyGates:
         """Return the free shares of turns in place, rad, of some robots near obstacles."""
         robots, left = obstacles.robots[some], (turn > 0.0).astype(np.intp)
         more = np.where(self._blocked[left, robots] & (turn != 0.0), MORE_ROOM, 0.0)
-        share = self._swept.free_shares(np.zeros(len(turn)), turn, obstacles.of(some), more)
+        back = np.abs(turn) <= self._been[left, robots]
+        share = self._swept.free_shares(np.zeros(len(turn)), turn, obstacles.of(some), more, back)
         turns = turn != 0.0
         begun = np.sign(turn) * self._turned[robots] > BEGUN
         ends, begins = turns & (share > 0.0), (share == 0.0) & begun
@@ -177,6 +182,7 @@ class SafetyGates:
         """Add what robots have turned (n,), rad; let go of the sides they have turned away from."""
         self._turned = turned + np.where(self._turned * turned >= 0.0, self._turned, 0.0)
         self._away = np.maximum(self._away + np.stack((turned, -turned)), 0.0)
+        self._been = np.maximum(self._been + np.stack((turned, -turned)), 0.0)
         self._blocked &= self._away <= TURNED_AWAY
 
 
@@ -193,11 +199,18 @@ class SweptFootprints:
         self._corner = math.hypot(longest, widest) + 2.0 * MORE_ROOM
 
     def free_shares(
-        self, way: Reals, turn: Reals, points: ObstaclePoints, more: Reals | None = None
+        self,
+        way: Reals,
+        turn: Reals,
+        points: ObstaclePoints,
+        more: Reals | None = None,
+        back: Flags | None = None,
     ) -> Reals:
         """Return (n,) the shares, 0 to 1, of arcs (way m, turn rad) that are free of points.
 
-        more (n,): m added to the margin of turns in place; None: nothing.
+        more (n,): m added to the margin of turns in place; back (n,): which go back to where the
+        body has been, so that points within it must only come no nearer. Both None where robots
+        drive.
         """
         limits = self._limits
         robot, x, y = points.owner, points.x, points.y
@@ -225,7 +238,9 @@ class SweptFootprints:
             return shares
         # 3. The first pose along the arc at which it does.
         rear = limits.rear + limits.turn_margin
-        room = 0.0 if more is None else self._more_room(more[robot], x, y)
+        room: Reals | float = 0.0
+        if more is not None and back is not None:
+            room = self._more_room(more[robot], back[robot], x, y)
         seen_x, seen_y = _seen_along_arcs(way, turn, robot, x, y)
         hit = (
             (seen_x < front[robot] + room)
@@ -239,12 +254,16 @@ class SweptFootprints:
         shares[hits] = FREE_SHARES[pose[hits]]
         return shares
 
-    def _more_room(self, more: Reals, x: Reals, y: Reals) -> Reals:
-        """Return (m,) what points (m,) add to the margin of a turn in place, at most more, m."""
+    def _more_room(self, more: Reals, back: Flags, x: Reals, y: Reals) -> Reals:
+        """Return (m,) what points (m,) add to the margin of a turn in place, at most more, m.
+
+        Negative for points within the margin of a turn back (m,).
+        """
         limits = self._limits
         beyond = np.maximum(x - limits.front, -limits.rear - x)
         clearance = np.maximum(beyond, np.abs(y) - limits.half_width)
-        return np.asarray(np.clip(clearance - limits.turn_margin, 0.0, more))
+        least = np.where(back, LEAST_BACK - limits.turn_margin, 0.0)
+        return np.asarray(np.clip(clearance - limits.turn_margin, least, more))
 
 
 def _seen_along_arcs(

@@ -48,6 +48,7 @@ _DRIVING = "no difference: only the check of a turn uses it, and the gate names 
 _LARGER_BODY = "differs for larger bodies only; a test of the gate's settings has its value"
 SURVIVORS = [
     ("gate_limits.3.0 -> 2.7", _LARGER_BODY),
+    ("swept_footprint.free_share: False -> True", _DRIVING),
     ("swept_footprint.free_share: 0.0 -> 1.0", _DRIVING),
     ("swept_footprint.free_share: 0.0 -> -1.0", _DRIVING),
     ("swept_footprint.free_share: x < front -> x <= front", _EDGE),

@@ -751,6 +751,57 @@ def turned_on(side: int) -> list[Story]:
     ]
 
 
+def turned_back(side: int) -> list[Story]:
+    """Back to where the body has been a turn may leave what is within its margin."""
+    once = {"obstacle": 1}
+    begun = [turning(0.0, 0.0), turning(0.1, side * 0.8)]  # 0.08 rad; a first turn needs 0.06
+    near = nearing(side, 0.010)
+    return [
+        Story([*begun, turn(0.2, -side, FIRST, GOES, near)]),
+        # but not come nearer, nor leave what is far inside
+        Story([*begun, turn(0.2, -side, 0.0, "obstacle", nearing(-side, 0.010))], once),
+        Story([*begun, turn(0.2, -side, FIRST, GOES, nearing(side, -0.0205))]),
+        Story([*begun, turn(0.2, -side, 0.0, "obstacle", nearing(side, -0.022))], once),
+        # not farther than it has been
+        Story([turning(0.0, 0.0), turn(0.1, -side, 0.0, "obstacle", near)], once),
+        Story(
+            [
+                turning(0.0, 0.0),
+                turning(0.1, side * 0.5),
+                turn(0.2, -side, 0.0, "obstacle", near),
+            ],
+            once,
+        ),
+        Story(
+            [
+                turning(0.0, 0.0),
+                turning(0.25, side * stopping(0.25, 2.0) / 0.25),  # so far to the bit
+                turn(0.375, -side, 0.25, GOES, near),
+            ]
+        ),
+        Story([*begun, turning(0.2, -side * 0.4), turn(0.3, -side, 0.0, "obstacle", near)], once),
+        Story(
+            [
+                *begun,
+                turning(0.2, -side * 1.6),
+                turning(0.3, side * 0.8),
+                turn(0.4, -side, FIRST, GOES, near),
+            ]
+        ),
+        # nor once it has driven, or may have been moved
+        Story([*begun, Step(0.2, GOES, v=0.025), turn(0.3, -side, 0.0, "obstacle", near)], once),
+        Story(
+            [
+                *begun,
+                Step(0.2, "bumper", BUMPED, v=0.0),
+                turn(0.3, -side, 0.0, GOES),
+                turn(0.4, -side, 0.0, "obstacle", near),
+            ],
+            {"bumper": 1, "obstacle": 1},
+        ),
+    ]
+
+
 STORIES = [
     # between two reports what was let pass is withdrawn once, when a report or a scan is too old
     Story(
@@ -945,6 +996,8 @@ STORIES = [
     ),
     *turned_on(1),
     *turned_on(-1),
+    *turned_back(1),
+    *turned_back(-1),
 ]
 
 
