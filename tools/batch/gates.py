@@ -181,8 +181,9 @@ class SafetyGates:
     def _count_turns(self, turned: Reals) -> None:
         """Add what robots have turned (n,), rad; let go of the sides they have turned away from."""
         self._turned = turned + np.where(self._turned * turned >= 0.0, self._turned, 0.0)
-        self._away = np.maximum(self._away + np.stack((turned, -turned)), 0.0)
-        self._been = np.maximum(self._been + np.stack((turned, -turned)), 0.0)
+        from_sides = np.stack((turned, -turned))
+        self._away = np.maximum(self._away + from_sides, 0.0)
+        self._been = np.maximum(self._been + from_sides, 0.0)
         self._blocked &= self._away <= TURNED_AWAY
 
 
@@ -209,7 +210,7 @@ class SweptFootprints:
         """Return (n,) the shares, 0 to 1, of arcs (way m, turn rad) that are free of points.
 
         more (n,): m added to the margin of turns in place; back (n,): which go back to where the
-        body has been, so that points within it must only come no nearer. Both None where robots
+        body has been: points within the margin must only come no nearer. Both None where robots
         drive.
         """
         limits = self._limits
