@@ -16,9 +16,10 @@ from pathlib import Path
 def whole_file(path: Path) -> Iterator[Path]:
     """Yield the path to write to instead of ``path``, which it replaces at the end of the block.
 
-    It lies in the same folder and has the same suffix; an existing file's mode and owner are kept.
-    What is no file, as a device or a pipe, is written to itself. Raises OSError, which names
-    ``path``; a block that raises leaves ``path`` as it was.
+    It lies in the same folder, which is made if missing, and has the same suffix; an existing
+    file's mode and owner are kept. What is no file, as a device or a pipe, is written to itself.
+    Raises OSError, which names ``path`` or its folder; a block that raises leaves ``path`` as it
+    was.
     """
     target = path.resolve()  # a link stays one
     part = target.with_name(f".{target.stem}.part{target.suffix}")
@@ -26,6 +27,7 @@ def whole_file(path: Path) -> Iterator[Path]:
         if path.is_relative_to("/dev") or (path.exists() and not path.is_file()):
             yield path
             return
+        part.parent.mkdir(parents=True, exist_ok=True)
         part.unlink(missing_ok=True)  # of a process that was killed
         try:
             yield part

@@ -79,8 +79,14 @@ def test_error_of_another_file_keeps_its_name(tmp_path: Path) -> None:
     assert raised.value.filename == str(tmp_path / "gone")
 
 
-def test_missing_folder_is_an_error_with_the_files_name(tmp_path: Path) -> None:
-    path = tmp_path / "no" / "a.txt"
-    with pytest.raises(FileNotFoundError) as raised:
-        write_whole(path, "words")
-    assert raised.value.filename == str(path)
+def test_missing_folders_are_made(tmp_path: Path) -> None:
+    path = tmp_path / "no" / "nor this" / "a.txt"
+    write_whole(path, "words")
+    assert path.read_text() == "words"
+
+
+def test_file_in_the_place_of_a_folder_is_an_error_that_names_it(tmp_path: Path) -> None:
+    (tmp_path / "no").write_text("kept")
+    with pytest.raises(OSError, match=r"exists|[Nn]ot a directory") as raised:
+        write_whole(tmp_path / "no" / "a.txt", "words")
+    assert raised.value.filename == str(tmp_path / "no")

@@ -133,17 +133,6 @@ def test_file_that_is_no_recording_is_one_error(
     assert "y.mcap: cannot be read" in complaint(capsys, "replay", str(tmp_path / "y.mcap"))
 
 
-def test_unwritable_output_is_one_error(
-    data_folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    log = str(data_folder / "logs/seattle-corrected.log.gz")
-    target = str(tmp_path / "no" / "such" / "x.mcap")
-    status, _, said = run(capsys, "convert", log, "-o", target, "--map", "intel_lab")
-    assert status == 1
-    (line,) = said.splitlines()
-    assert target in line
-
-
 @pytest.mark.parametrize(
     "words",
     [

@@ -22,8 +22,7 @@ def set_keys(path: Path, section: str, values: Mapping[str, Any]) -> None:
     read or written, is no valid configuration or would not be one afterwards.
     """
     try:
-        content = path.read_bytes() if path.exists() else b""
-        parse_config(content, str(path))
+        content = require_config(path)
         changed = with_keys(content.decode(), section, values).encode()
         parse_config(changed, str(path))
         write_whole(path, changed)
@@ -33,6 +32,16 @@ def set_keys(path: Path, section: str, values: Mapping[str, Any]) -> None:
         ) from error
     except UnplacedError as error:
         raise ConfigError(f"{path}: [{section}]: {error}") from error
+
+
+def require_config(path: Path) -> bytes:
+    """Return a configuration's content, empty for a new file.
+
+    Raises ConfigError for an invalid one, OSError for one that cannot be read.
+    """
+    content = path.read_bytes() if path.exists() else b""
+    parse_config(content, str(path))
+    return content
 
 
 class UnplacedError(ValueError):

@@ -23,6 +23,7 @@ from tools.bench.sensing import Sensing, bench
 from tools.commands.settings_option import add_set_option, chosen_config
 from tools.commands.truth_option import add_truth_option, chosen_truth
 from tools.number_range import positive, whole
+from tools.output_path import output_file, output_folder
 from tools.progress import progress_line
 
 STANDARD_OUTPUT = Path("-")
@@ -74,9 +75,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_truth_option(parser)
     add_set_option(parser)
-    parser.add_argument("--record", type=Path, metavar="DIR", help="keep a recording per robot")
     parser.add_argument(
-        "--json", type=Path, metavar="OUT", help="write all figures to this file; -: print them"
+        "--record", type=output_folder, metavar="DIR", help="keep a recording per robot"
+    )
+    parser.add_argument(
+        "--json",
+        type=output_file,
+        metavar="OUT",
+        help="write all figures to this file; -: print them",
     )
 
 

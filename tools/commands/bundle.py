@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 
 from tools.deploy.bundle import MACHINES, make_bundle
+from tools.output_path import output_folder
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = "example: patrol bundle -o patrol-bundle\n\nNeeds a package index, once."
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    parser.add_argument("-o", "--output", type=output_folder, required=True, metavar="DIR")
     parser.add_argument(
         "--machine",
         action="append",

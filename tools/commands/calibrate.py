@@ -34,7 +34,7 @@ from tools.calibration.color_calibration import (
     learn_color,
     middle_of,
 )
-from tools.calibration.config_section import set_keys
+from tools.calibration.config_section import require_config, set_keys
 from tools.calibration.drive import Drive, read_drive
 from tools.calibration.ego_motion import laser_motions
 from tools.calibration.motion_calibration import GeometryFit, fit_geometry
@@ -43,6 +43,7 @@ from tools.calibration.teammate_calibration import learn_silhouette, standing_sc
 from tools.calibration.teammate_picture import draw_silhouette
 from tools.logs.recording import read_recording
 from tools.logs.scan_log import read_scan_log
+from tools.output_path import output_file
 from tools.progress import progress_line
 
 LIVE_PICTURES = 10
@@ -67,15 +68,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
     color.add_argument("pictures", nargs="*", type=Path, metavar="PICTURE", help="none: the camera")
     color.add_argument("--box", metavar="LEFT,TOP,WIDTH,HEIGHT", help="where the band is, pixels")
     color.add_argument("--at", metavar="X,Y", help="a point on the band, pixels")
-    color.add_argument("--mask", type=Path, metavar="PNG", help="show what is taken for the band")
-    color.add_argument("--robot", type=Path, metavar="ROBOT.toml", help="file to write it into")
+    color.add_argument(
+        "--mask", type=output_file, metavar="PNG", help="show what is taken for the band"
+    )
     camera = kinds.add_parser("camera", help="fit direction and focal length to a recording")
     camera.add_argument("recording", type=Path, metavar="REC.mcap")
-    camera.add_argument("--robot", type=Path, metavar="ROBOT.toml", help="file to write it into")
     teammate = kinds.add_parser("teammate", help="learn what a teammate looks like in the laser")
     teammate.add_argument("recording", type=Path, metavar="RUN", help="recording or CARMEN log")
-    teammate.add_argument("--picture", type=Path, metavar="PNG", help="default: beside RUN")
-    teammate.add_argument("--robot", type=Path, metavar="ROBOT.toml", help="file to write it into")
+    teammate.add_argument("--picture", type=output_file, metavar="PNG", help="default: beside RUN")
     laser = kinds.add_parser("laser", help="find the laser's mount from a drive")
     laser.add_argument(
         "--ignore", action="store_true", help="write the proposed sectors of own parts as well"
@@ -83,7 +83,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     odometry = kinds.add_parser("odometry", help="find wheel scales and track from a drive")
     for kind in (laser, odometry):
         kind.add_argument("drive", type=Path, metavar="DRIVE.mcap", help="or a CARMEN log")
-        kind.add_argument("--robot", type=Path, metavar="ROBOT.toml", help="file to write it into")
+    for kind in (color, camera, teammate, laser, odometry):
+        kind.add_argument(
+            "--robot", type=output_file, metavar="ROBOT.toml", help="file to write it into"
+        )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -95,6 +98,8 @@ def run(options: argparse.Namespace) -> int:
         "laser": _laser,
         "odometry": _odometry,
     }
+    if options.robot is not None:
+        require_config(options.robot)  # before the work that it would lose
     return kinds[options.what](options)
 
 

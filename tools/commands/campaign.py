@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
-from pathlib import Path
 
 from maps.whole_file import write_whole
 from tools.commands import faults
 from tools.number_range import whole
+from tools.output_path import output_file
 from tools.progress import progress_line
 
 
@@ -24,7 +24,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--series",
-        type=Path,
+        type=output_file,
         metavar="FILE",
         help="of an endurance: what was held after each cycle, as .csv, or drawn as .svg, .png, "
         ".pdf",

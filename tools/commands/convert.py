@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 from maps.map_folder import MapFolder, load_map_folder
@@ -16,10 +17,11 @@ from tools.logs.capture import capture_to_recording, recording_to_capture
 from tools.logs.carmen import CarmenLog
 from tools.logs.carmen_writer import recording_to_carmen
 from tools.logs.laser_log import read_laser_log
-from tools.logs.recording import read_recording
+from tools.logs.recording import Recording, read_recording
 from tools.logs.ros_bag import RosTopics, is_ros_bag
 from tools.logs.ros_bag_writer import recording_to_ros
 from tools.logs.stream_table import stream_to_csv
+from tools.output_path import output_path
 from tools.progress import progress_line
 from tools.replay.carmen_recording import as_lms_scans, convert
 
@@ -45,7 +47,7 @@ examples:
   patrol convert robot1.mcap -o robot1.ros2
   patrol convert robot1.mcap -o decisions.csv --stream decision"""
     parser.add_argument("source", type=Path, help="CARMEN log, ROS bag, capture or recording")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="FILE")
+    parser.add_argument("-o", "--output", type=output_path, required=True, metavar="FILE")
     parser.add_argument(
         "--map",
         metavar="DIR",
@@ -82,22 +84,27 @@ def run(options: argparse.Namespace) -> int:
 
 def _from_recording(source: Path, output: Path, stream: str | None) -> str:
     """Convert a recording; return what was written as text, e.g. ``120 scans``."""
+    write = _writer(output, stream)
     recording = read_recording(source)
-    if output.suffix == ".log":
-        words = f"{recording_to_carmen(recording, output)} scans"
-    elif output.suffix == ".ros2":
-        words = f"{recording_to_ros(recording, output)} scans, for ROS 2"
-    elif output.suffix == ".jsonl":
-        words = f"{recording_to_capture(recording, output)} lines"
-    elif output.suffix == ".csv" and stream:
-        words = f"{stream_to_csv(recording, stream, output)} rows"
-    else:
-        raise ConvertError(
-            f"{output}: a recording becomes a .log, .ros2 or .jsonl, or with --stream NAME a .csv"
-        )
+    words = write(recording)
     if recording.truncated:
         print(f"patrol convert: {recording.truncated}", file=sys.stderr)
     return words
+
+
+def _writer(output: Path, stream: str | None) -> Callable[[Recording], str]:
+    """Return what writes a recording as the output's suffix wants; ConvertError: there is none."""
+    if output.suffix == ".log":
+        return lambda recording: f"{recording_to_carmen(recording, output)} scans"
+    if output.suffix == ".ros2":
+        return lambda recording: f"{recording_to_ros(recording, output)} scans, for ROS 2"
+    if output.suffix == ".jsonl":
+        return lambda recording: f"{recording_to_capture(recording, output)} lines"
+    if output.suffix == ".csv" and stream:
+        return lambda recording: f"{stream_to_csv(recording, stream, output)} rows"
+    raise ConvertError(
+        f"{output}: a recording becomes a .log, .ros2 or .jsonl, or with --stream NAME a .csv"
+    )
 
 
 def _from_log(

@@ -21,6 +21,7 @@ from tools.demo.demo_summary import print_summary, read_runs
 from tools.monitor.endpoint import free_endpoint
 from tools.monitor.site import Site
 from tools.number_range import positive, whole
+from tools.output_path import output_folder
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -36,7 +37,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="HOST:PORT",
         help="where the page is served; default: a free port, none with --headless",
     )
-    parser.add_argument("--record", type=Path, metavar="DIR", help="keep recordings in DIR")
+    parser.add_argument(
+        "--record", type=output_folder, metavar="DIR", help="keep recordings in DIR"
+    )
     parser.add_argument(
         "--strangers",
         type=whole(),

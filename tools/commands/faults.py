@@ -6,7 +6,6 @@ import argparse
 import dataclasses
 import json
 import sys
-from pathlib import Path
 
 from drivers.p2os.emulator.base import FACTORY_WATCHDOG
 from maps.whole_file import write_whole
@@ -14,6 +13,7 @@ from tools.campaign.fault_list import FAULTS, chosen_faults
 from tools.campaign.fault_table import markdown, run_faults
 from tools.campaign.reaction import Reaction
 from tools.number_range import not_negative
+from tools.output_path import output_file, output_folder
 from tools.preflight.watchdog_trial import ADVISED_WATCHDOG_S
 from tools.progress import progress_line
 
@@ -25,9 +25,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         f"example: patrol faults base-unplugged laser-silent\n\nfaults, about 15 s each:\n{listing}"
     )
     parser.add_argument("faults", nargs="*", metavar="FAULT", help="which ones; default: all")
-    parser.add_argument("-o", "--output", type=Path, metavar="OUT.md", help="write the table there")
     parser.add_argument(
-        "--record", type=Path, metavar="DIR", help="keep recordings, in a folder per fault"
+        "-o", "--output", type=output_file, metavar="OUT.md", help="write the table there"
+    )
+    parser.add_argument(
+        "--record", type=output_folder, metavar="DIR", help="keep recordings, in a folder per fault"
     )
     parser.add_argument(
         "--watchdog",

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from tools.deploy.certificates import make_keys
 from tools.number_range import whole
+from tools.output_path import output_folder
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -29,7 +29,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="ADDRESS",
         help="address or name at which robots reach the operator; several may be given",
     )
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    parser.add_argument("-o", "--output", type=output_folder, required=True, metavar="DIR")
     parser.add_argument("--days", type=whole(1), default=3650, metavar="N", help="validity in days")
 
 

@@ -28,6 +28,7 @@ from tools.logs.recording import read_recording
 from tools.logs.ros_bag import is_ros_bag
 from tools.mapping.map_build import Scans
 from tools.number_range import not_negative, share, whole
+from tools.output_path import output_file
 from tools.progress import progress_line
 
 _EPILOG = """examples:
@@ -90,8 +91,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_no_return(parser)
     add_topics(parser)
-    parser.add_argument("--csv", type=Path, metavar="OUT", help="write one line per scan")
-    parser.add_argument("--json", type=Path, metavar="OUT", help="write the summary")
+    parser.add_argument("--csv", type=output_file, metavar="OUT", help="write one line per scan")
+    parser.add_argument("--json", type=output_file, metavar="OUT", help="write the summary")
 
 
 def run(options: argparse.Namespace) -> int:

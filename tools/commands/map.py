@@ -30,6 +30,7 @@ from tools.mapping.slam.relations import read_relations, relation_error, synchro
 from tools.mapping.slam.trajectory import Trajectory
 from tools.mapping.zone_stretches import zone_lines
 from tools.number_range import positive, real, share, whole
+from tools.output_path import output_file, output_folder
 from tools.progress import progress_line
 
 _POLL_S = 0.2
@@ -45,7 +46,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     build = actions.add_parser("build", help="build a map from a log or recording")
     build.epilog = "example: patrol map build drive.mcap -o my_map --from odometry"
     build.add_argument("log", type=Path, help="CARMEN log (plain or gzip), ROS bag or recording")
-    build.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    build.add_argument("-o", "--output", type=output_folder, required=True, metavar="DIR")
     build.add_argument("--resolution", type=positive, default=0.05, metavar="M", help="cell side")
     build.add_argument(
         "--max-range", type=positive, default=20.0, metavar="M", help="leave out longer beams"
@@ -78,13 +79,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
     draw = actions.add_parser("draw", help="draw a map from a floor plan file")
     draw.epilog = "example: patrol map draw floor_plan.toml -o my_map"
     draw.add_argument("plan", type=Path, metavar="FLOOR_PLAN.toml")
-    draw.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    draw.add_argument("-o", "--output", type=output_folder, required=True, metavar="DIR")
     draw.set_defaults(act=_draw)
 
     imported = actions.add_parser("import", help="make a map of a plan's picture")
     imported.epilog = "example: patrol map import plan.png --resolution 0.05 -o my_map"
     imported.add_argument("picture", type=Path, metavar="PICTURE", help="PNG, BMP or PGM")
-    imported.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    imported.add_argument("-o", "--output", type=output_folder, required=True, metavar="DIR")
     imported.add_argument(
         "--resolution", type=positive, required=True, metavar="M", help="metres of a pixel's side"
     )
@@ -102,7 +103,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     show.epilog = "example: patrol map show paper_lab -o paper_lab.png"
     _add_folder(show)
-    show.add_argument("-o", "--output", type=Path, required=True, metavar="PNG")
+    show.add_argument("-o", "--output", type=output_file, required=True, metavar="PNG")
     show.set_defaults(act=_show)
 
     border = actions.add_parser("border", help="draw a border on a map, in a browser")

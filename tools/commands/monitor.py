@@ -19,6 +19,7 @@ from tools.monitor.team_state import TeamState
 from tools.monitor.text_view import show_team
 from tools.monitor.watch import Watch
 from tools.number_range import positive
+from tools.output_path import output_file
 
 POLL_S = 0.2
 LOG_FILE = "shift_log.sqlite"
@@ -47,11 +48,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--robot", metavar="NAME", help="with --text: whose details are shown at first"
     )
     parser.add_argument(
-        "--record", type=Path, metavar="OUT.mcap", help="record every payload received"
+        "--record", type=output_file, metavar="OUT.mcap", help="record every payload received"
     )
     parser.add_argument(
         "--log",
-        type=Path,
+        type=output_file,
         metavar="FILE.sqlite",
         help=f"keep the shift log in a file; with --record the default is {LOG_FILE} beside it",
     )

@@ -15,6 +15,7 @@ from tools.bench.sensing import Sensing
 from tools.commands.settings_option import add_set_option, chosen_config
 from tools.commands.truth_option import add_truth_option, chosen_truth
 from tools.number_range import positive, whole
+from tools.output_path import output_folder
 from tools.progress import progress_line
 from tools.studies.paper import BORDER, DURATION_S, MAP, PaperTrial, claims, over_seeds, run_seeds
 from tools.studies.paper_figures import write_figures
@@ -27,7 +28,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--pure leaves out the other modifiers too. example: patrol paper -o paper/ --seeds 20"
     )
     parser.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="DIR", help="for figures and JSON"
+        "-o",
+        "--output",
+        type=output_folder,
+        required=True,
+        metavar="DIR",
+        help="for figures and JSON",
     )
     parser.add_argument("--duration", type=positive, default=DURATION_S, metavar="S")
     parser.add_argument("--seed", type=whole(), default=1, metavar="N", help="the first")

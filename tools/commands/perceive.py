@@ -19,6 +19,7 @@ from tools.logs.laser_log import read_laser_log
 from tools.logs.recording import read_recording
 from tools.logs.ros_bag import is_ros_bag
 from tools.number_range import whole
+from tools.output_path import output_folder
 from tools.progress import progress_line
 
 RESOLUTION = 0.05  # m
@@ -32,7 +33,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "  patrol perceive RUN.mcap --pictures out/  what was seen when an intruder was reported"
     )
     parser.add_argument("log", type=Path, metavar="LOG", help="CARMEN log, or recording")
-    parser.add_argument("--pictures", type=Path, metavar="DIR", help="draw scan.png and camera.jpg")
+    parser.add_argument(
+        "--pictures", type=output_folder, metavar="DIR", help="draw scan.png and camera.jpg"
+    )
     parser.add_argument(
         "--map",
         metavar="DIR",

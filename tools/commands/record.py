@@ -19,6 +19,7 @@ from robot_agent.recording.recorder import Recorder
 from robot_agent.recording.run_files import OneFile, refuse_existing
 from robot_agent.recording.run_header import header_of_run
 from tools.mapping.blank_map import blank_map
+from tools.output_path import output_file
 from tools.teleop.drive_line import LineBelow, drive_line, size_of
 from tools.teleop.terminal_keys import HELP, terminal_keys
 
@@ -31,7 +32,7 @@ then: patrol map build drive.mcap -o my_map --from odometry
 The robot drives only while a key is held, slowly, and stops before anything the laser sees. It
 needs no map and no pose. Keys come from this terminal only."""
     parser.add_argument("config", type=Path, metavar="ROBOT.toml", help="the robot's configuration")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="REC.mcap")
+    parser.add_argument("-o", "--output", type=output_file, required=True, metavar="REC.mcap")
     parser.add_argument("--teleop", action="store_true", help="drive by the keys of this terminal")
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from maps.whole_file import write_whole
 from robot_agent.config import find_map
+from tools.output_path import output_folder
 from tools.progress import progress_line
 from tools.report.alignment import AlignmentError, align
 from tools.report.numbers import numbers
@@ -27,7 +28,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
   patrol report night/*.mcap -o report/ --offset robot2=-1.25"""
     parser.add_argument("recordings", type=Path, nargs="+", metavar="REC.mcap")
     parser.add_argument(
-        "-o", "--output", type=Path, required=True, metavar="DIR", help="for report.html and .json"
+        "-o",
+        "--output",
+        type=output_folder,
+        required=True,
+        metavar="DIR",
+        help="for report.html and .json",
     )
     parser.add_argument(
         "--figures", choices=FORMATS, help="write only the figures, a file each, in this format"

@@ -8,6 +8,7 @@ from pathlib import Path
 from robot_agent.patrol.rules import RULES_FILE, check_rules
 from robot_agent.patrol.settings import PatrolSettings
 from tools.number_range import not_negative
+from tools.output_path import output_file
 
 _SHIPPED = PatrolSettings()
 
@@ -23,7 +24,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     show.add_argument("--reading", choices=("R1", "R2", "R3"), default=_SHIPPED.reading)
     show.add_argument("--open", action="store_true", help="with the ends of an open border")
-    show.add_argument("-o", "--output", type=Path, required=True, metavar="PNG")
+    show.add_argument("-o", "--output", type=output_file, required=True, metavar="PNG")
     _add_safety_distance(show)
     show.set_defaults(act=_show)
 

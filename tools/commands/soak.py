@@ -12,6 +12,7 @@ from maps.map_folder import load_map_folder
 from robot_agent.config import find_map
 from tools.commands.truth_option import add_truth_option, chosen_truth
 from tools.number_range import not_negative, positive, whole
+from tools.output_path import output_file, output_folder
 from tools.progress import progress_line
 from tools.studies.soak import HOUR_S, Soak, SoakHour, SoakLog, summary
 
@@ -34,10 +35,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="mean time between two faults of a robot",
     )
     add_truth_option(parser)
-    parser.add_argument("--record", type=Path, metavar="DIR", help="keep the last recordings there")
+    parser.add_argument(
+        "--record", type=output_folder, metavar="DIR", help="keep the last recordings there"
+    )
     parser.add_argument(
         "--json",
-        type=Path,
+        type=output_file,
         metavar="OUT.jsonl",
         help="append a line after each hour, and write OUT.summary.json: a kill loses one hour",
     )

@@ -14,6 +14,7 @@ from rich.table import Table
 from tools.commands.settings_option import add_set_option, robots_file
 from tools.commands.truth_option import add_truth_option, chosen_truth
 from tools.number_range import whole
+from tools.output_path import output_folder
 from tools.progress import progress_line
 from tools.report.style import FORMATS
 from tools.studies.case_names import CaseNames
@@ -29,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
     parser.epilog = "example: patrol study reversal.toml -o reversal/ --jobs 2"
     parser.add_argument("file", type=Path, metavar="FILE.toml", help="what to vary")
-    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    parser.add_argument("-o", "--output", type=output_folder, required=True, metavar="DIR")
     parser.add_argument(
         "--jobs",
         type=whole(1),

@@ -14,6 +14,7 @@ from tools.field.field_row import FieldRow, Outcome, markdown, verdict
 from tools.field.field_trial import run_trial
 from tools.field.row_list import ROWS, chosen_rows
 from tools.number_range import positive
+from tools.output_path import output_file, output_folder
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -27,10 +28,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--only", action="append", default=[], metavar="ROW", help="this row")
     parser.add_argument("--list", action="store_true", help="name the rows and end")
-    parser.add_argument("-o", "--output", type=Path, metavar="OUT.md", help="write the table there")
+    parser.add_argument(
+        "-o", "--output", type=output_file, metavar="OUT.md", help="write the table there"
+    )
     parser.add_argument(
         "--folder",
-        type=Path,
+        type=output_folder,
         metavar="DIR",
         help="keep disks, logs and recordings there; an installation found there is used again",
     )

@@ -68,7 +68,6 @@ def make_bundle(
     write_whole(target / "INSTALL.txt", INSTRUCTIONS)
     for document in documents():
         copy = target / "documents" / document.relative_to(ROOT)
-        copy.parent.mkdir(parents=True, exist_ok=True)
         write_whole(copy, document.read_bytes())
     sums = [f"{_digest(path)}  {path.relative_to(target)}\n" for path in _files(target)]
     write_whole(target / "SHA256SUMS", "".join(sums))

@@ -121,7 +121,6 @@ def _movable(file: Path) -> bytes:
 
 
 def _write(done: Deployment, path: Path, content: str | bytes) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
     write_whole(path, content)
     done.written.append(path)
 

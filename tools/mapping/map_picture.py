@@ -60,7 +60,6 @@ def draw_map_alone(folder: Path, png: Path, caption: str) -> None:
 
 
 def _write(picture: NDArray[np.uint8], png: Path) -> None:
-    png.parent.mkdir(parents=True, exist_ok=True)
     write_whole(png, cv2.imencode(".png", picture)[1].tobytes())
 
 

@@ -142,7 +142,6 @@ def read_reference(case: Case) -> list[str]:
 
 def write_reference(case: Case, lines: list[str]) -> None:
     """Store these decisions as the reference."""
-    case.reference.parent.mkdir(parents=True, exist_ok=True)
     write_whole(case.reference, zlib.compress("\n".join(lines).encode(), 9))
 
 

@@ -78,7 +78,6 @@ def draw_rules(
     handles = [Patch(color=_COLORS[a], label=a.value.replace("_", " ")) for a in _ACTIONS]
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
     FigureCanvasAgg(figure)
-    png.parent.mkdir(parents=True, exist_ok=True)
     with whole_file(png) as part:
         figure.savefig(part, dpi=100, format="png")
 

@@ -309,7 +309,7 @@ class SoakLog:
         """Empty the file, also of an earlier run's rows."""
         self._path = path
         self._rows: list[SoakHour] = []
-        path.write_text("")
+        write_whole(path, "")
 
     def add(self, row: SoakHour) -> None:
         """Append an hour's row, and rewrite the summary."""
