@@ -1,8 +1,8 @@
 """Motion of the laser over a drive by its scans alone: no map, no odometry, no mount.
 
 Keyframes a step apart are matched one by one with those before them (exhaustive search, then
-point-to-line alignment); then each is aligned with one several steps before, whose longer motion
-is measured as precisely.
+point-to-line alignment); then each is aligned with one several steps before, and that with it:
+the longer motion is measured as precisely.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from maps.pose import Pose
 from tools.calibration.drive import Drive
-from tools.mapping.slam.alignment import align
+from tools.mapping.slam.alignment import Alignment, align
 from tools.mapping.slam.cloud import join
 from tools.mapping.slam.correlation import search
 from tools.mapping.slam.keyframe import Keyframe, surface_normals
@@ -77,8 +77,8 @@ def _step(before: Keyframe, after: Keyframe) -> Pose | None:
     peak = search(after.points, before.points, still, *_WINDOW)
     if peak.score < _MIN_SCORE:
         return None
-    found = align(after.points, join([(still, before)]), peak.pose)
-    return None if found is None or found.share < _MIN_SHARE else found.pose
+    found = _aligned(after, before, peak.pose)
+    return None if found is None else found.pose
 
 
 def _pair(
@@ -93,8 +93,22 @@ def _pair(
         if step is None:
             return []
         guess = guess.compose(step)
-    still = Pose(0.0, 0.0, 0.0)
-    found = align(frames[number].points, join([(still, frames[first])]), guess)
-    if found is None or found.share < _MIN_SHARE:
+    # Both ways, as errors of which points are paired with which cancel out in part.
+    there = _aligned(frames[number], frames[first], guess)
+    back = _aligned(frames[first], frames[number], guess.inverse())
+    if there is None or back is None:
         return []
-    return [LaserMotion(chosen[first], chosen[number], found.pose, found.information)]
+    motion = _middle(there.pose, back.pose.inverse())
+    return [LaserMotion(chosen[first], chosen[number], motion, there.information)]
+
+
+def _aligned(frame: Keyframe, on: Keyframe, guess: Pose) -> Alignment | None:
+    """Return the pose of a keyframe in another one's frame; None if it is not known."""
+    found = align(frame.points, join([(Pose(0.0, 0.0, 0.0), on)]), guess)
+    return None if found is None or found.share < _MIN_SHARE else found
+
+
+def _middle(one: Pose, other: Pose) -> Pose:
+    """Return the pose halfway between two near ones."""
+    off = one.between(other)
+    return one.compose(Pose(0.5 * off.x, 0.5 * off.y, 0.5 * off.theta))
