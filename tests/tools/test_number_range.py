@@ -6,7 +6,8 @@ import argparse
 
 import pytest
 
-from tools.cli import COMMANDS, main, make_parser
+from tests.tools.command_actions import command_actions
+from tools.cli import COMMANDS, main
 from tools.number_range import not_negative, positive, real, whole
 
 
@@ -44,12 +45,7 @@ def test_numbers_in_range_are_taken() -> None:
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_no_command_takes_a_number_without_a_range(command: str) -> None:
-    parser = make_parser(command)
-    (subparsers,) = [a for a in parser._actions if isinstance(a, argparse._SubParsersAction)]
-    parsers = [subparsers.choices[command]]
-    while parsers:
-        for action in parsers.pop()._actions:
-            if isinstance(action, argparse._SubParsersAction):
-                parsers += action.choices.values()
+    for action in command_actions(command):
+        if not isinstance(action, argparse._SubParsersAction):
             bounded = action.choices is not None or action.type not in (int, float)
             assert bounded, action.option_strings

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from tools.cli import COMMANDS, main, make_parser
+from tests.tools.command_actions import command_actions
+from tools.cli import COMMANDS, main
 from tools.output_path import output_file, output_folder, output_path
 
 READ = {"--config", "--relations", "--keys", "--forward-keys", "--play", "--program"}
@@ -102,13 +103,7 @@ def test_missing_folders_are_made(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_no_command_takes_an_output_unchecked(command: str) -> None:
-    parser = make_parser(command)
-    (subparsers,) = [a for a in parser._actions if isinstance(a, argparse._SubParsersAction)]
-    parsers = [subparsers.choices[command]]
-    while parsers:
-        for action in parsers.pop()._actions:
-            if isinstance(action, argparse._SubParsersAction):
-                parsers += action.choices.values()
-            if action.type is Path and action.option_strings:
-                name = action.option_strings[0]
-                assert name in READ or (command, name) in CHECKED_BY_ITSELF, name
+    for action in command_actions(command):
+        if action.type is Path and action.option_strings:
+            name = action.option_strings[0]
+            assert name in READ or (command, name) in CHECKED_BY_ITSELF, name
