@@ -53,6 +53,11 @@ _OLDEST_S = 4.0  # of the first scan: people and teammates move
 _MIN_SHARE = 0.4  # of the points on surfaces; less is no alignment
 _WELL = 0.55  # of an alignment that needs no other start
 _STILL = Pose(0.0, 0.0, 0.0)
+# A tilted scanner sees the floor ahead as a wall that travels with the robot, and along a corridor
+# little else may show the motion: a scan repeats only if nearly all of it, or what is near, stays.
+_FLOOR = 3.5  # m; no floor is nearer to a scanner 0.19 m above it that is tilted by 3 degrees
+_SAME = 0.05  # m; of a range from the one seen at its bearing before. Ours
+_SAME_SHARE = 0.97  # ours
 # Standard deviations of the wheels' motion, ours, wide enough for slip and skid-steering.
 _ALONG = 0.25  # m/m
 _ACROSS = 0.03  # m/m: 1.7 degrees
@@ -92,6 +97,7 @@ class TravelWatch:
         self.fault, self.confirmed, self.began = None, False, None
         self._unjudged = 0.0  # m driven without evidence
         self._first: Surfaces | None = None
+        self._first_points = np.empty((0, 2))
         self._first_t = 0.0
         self._peeked = False  # whether the first scan was tested at PEEK
         self._odometry = Pose(0.0, 0.0, 0.0)
@@ -127,21 +133,31 @@ class TravelWatch:
         if travel < step and turn < least:
             return
         seen = _motion_seen(self._first, points, wheels)
-        self._begin(t, odometry, points)
         if seen is not None:
-            self._judge(wheels, seen)
+            self._judge(wheels, seen, self._repeating(points, wheels, seen))
         else:
             self._pass_unjudged(travel)
+        self._begin(t, odometry, points)
 
     def _begin(self, t: float, odometry: Pose, points: NDArray[np.float64]) -> None:
         self._first, self._first_t, self._odometry = surfaces_of(points), t, odometry
+        self._first_points = points
         self._peeked = False
 
     def _pass_unjudged(self, travel: float) -> None:
         self._unjudged += travel
         self.confirmed = self.confirmed or self._unjudged >= _UNSEEN_WAY
 
-    def _judge(self, wheels: Pose, seen: ScanMotion) -> None:
+    def _repeating(self, points: NDArray[np.float64], wheels: Pose, seen: ScanMotion) -> float:
+        """Return what a motion seen between two scans says for a scan that repeats."""
+        gain = _still_gain(wheels, seen)
+        if gain <= 0.0 or self._first is None or _is_same(self._first_points, points):
+            return gain
+        near = points[np.hypot(*points.T) < _FLOOR]
+        seen_near = _motion_seen(self._first, near, wheels)
+        return 0.0 if seen_near is None else min(gain, _still_gain(wheels, seen_near))
+
+    def _judge(self, wheels: Pose, seen: ScanMotion, repeating: float) -> None:
         """Sum up what one sample says for each hypothesis; wheels: motion they counted."""
         shift, turn = _certainty(seen)
         self.scale.add(wheels, seen.pose, shift)
@@ -149,9 +165,7 @@ class TravelWatch:
         self._turn_gains = np.maximum(self._turn_gains + _gain(configured, turned), 0.0)
         as_counted, mirrored = _turn_costs(wheels, seen.pose, turn)
         self._mirror_gain = max(self._mirror_gain + float(_gain(as_counted, mirrored)), 0.0)
-        still = _still_cost(seen.pose, shift, turn)
-        moved = min(configured + as_counted, _FAR)
-        self._repeat_gain = max(self._repeat_gain + float(_gain(moved, still)), 0.0)
+        self._repeat_gain = max(self._repeat_gain + repeating, 0.0)
         most = max(float(self._turn_gains.max()), self._mirror_gain, self._repeat_gain)
         if most >= _DOUBT:
             self._as_configured = 0
@@ -194,6 +208,17 @@ def _looks_still(first: Surfaces, points: NDArray[np.float64], wheels: Pose) -> 
     """Return whether two scans fit better without motion than with the wheels'."""
     moved = share_on_surfaces(first, points, wheels)
     return share_on_surfaces(first, points, _STILL) > moved
+
+
+def _is_same(first: NDArray[np.float64], points: NDArray[np.float64]) -> bool:
+    """Return whether nearly all points (m, 2) are as far away as the scan before was there."""
+    before = np.arctan2(first[:, 1], first[:, 0])
+    order = before.argsort()
+    ranges = np.interp(
+        np.arctan2(points[:, 1], points[:, 0]), before[order], np.hypot(*first[order].T)
+    )
+    same = np.abs(ranges - np.hypot(*points.T)) < _SAME
+    return bool(same.mean() >= _SAME_SHARE)
 
 
 def _certainty(seen: ScanMotion) -> tuple[NDArray[np.float64], float]:
@@ -260,6 +285,14 @@ def _turn_costs(wheels: Pose, seen: Pose, information: float) -> tuple[float, fl
         min(math.remainder(seen.theta - wheels.theta, math.tau) ** 2 / variance, _FAR),
         min(math.remainder(seen.theta + wheels.theta, math.tau) ** 2 / variance, _FAR),
     )
+
+
+def _still_gain(wheels: Pose, seen: ScanMotion) -> float:
+    """Return what no motion at all explains better than the motion counted."""
+    shift, turn = _certainty(seen)
+    _, configured = _turned_costs(wheels, seen.pose, shift)
+    as_counted, _ = _turn_costs(wheels, seen.pose, turn)
+    return float(_gain(min(configured + as_counted, _FAR), _still_cost(seen.pose, shift, turn)))
 
 
 def _still_cost(seen: Pose, shift: NDArray[np.float64], turn: float) -> float:

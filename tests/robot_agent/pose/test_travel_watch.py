@@ -26,6 +26,15 @@ ROOM = np.array(
 )
 """(n, 4) walls: x, y of both ends, m."""
 CORRIDOR = np.array([(-50.0, -1.0, 50.0, -1.0), (-50.0, 1.0, 50.0, 1.0)])
+DOORS = np.array(
+    [
+        (x, side * y, x + length, side * end)
+        for x in np.arange(-20.0, 40.0, 5.0)
+        for side in (-1.0, 1.0)
+        for length, y, end in ((4.0, 1.3, 1.3), (0.0, 1.3, 1.8), (1.0, 1.8, 1.8))
+    ]
+)
+"""A corridor with doors set back in its walls."""
 ANGLES = np.radians(np.arange(-90.0, 91.0))
 NOISE = 0.01  # m
 LASER = Pose(0.1, 0.0, 0.0)
@@ -58,18 +67,20 @@ def drive(
     turned_at: int | None = None,
     metres: float = 2.0,
     scaled: float = 1.0,
+    floor: float = math.inf,
 ) -> float | None:
     """Drive on an arc; return the way, m, at which the watch found a fault, None if it did not.
 
     mount: how the laser really sits; the watch is told LASER. bend: 1/m. slip: share of the counted
     way that is not driven. turned_at: number of the only scan that is of another place. scaled:
-    ranges over true ones.
+    ranges over true ones. floor: way ahead, m, at which a tilted scanner meets it.
     """
     rng = np.random.default_rng(4)
     true, counted, first = Pose(-1.5, 0.1, 0.0), Pose(0.0, 0.0, 0.3), None
     for number in range(round(metres / 0.05)):
         seen_from = true if number != turned_at else true.compose(Pose(0.1, 0.1, 0.2))
         ranges = cast(seen_from.compose(mount), walls, rng)
+        ranges = np.minimum(ranges, floor / np.maximum(np.cos(ANGLES), 1e-3) + rng.normal(0, 0.01))
         if repeats:
             first = ranges if first is None else first
             ranges = first + rng.normal(0.0, NOISE, len(ANGLES))
@@ -186,6 +197,12 @@ def test_what_a_corridor_does_not_show_is_not_judged() -> None:
     assert drive(TravelWatch(), walls=CORRIDOR, bend=0.0) is None
     assert drive(TravelWatch(), walls=CORRIDOR, bend=0.0, mount=backwards) is None
     assert drive(TravelWatch(), walls=CORRIDOR, bend=0.0, repeats=True) is None
+
+
+def test_the_floor_ahead_of_a_tilted_scanner_is_no_repeated_scan() -> None:
+    watch = TravelWatch()
+    assert drive(watch, walls=DOORS, bend=0.0, floor=5.7, metres=15.0) is None
+    assert watch.confirmed
 
 
 def test_where_nothing_returns_nothing_is_judged() -> None:
