@@ -19,6 +19,7 @@ _PASSING_MARGIN_CM = 8  # beside a body that drives straight
 _NARROW_COST = 3.0  # cost factor of the narrowest cells, so that wider paths are preferred
 BESIDE = 0.30  # m; nearer to the border no wall can be between: it keeps 0.45 m from all walls
 _LOOK_AHEAD = 0.8  # m along the path to the point steered for
+_LEAST_AHEAD = 0.2  # m likewise, where a straight line has little room
 _CELL_SLACK = 1.5  # cells: half a diagonal each, of a point's cell and of the nearest tight one
 _SNAP = 0.6  # m to the nearest cell with a path, for a robot outside all of them
 
@@ -119,7 +120,12 @@ class ApproachField:
         return cell if near and self._line_of_sight(x, y, *center) else NOWHERE
 
     def _point_ahead(self, x: float, y: float, cell: int) -> tuple[float, float]:
-        """Return the farthest point of the path within _LOOK_AHEAD that a straight line reaches."""
+        """Return the farthest point of the path within _LOOK_AHEAD that a straight line reaches.
+
+        Where none is reached with room to turn, as beside the middle of a door, that of the
+        roomiest line; not the next cell, which lies at a multiple of 45 degrees: so turned a long
+        body sticks in the door.
+        """
         points = [self._center(cell)]
         while math.dist(points[-1], (x, y)) < _LOOK_AHEAD:
             cell = int(self._next_cell.flat[cell])
@@ -129,11 +135,16 @@ class ApproachField:
         for point in points[:1:-2]:
             if self._is_passable(x, y, *point):
                 return point
-        return points[min(1, len(points) - 1)]
+        ahead = [point for point in points if math.dist(point, (x, y)) > _LEAST_AHEAD]
+        return max(ahead or points[-1:], key=lambda point: self._room(x, y, *point))
 
     def _center(self, cell: int) -> tuple[float, float]:
         row, col = divmod(cell, self._clearance.shape[1])
         return self._occupancy.centre(row, col)
+
+    def _room(self, x: float, y: float, to_x: float, to_y: float) -> float:
+        """Return the least clearance along a line, m."""
+        return float(self._clearance_along(x, y, to_x, to_y).min())
 
     def _is_passable(self, x: float, y: float, to_x: float, to_y: float) -> bool:
         """Whether a line keeps the clearance to turn, or that of its start or end if less.

@@ -98,6 +98,16 @@ def test_wider_path_is_preferred_to_a_narrow_one():
     assert wide.direction[0] > 0.5
 
 
+@pytest.mark.parametrize("aside", [-0.07, -0.04, 0.0, 0.03, 0.06])
+def test_a_long_body_beside_the_middle_of_a_door_is_led_through_nearly_straight(aside: float):
+    """Turned by 45 degrees, towards the next cell, its corner would meet the frame."""
+    body = BodySize(0.4285, 0.25)
+    field = ApproachField(hall((0.0, 2.0, 4.0, 2.2), (4.95, 2.0, 10.0, 2.2)), LINE, body)
+    for y in (2.3, 2.4, 2.5, 2.6):
+        found = ask(field, 4.475 + aside, y)
+        assert found is None or abs(found.direction[0]) < 0.45  # 27 degrees
+
+
 def test_path_exists_against_a_wall_and_not_off_the_map():
     field = ApproachField(hall((0.0, 2.0, 5.0, 2.2)), LINE)
     touching = ask(field, 2.0, 2.35)
