@@ -52,7 +52,7 @@ def name_of(names: tuple[str, ...], code: int) -> str | None:
         ),
         (("intel_lab", "open"), 8, (2,), 60.0, [], {"reversal_distribution": "exponential"}),
         (("paper_lab",), 8, (2,), 200.0, [], {"common_secret": "x", "team_size": 8}),
-        (("paper_lab",), 1, (1,), 700.0, [], {}),
+        (("paper_lab",), 1, (1,), 520.0, [], {}),
     ],
     ids=[
         "paper's strategy",
@@ -95,7 +95,7 @@ def test_every_step_is_that_of_the_agents_own_decision_layer(
 
 def same_robot(batch: Batch, number: int, robot) -> None:
     """Compare a robot of the batch with one of the ideal fleet after the same step."""
-    assert batch.bodies.pose(number) == pytest.approx(robot.body.pose, abs=ROUNDING)
+    assert same(batch.bodies.pose(number), robot.body.pose)
     assert batch.dead[number] == robot.dead
     if robot.dead:
         return
@@ -104,9 +104,13 @@ def same_robot(batch: Batch, number: int, robot) -> None:
     assert made.direction[number] == decision.direction
     assert name_of(REASONS, made.reason[number]) == decision.override
     assert name_of(CAUSES, made.turn[number]) == decision.turn
-    assert (made.vx[number], made.vy[number]) == pytest.approx(decision.velocity, abs=ROUNDING)
-    order = batch.order[0][number], batch.order[1][number]
-    assert order == pytest.approx((gate.v, gate.w), abs=ROUNDING)
+    assert same((made.vx[number], made.vy[number]), decision.velocity)
+    assert same((batch.order[0][number], batch.order[1][number]), (gate.v, gate.w))
+
+
+def same(found: tuple[float, ...], wanted: tuple[float, ...]) -> bool:
+    """Return whether values are equal but for rounding; ``approx`` takes a fifth of these tests."""
+    return all(abs(a - b) <= ROUNDING for a, b in zip(found, wanted, strict=True))
 
 
 def test_runs_do_not_depend_on_those_beside_them():
