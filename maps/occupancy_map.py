@@ -187,7 +187,6 @@ def _too_large(path: Path) -> bytes:
 
 def save_map(occupancy: OccupancyMap, folder: Path) -> None:
     """Write ``map.yaml`` and ``map.pgm``, lossless, into a folder, made if absent."""
-    folder.mkdir(parents=True, exist_ok=True)
     pixels = _PIXEL_OF_STATE[occupancy.cells[::-1]]
     rows, cols = pixels.shape
     image = b"P5\n%d %d\n255\n" % (cols, rows) + pixels.tobytes()

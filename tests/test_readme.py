@@ -1,6 +1,5 @@
 """The READMEs: a short root README, an index of rooms, only existing files, commands and links."""
 
-import argparse
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,7 +8,8 @@ import pytest
 
 from robot_agent.config import FIXED_KEYS, RENAMED_KEYS
 from robot_agent.process.settings_list import list_settings
-from tools.cli import COMMANDS, ROOMS, load_command
+from tests.tools.command_actions import command_actions
+from tools.cli import COMMANDS, ROOMS
 
 ROOT = Path(__file__).parents[1]
 INDEX = ROOT / "README.md"
@@ -65,19 +65,8 @@ def linked_files(page: Path) -> set[Path]:
     return {(page.parent / link.split("#")[0]).resolve() for link in links(page)}
 
 
-def actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
-    """Yield the options of a command and of its own subcommands."""
-    for action in parser._actions:
-        yield action
-        if isinstance(action, argparse._SubParsersAction):
-            for each in action.choices.values():
-                yield from actions(each)
-
-
 def options_of(command: str) -> set[str]:
-    parser = argparse.ArgumentParser()
-    load_command(command).configure(parser)
-    return {name for action in actions(parser) for name in action.option_strings}
+    return {name for action in command_actions(command) for name in action.option_strings}
 
 
 def test_the_root_readme_is_short():

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from enum import StrEnum
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -134,7 +135,7 @@ class TravelWatch:
             return
         seen = _motion_seen(self._first, points, wheels)
         if seen is not None:
-            self._judge(wheels, seen, self._repeating(points, wheels, seen))
+            self._judge(points, wheels, seen)
         else:
             self._pass_unjudged(travel)
         self._begin(t, odometry, points)
@@ -148,23 +149,13 @@ class TravelWatch:
         self._unjudged += travel
         self.confirmed = self.confirmed or self._unjudged >= _UNSEEN_WAY
 
-    def _repeating(self, points: NDArray[np.float64], wheels: Pose, seen: ScanMotion) -> float:
-        """Return what a motion seen between two scans says for a scan that repeats."""
-        gain = _still_gain(wheels, seen)
-        if gain <= 0.0 or self._first is None or _is_same(self._first_points, points):
-            return gain
-        near = points[np.hypot(*points.T) < _FLOOR]
-        seen_near = _motion_seen(self._first, near, wheels)
-        return 0.0 if seen_near is None else min(gain, _still_gain(wheels, seen_near))
-
-    def _judge(self, wheels: Pose, seen: ScanMotion, repeating: float) -> None:
+    def _judge(self, points: NDArray[np.float64], wheels: Pose, seen: ScanMotion) -> None:
         """Sum up what one sample says for each hypothesis; wheels: motion they counted."""
-        shift, turn = _certainty(seen)
-        self.scale.add(wheels, seen.pose, shift)
-        turned, configured = _turned_costs(wheels, seen.pose, shift)
-        self._turn_gains = np.maximum(self._turn_gains + _gain(configured, turned), 0.0)
-        as_counted, mirrored = _turn_costs(wheels, seen.pose, turn)
-        self._mirror_gain = max(self._mirror_gain + float(_gain(as_counted, mirrored)), 0.0)
+        gains = _gains(wheels, seen)
+        self.scale.add(wheels, seen.pose, gains.shift)
+        self._turn_gains = np.maximum(self._turn_gains + gains.turned, 0.0)
+        self._mirror_gain = max(self._mirror_gain + gains.mirrored, 0.0)
+        repeating = self._repeating(points, wheels, gains.still)
         self._repeat_gain = max(self._repeat_gain + repeating, 0.0)
         most = max(float(self._turn_gains.max()), self._mirror_gain, self._repeat_gain)
         if most >= _DOUBT:
@@ -174,6 +165,14 @@ class TravelWatch:
         if self.fault is None and most >= ENOUGH:
             self._find(most)
         self.confirmed = self.confirmed or self._as_configured >= _FIRST_AGREED
+
+    def _repeating(self, points: NDArray[np.float64], wheels: Pose, still: float) -> float:
+        """Return what a sample says for a scan that repeats, of what it says for no motion."""
+        if still <= 0.0 or self._first is None or _is_same(self._first_points, points):
+            return still
+        near = points[np.hypot(*points.T) < _FLOOR]
+        seen = _motion_seen(self._first, near, wheels)
+        return 0.0 if seen is None else min(still, _gains(wheels, seen).still)
 
     def _find(self, most: float) -> None:
         if self._repeat_gain == most:
@@ -219,6 +218,33 @@ def _is_same(first: NDArray[np.float64], points: NDArray[np.float64]) -> bool:
     )
     same = np.abs(ranges - np.hypot(*points.T)) < _SAME
     return bool(same.mean() >= _SAME_SHARE)
+
+
+class _Gains(NamedTuple):
+    """What a sample says for each hypothesis: how much better it explains the motion seen than "as
+    configured" does, in squared standard deviations.
+
+    turned (n,). shift (2, 2): information of the shift seen, 1/m2.
+    """
+
+    turned: NDArray[np.float64]
+    mirrored: float
+    still: float
+    shift: NDArray[np.float64]
+
+
+def _gains(wheels: Pose, seen: ScanMotion) -> _Gains:
+    """Compare a motion seen between two scans with the one that the wheels counted."""
+    shift, turn = _certainty(seen)
+    turned, configured = _turned_costs(wheels, seen.pose, shift)
+    as_counted, mirrored = _turn_costs(wheels, seen.pose, turn)
+    moved = min(configured + as_counted, _FAR)
+    return _Gains(
+        turned=_gain(configured, turned),
+        mirrored=float(_gain(as_counted, mirrored)),
+        still=float(_gain(moved, _still_cost(seen.pose, shift, turn))),
+        shift=shift,
+    )
 
 
 def _certainty(seen: ScanMotion) -> tuple[NDArray[np.float64], float]:
@@ -285,14 +311,6 @@ def _turn_costs(wheels: Pose, seen: Pose, information: float) -> tuple[float, fl
         min(math.remainder(seen.theta - wheels.theta, math.tau) ** 2 / variance, _FAR),
         min(math.remainder(seen.theta + wheels.theta, math.tau) ** 2 / variance, _FAR),
     )
-
-
-def _still_gain(wheels: Pose, seen: ScanMotion) -> float:
-    """Return what no motion at all explains better than the motion counted."""
-    shift, turn = _certainty(seen)
-    _, configured = _turned_costs(wheels, seen.pose, shift)
-    as_counted, _ = _turn_costs(wheels, seen.pose, turn)
-    return float(_gain(min(configured + as_counted, _FAR), _still_cost(seen.pose, shift, turn)))
 
 
 def _still_cost(seen: Pose, shift: NDArray[np.float64], turn: float) -> float:

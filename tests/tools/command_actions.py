@@ -6,18 +6,15 @@ import argparse
 from collections.abc import Iterator
 
 from tools.cli import make_parser
+from tools.manual_page import subparsers_of
 
 
 def command_actions(command: str) -> Iterator[argparse.Action]:
     """Yield each action of a command's parsers."""
-    (subparsers,) = _choices(make_parser(command))
-    parsers = [subparsers.choices[command]]
-    while parsers:
-        parser = parsers.pop()
-        yield from parser._actions
-        for choices in _choices(parser):
-            parsers += choices.choices.values()
+    yield from _actions(subparsers_of(make_parser(command))[command])
 
 
-def _choices(parser: argparse.ArgumentParser) -> list[argparse._SubParsersAction]:
-    return [a for a in parser._actions if isinstance(a, argparse._SubParsersAction)]
+def _actions(parser: argparse.ArgumentParser) -> Iterator[argparse.Action]:
+    yield from parser._actions
+    for each in subparsers_of(parser).values():
+        yield from _actions(each)

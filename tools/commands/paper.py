@@ -60,7 +60,6 @@ def run(options: argparse.Namespace) -> int:
     truth = chosen_truth(options)
     folder = find_map(options.map, Path.cwd())
     load_map_folder(folder, options.border)  # reports a wrong folder before anything is run
-    options.output.mkdir(parents=True, exist_ok=True)
     sensing = Sensing(options.sensing)
     if options.truth and sensing is Sensing.IDEAL:
         print("patrol paper: --truth needs --sensing bytes", file=sys.stderr)

@@ -80,7 +80,6 @@ def _draw(options: argparse.Namespace) -> int:
     if options.pictures is None:
         raise LogError(f"{options.log}: a recording is drawn: say where with --pictures DIR")
     moment = moment_of(read_recording(options.log))
-    options.pictures.mkdir(parents=True, exist_ok=True)
     draw_scan(moment, options.pictures / "scan.png")
     draw_picture(moment, options.pictures / "camera.jpg")
     return 0

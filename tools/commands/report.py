@@ -82,7 +82,6 @@ def run(options: argparse.Namespace) -> int:
     else:
         team.zones = stated_zones(team.folder, find_map(options.map, Path.cwd()))
     figures = numbers(team)
-    options.output.mkdir(parents=True, exist_ok=True)
     if options.figures:
         for path in figures_alone(team, figures, options.output, options.figures):
             print(path)

@@ -160,7 +160,6 @@ def _make_authority(folder: Path, days: int) -> None:
         .add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
         .sign(key, hashes.SHA256())
     )
-    folder.mkdir(parents=True, exist_ok=True)
     write_whole(folder / CA, certificate.public_bytes(serialization.Encoding.PEM))
     _write_key(folder, key)
 
@@ -203,7 +202,6 @@ class _Issuer:
             alternatives = x509.SubjectAlternativeName([_host_name(host) for host in hosts])
             builder = builder.add_extension(alternatives, critical=False)
         certificate = builder.sign(self._key, hashes.SHA256())
-        folder.mkdir(parents=True, exist_ok=True)
         write_whole(folder / CERTIFICATE, certificate.public_bytes(serialization.Encoding.PEM))
         write_whole(folder / CA, self._ca)
         _write_key(folder, key)
