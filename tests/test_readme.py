@@ -18,6 +18,7 @@ AGENT = ROOT / "robot_agent" / "README.md"
 PAGES = [INDEX, *sorted(path for room in ROOMS for path in (ROOT / room).rglob("*.md"))]
 """The READMEs, and pages of figures beside them."""
 MAX_LINES, MAX_WORDS = 150, 1500
+"""Of a README. Figures that do not fit stand on pages of their own beside it."""
 
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
 TICKS = re.compile(r"`([^`\n]+)`")
@@ -69,10 +70,16 @@ def options_of(command: str) -> set[str]:
     return {name for action in command_actions(command) for name in action.option_strings}
 
 
-def test_the_root_readme_is_short():
-    text = INDEX.read_text()
+@pytest.mark.parametrize("page", [page for page in PAGES if page.name == "README.md"], ids=identity)
+def test_a_readme_is_short(page):
+    text = page.read_text()
     assert len(text.splitlines()) < MAX_LINES
     assert len(text.split()) < MAX_WORDS
+
+
+@pytest.mark.parametrize("page", PAGES, ids=identity)
+def test_a_page_is_linked_from_the_readme_beside_it(page):
+    assert page.name == "README.md" or page in linked_files(page.parent / "README.md")
 
 
 def test_the_index_names_every_room():

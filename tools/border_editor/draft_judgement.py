@@ -14,7 +14,7 @@ from robot_agent.patrol.settings import PatrolSettings
 from tools.border_editor.border_draft import BorderDraft
 
 ROBOT_NEEDS_M = 2.5
-"""m of border for each robot: 20 robots on 51 m were tried (tools/bench/README.md)."""
+"""m of border for each robot: 20 robots on 51 m were tried (tools/bench/patrol_in_rough.md)."""
 _SHOWN_STEP = 5  # of the 0.01 m steps of a clearance, drawn on the page
 
 
