@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from enum import Enum, auto
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -200,15 +201,13 @@ def _people(segments: list[Segment]) -> list[Segment]:
         if each.whole and (each.small or (each.extent < MIN_PERSON_EXTENT and not each.robot_sized))
     ]
     found = [each for each in segments if each not in legs]
-    while legs:
-        leg = legs.pop()
-        other = min(legs, key=lambda each: _apart(leg, each), default=None)
-        if other is None or _apart(leg, other) > STRIDE:
-            found.append(replace(leg, whole=leg.small))
-            continue
-        legs.remove(other)
-        found.append(_person(leg, other))
-    return found
+    within_a_stride = [pair for pair in combinations(legs, 2) if _apart(*pair) <= STRIDE]
+    # The closest first: a housing beside a person is not the second leg of the nearer one.
+    for one, other in sorted(within_a_stride, key=lambda pair: _apart(*pair)):
+        if one in legs and other in legs:
+            legs = [each for each in legs if each not in (one, other)]
+            found.append(_person(one, other))
+    return found + [replace(leg, whole=leg.small) for leg in legs]
 
 
 def _apart(a: Segment, b: Segment) -> float:

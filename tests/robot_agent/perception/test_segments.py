@@ -99,6 +99,19 @@ def test_two_legs_a_stride_apart_are_one_person_between_them(room: Room) -> None
     assert math.hypot(person.x - 1.5, person.y) < 0.12
 
 
+@pytest.mark.parametrize("side", [-1, 1])
+def test_a_housing_beside_a_person_is_not_one_of_the_legs(room: Room, side: int) -> None:
+    """Of three things within a stride of the next one the two closest are the person."""
+    rng = np.random.default_rng(12)
+    housing = Box(CENTRE.x + 1.5, CENTRE.y + side * 0.6, 0.0, 0.156, 0.155)
+    legs = [Box(CENTRE.x + 1.5, CENTRE.y + side * y, 0.2, 0.12, 0.12) for y in (-0.15, 0.1)]
+    found = segments_of(room, [*legs, housing], rng, increment=math.radians(0.5))
+    [person] = [each for each in found if each.legs]
+    assert math.hypot(person.x - 1.5, person.y + side * 0.025) < 0.12
+    [robot] = [each for each in found if each.small and each.whole]
+    assert math.hypot(robot.x - 1.5, robot.y - side * 0.6) < 0.05
+
+
 @pytest.mark.parametrize("distance", [0.8, 1.5, 2.4])
 def test_a_bare_scanner_housing_is_found_as_a_small_robot(room: Room, distance: float) -> None:
     rng = np.random.default_rng(10)
