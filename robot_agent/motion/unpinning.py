@@ -1,9 +1,11 @@
 """Escape manoeuvre for a place where obstacles permit the robot neither to drive nor to turn.
 
-Pinned for a second during a turn, the robot turns the other way; pinned there too, and again on the
-first side, it edges straight ahead to where there is more room. The first side is the shorter turn,
-so edging ahead there deviates less; if the way is blocked there, as that side faces a wall, the
-next attempt is from the other side.
+Pinned for a second at its heading, as in a door hardly wider than itself, the robot edges straight
+ahead: what finds no room there are the small corrections of its heading. Pinned for a second
+during a turn, it turns the other way; pinned there too, and again on the first side, it edges
+straight ahead to where there is more room. The first side is the shorter turn, so edging ahead
+there deviates less; if the way is blocked there, as that side faces a wall, the next attempt is
+from the other side.
 """
 
 from __future__ import annotations
@@ -63,17 +65,18 @@ class UnpinningManoeuvre:
             self._edges_until = None
             if pinned:
                 side = -last.side
-        side = self._next_side(t, last.rate, pinned=pinned) or side
+        side = self._next_side(t, last, pinned=pinned) or side
         if not side and self._edges_until is None:
             return NO_UNPINNING
         return Unpinning(side, edges=self._edges_until is not None)
 
-    def _next_side(self, t: float, turn_rate: float, *, pinned: bool) -> int:
+    def _next_side(self, t: float, last: Turn, *, pinned: bool) -> int:
         """Return the side to turn to after a pin for the timeout, 0 for none.
 
-        The third pin of a turn starts edging instead.
+        A pin at the heading, and the third one of a turn, start edging instead.
         """
-        if not pinned or turn_rate == 0.0:
+        at_heading = last.aligned and self._edges_until is None
+        if not pinned or not (last.rate or at_heading):
             self._pinned_since = None
             return 0
         if self._pinned_since is None:
@@ -83,8 +86,8 @@ class UnpinningManoeuvre:
             return 0
         self._pinned_since = None
         self._pins += 1
-        if self._pins < PINS_BEFORE_EDGING:
-            return -1 if turn_rate > 0.0 else 1
+        if not last.aligned and self._pins < PINS_BEFORE_EDGING:
+            return -1 if last.rate > 0.0 else 1
         self._pins = 0
         self._edges_until = t + EDGING_TIME
         return 0

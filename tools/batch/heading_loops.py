@@ -103,17 +103,18 @@ class Unpinnings:
         if ends.any():
             self._edges_until[ends] = math.nan
             side = np.where(ends & pinned, -loops.side, side)
-        free = ~pinned | (loops.w == 0.0)
+        at_heading = loops.aligned & np.isnan(self._edges_until)
+        free = ~pinned | ~((loops.w != 0.0) | at_heading)
         self._since[free] = math.nan
         for robot in (~free).nonzero()[0].tolist():
-            side[robot] = self._next_side(robot, t, float(loops.w[robot])) or side[robot]
+            side[robot] = self._next_side(robot, t, loops) or side[robot]
         return side, ~np.isnan(self._edges_until)
 
     def pick(self, robots: Indices) -> None:
         """Keep some robots, as ``arrays.pick`` does."""
         pick(self, ("_since", "_pins", "_edges_until"), robots)
 
-    def _next_side(self, robot: int, t: float, turn_rate: float) -> int:
+    def _next_side(self, robot: int, t: float, loops: HeadingLoops) -> int:
         if math.isnan(self._since[robot]):
             self._since[robot] = t
             return 0
@@ -121,8 +122,8 @@ class Unpinnings:
             return 0
         self._since[robot] = math.nan
         self._pins[robot] += 1
-        if self._pins[robot] < unpinning.PINS_BEFORE_EDGING:
-            return -1 if turn_rate > 0.0 else 1
+        if not loops.aligned[robot] and self._pins[robot] < unpinning.PINS_BEFORE_EDGING:
+            return -1 if loops.w[robot] > 0.0 else 1
         self._pins[robot] = 0
         self._edges_until[robot] = t + unpinning.EDGING_TIME
         return 0

@@ -2,10 +2,15 @@
 
 import math
 
+import numpy as np
 import pytest
 
+from robot_agent.motion import gate
+from robot_agent.motion.gate_hold import pinned_by_obstacle
+from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.motion.unpinning import UnpinningManoeuvre
+from tests.robot_agent.motion.gate_cases import inputs
 
 DT = 0.1
 
@@ -19,9 +24,11 @@ class Loop:
 
     def __init__(self):
         self.loop, self.unpinning = HeadingLoop(), UnpinningManoeuvre()
+        self.edges = False
 
     def command(self, t, velocity, theta, *, pinned=False):
         override = self.unpinning.step(t, self.loop.turn, pinned=pinned)
+        self.edges = override.edges
         return self.loop.command(t, velocity, theta, 0.0, override)
 
 
@@ -99,3 +106,39 @@ def test_pinned_without_a_turn_rate_keeps_the_side():
 def test_pinned_with_a_small_error_turns_the_other_way_round():
     rates = pinned_turn([(0.5, 2.0)], error=0.6)
     assert rates[10] > 0.0 > rates[30]
+
+
+def test_pinned_at_its_heading_edges_ahead_and_then_tries_the_heading_again():
+    loop, edging = Loop(), []
+    for k in range(60):
+        loop.command(DT * k, toward(0.1), 0.0, pinned=k >= 5)
+        edging.append(loop.edges)
+    begin, end = edging.index(True), edging.index(False, edging.index(True))
+    assert begin * DT == pytest.approx(1.5, abs=0.15)  # after a second
+    assert (end - begin) * DT == pytest.approx(1.5, abs=0.15)
+    assert (edging.index(True, end) - end) * DT == pytest.approx(1.0, abs=0.15)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_robot_turned_in_a_door_with_no_room_to_correct_its_heading_gets_through(side):
+    limits = GateLimits(half_width=0.34, front=0.37, rear=0.54, turn_margin=0.034)
+    wall = np.linspace(0.0, 0.15, 4)
+    frame = np.array([(x, y) for x in wall for y in (-0.39, 0.39)])
+    loop, tested = Loop(), gate.SafetyGate(limits)
+    x, y, theta, v, w = -0.1, 0.0, 0.09 * side, 0.0, 0.0
+    decision = None
+    for k in range(400):
+        c, s = math.cos(theta), math.sin(theta)
+        seen = (frame - (x, y)) @ np.array([[c, -s], [s, c]])
+        assert not _inside(seen, limits)
+        pinned = pinned_by_obstacle(decision)
+        requested = loop.command(DT * k, toward(0.08 * side), theta, pinned=pinned)
+        decision = tested.permit(DT * k, requested, inputs(gate, DT * k, obstacles=seen, v=v, w=w))
+        x, y, theta = x + DT * v * c, y + DT * v * s, theta + DT * w
+        v, w = decision.v, decision.w
+    assert x > 1.0
+
+
+def _inside(points, limits):
+    ahead, aside = points[:, 0], np.abs(points[:, 1])
+    return ((ahead < limits.front) & (ahead > -limits.rear) & (aside < limits.half_width)).any()
