@@ -51,6 +51,7 @@ class UnpinningManoeuvre:
         self._pinned_since: float | None = None
         self._pins = 0  # of the present turn
         self._edges_until: float | None = None  # s, while edging ahead
+        self._edges_at_heading = False  # if so: edging ends when another heading is wanted
 
     def step(self, t: float, last: Turn, *, pinned: bool) -> Unpinning:
         """Return the override at t; call once per control step.
@@ -61,7 +62,9 @@ class UnpinningManoeuvre:
         if last.aligned:
             self._pins = 0
         side = 0
-        if self._edges_until is not None and t >= self._edges_until:
+        if self._edges_until is not None and (
+            t >= self._edges_until or (self._edges_at_heading and not last.aligned)
+        ):
             self._edges_until = None
             if pinned:
                 side = -last.side
@@ -89,5 +92,5 @@ class UnpinningManoeuvre:
         if not last.aligned and self._pins < PINS_BEFORE_EDGING:
             return -1 if last.rate > 0.0 else 1
         self._pins = 0
-        self._edges_until = t + EDGING_TIME
+        self._edges_until, self._edges_at_heading = t + EDGING_TIME, last.aligned
         return 0

@@ -92,6 +92,7 @@ class Unpinnings:
         self._since = np.full(n, math.nan)
         self._pins = np.zeros(n, dtype=np.int8)
         self._edges_until = np.full(n, math.nan)
+        self._edges_at_heading = np.zeros(n, dtype=np.bool_)
 
     def step(self, t: float, loops: HeadingLoops, pinned: Flags) -> tuple[Codes, Flags]:
         """Return the sides to turn to, and whether to edge ahead, as ``UnpinningManoeuvre``."""
@@ -99,7 +100,9 @@ class Unpinnings:
         n = len(pinned)
         side = np.zeros(n, dtype=np.int8)
         # nan, for none, compares as False.
-        ends = t >= self._edges_until
+        ends = (t >= self._edges_until) | (
+            ~np.isnan(self._edges_until) & self._edges_at_heading & ~loops.aligned
+        )
         if ends.any():
             self._edges_until[ends] = math.nan
             side = np.where(ends & pinned, -loops.side, side)
@@ -112,7 +115,7 @@ class Unpinnings:
 
     def pick(self, robots: Indices) -> None:
         """Keep some robots, as ``arrays.pick`` does."""
-        pick(self, ("_since", "_pins", "_edges_until"), robots)
+        pick(self, ("_since", "_pins", "_edges_until", "_edges_at_heading"), robots)
 
     def _next_side(self, robot: int, t: float, loops: HeadingLoops) -> int:
         if math.isnan(self._since[robot]):
@@ -126,6 +129,7 @@ class Unpinnings:
             return -1 if loops.w[robot] > 0.0 else 1
         self._pins[robot] = 0
         self._edges_until[robot] = t + unpinning.EDGING_TIME
+        self._edges_at_heading[robot] = loops.aligned[robot]
         return 0
 
 

@@ -119,6 +119,17 @@ def test_pinned_at_its_heading_edges_ahead_and_then_tries_the_heading_again():
     assert (edging.index(True, end) - end) * DT == pytest.approx(1.0, abs=0.15)
 
 
+def test_edging_at_the_heading_ends_when_the_robot_is_to_turn_back():
+    loop = Loop()
+    for k in range(25):
+        loop.command(DT * k, toward(0.1), 0.0, pinned=k >= 5)
+    assert loop.edges
+    for k in range(25, 33):
+        _, w = loop.command(DT * k, toward(2.8), 0.0, pinned=False)
+    assert not loop.edges
+    assert w > 0.2
+
+
 @pytest.mark.parametrize("side", [-1, 1])
 def test_robot_turned_in_a_door_with_no_room_to_correct_its_heading_gets_through(side):
     limits = GateLimits(half_width=0.34, front=0.37, rear=0.54, turn_margin=0.034)

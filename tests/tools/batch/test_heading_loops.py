@@ -7,7 +7,7 @@ from robot_agent.motion.heading_loop import HeadingLoop
 from robot_agent.motion.unpinning import UnpinningManoeuvre
 from tools.batch.heading_loops import HeadingLoops, Unpinnings
 
-ROBOTS, STEPS, DT = 20, 600, 0.1
+ROBOTS, STEPS, DT = 20, 600, 0.125  # s: a time is the sum of its steps, to the last bit
 
 
 def test_many_robots_have_the_commands_of_each():
