@@ -14,7 +14,7 @@ from robot_agent.motion.unpinning import EDGING_SPEED
 POSES = 12  # per stopping way: at most 0.05 m apart at top speed, less than the margin
 SHARES = np.arange(1, POSES + 1) / POSES
 EDGING_SHARE = 1.135  # of EDGING_SPEED: a base rolls slightly faster than commanded
-SEEN_INSIDE = 0.02  # m by which noise shifts points at the side into the footprint
+SEEN_INSIDE = 0.02  # m by which noise shifts points at side and rear into the footprint
 LEAST_BACK = -SEEN_INSIDE  # m; margin of a turn back, of the points that are nearest
 FREE_SHARES = np.arange(POSES) / POSES  # free up to the pose before the first collision
 _Edge = float | NDArray[np.float64]
@@ -57,8 +57,8 @@ class SweptFootprint:
             front, rear, side = self._driving(near)
             if turn == 0.0 and way <= self._edging_way:
                 # Slow and straight ahead, out of a place too narrow to turn: the clearance to
-                # points beside the robot does not shrink.
-                near = near[~self._beside(near)]
+                # points beside the robot does not shrink, that to points behind it grows.
+                near = near[~self._beside_or_behind(near)]
         else:
             front, rear, side = self._turning(near, more, back=back)
         x, y = _seen_along_arc(way * SHARES, turn * SHARES, near)
@@ -98,13 +98,15 @@ class SweptFootprint:
             (x + c * front - s * aside, y + s * front + c * aside) for aside in (side, 0.0, -side)
         ]
 
-    def _beside(self, near: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def _beside_or_behind(self, near: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return (n,) which points (n, 2), m, base_link, are alongside or behind the footprint.
 
-        Points slightly inside its sides, as noise shifts them, count as outside.
+        Points slightly inside its edges, as noise shifts them, count as outside.
         """
-        outside = np.abs(near[:, 1]) >= self._settings.half_width - SEEN_INSIDE
-        return (near[:, 0] < self._settings.front) & outside
+        x, aside = near[:, 0], np.abs(near[:, 1])
+        beside = (aside >= self._settings.half_width - SEEN_INSIDE) & (x < self._settings.front)
+        behind = x <= SEEN_INSIDE - self._settings.rear
+        return beside | behind
 
     def _side_margin(self, near: NDArray[np.float64]) -> float:
         """Return the margin, m, beside the body: reduced to the clearance of points alongside.

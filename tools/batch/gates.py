@@ -231,8 +231,9 @@ class SweptFootprints:
         close = x * x + y * y < (way[robot] + self._corner) ** 2
         edges = drives & (turn == 0.0) & (way <= self._edging_way)
         if edges.any():
-            outside = np.abs(y) >= limits.half_width - SEEN_INSIDE
-            close &= ~(edges[robot] & (x < limits.front) & outside)
+            beside = (np.abs(y) >= limits.half_width - SEEN_INSIDE) & (x < limits.front)
+            behind = x <= SEEN_INSIDE - limits.rear
+            close &= ~(edges[robot] & (beside | behind))
         robot, x, y = robot[close], x[close], y[close]
         shares = np.ones(n)
         if not len(robot):

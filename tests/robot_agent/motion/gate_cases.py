@@ -307,7 +307,10 @@ CASES = [
     Case((0.1, 0.05), ZERO, "obstacle", {"obstacles": [(0.0, 0.22)]}),
     Case((0.108, 0.0), (0.108, 0.0), "none", {"obstacles": [(0.0, 0.22)], "v": 0.108}),
     Case((0.12, 0.0), ZERO, "obstacle", {"obstacles": [(0.0, 0.22)]}),
-    # behind
+    # behind: from what is within the margin it edges away, also from a little inside
+    Case(EDGE, EDGE, "none", {"obstacles": [(-0.31, 0.0), (-0.2811, -0.1), (0.02 - 0.301, 0.1)]}),
+    Case(EDGE, ZERO, "obstacle", {"obstacles": [(-0.2809, 0.0)]}),
+    Case((0.1, 0.05), ZERO, "obstacle", {"obstacles": [(-0.31, 0.0)]}),
     Case(DRIVE, DRIVE, "none", {"obstacles": [(-0.33, 0.0), (-2.0, 0.0)]}),
     Case(DRIVE, ZERO, "obstacle", {"obstacles": [(-0.29, 0.0)]}),
     # arcs are swept, not straight ahead
