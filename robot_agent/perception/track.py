@@ -61,8 +61,12 @@ class Track:
 
     @property
     def person_like(self) -> bool:
-        """Whether it is a pair of legs, or has moved and is narrower than a robot."""
-        return (self.moving or self.legs) and not self.robot_sized and not self.needs_room
+        """Whether it is a pair of legs, or has moved and is narrower than a robot.
+
+        Legs are so whatever size they had from afar, where they may look like a housing.
+        """
+        walks = self.moving and not self.robot_sized
+        return (self.legs or walks) and not self.needs_room
 
     @property
     def robot_like(self) -> bool:

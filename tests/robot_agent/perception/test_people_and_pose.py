@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from localization.health import Health
 from localization.localizer import Localizer
 from localization.settings import LocalizationSettings
 from maps.pose import Pose
+from robot_agent.perception.identity import Kind
 from robot_agent.perception.settings import PerceptionSettings
 from robot_agent.perception.tracker import TeammateTracker
 from tests.robot_agent.perception.simulated_room import SILHOUETTES, Box, Room
@@ -101,6 +103,23 @@ def test_legs_that_stand_are_a_person_also_when_one_comes_to_hide_the_other(room
     [track] = tracker.tracks
     assert not track.moving
     assert track.person_like
+
+
+def test_legs_that_looked_like_a_housing_from_afar_are_a_person_unless_they_wear_the_band(
+    room: Room,
+) -> None:
+    """Else the robot turned its rear corner into a person whom pictures had told from a robot."""
+    rng = np.random.default_rng(4)
+    tracker = TeammateTracker(PerceptionSettings(), room.map, SILHOUETTES)
+    pose = Pose(3.0, 4.0, 0.0)
+    for step in range(20):
+        legs = _legs_in_line(math.pi / 2 if step > 15 else 0.0)
+        tracker.update(step * PERIOD, pose, room.scan(pose, legs, rng))
+    [track] = tracker.tracks
+    assert track.legs
+    seen_as_housing = replace(track, robot_sized=True, small=False, by_color=True)
+    assert replace(seen_as_housing, kind=Kind.STRANGER).person_like
+    assert not replace(seen_as_housing, kind=Kind.TEAMMATE).person_like
 
 
 @pytest.mark.parametrize("size", [(0.511, 0.425), (0.155, 0.156), (0.12, 0.12)])
