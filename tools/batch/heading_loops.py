@@ -100,16 +100,15 @@ class Unpinnings:
         n = len(pinned)
         side = np.zeros(n, dtype=np.int8)
         # nan, for none, compares as False.
-        ends = (t >= self._edges_until) | (
-            ~np.isnan(self._edges_until) & self._edges_at_heading & ~loops.aligned
-        )
+        ends = (t >= self._edges_until) | (self._edges_at_heading & ~loops.aligned)
         if ends.any():
             self._edges_until[ends] = math.nan
+            self._edges_at_heading[ends] = False
             side = np.where(ends & pinned, -loops.side, side)
         at_heading = loops.aligned & np.isnan(self._edges_until)
-        free = ~pinned | ~((loops.w != 0.0) | at_heading)
-        self._since[free] = math.nan
-        for robot in (~free).nonzero()[0].tolist():
+        counts = pinned & ((loops.w != 0.0) | at_heading)
+        self._since[~counts] = math.nan
+        for robot in counts.nonzero()[0].tolist():
             side[robot] = self._next_side(robot, t, loops) or side[robot]
         return side, ~np.isnan(self._edges_until)
 

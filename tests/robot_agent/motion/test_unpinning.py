@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from robot_agent.motion import gate
+from robot_agent.motion.footprint import Footprint
 from robot_agent.motion.gate_hold import pinned_by_obstacle
 from robot_agent.motion.gate_limits import GateLimits
 from robot_agent.motion.heading_loop import HeadingLoop
@@ -133,6 +134,7 @@ def test_edging_at_the_heading_ends_when_the_robot_is_to_turn_back():
 @pytest.mark.parametrize("side", [-1, 1])
 def test_robot_turned_in_a_door_with_no_room_to_correct_its_heading_gets_through(side):
     limits = GateLimits(half_width=0.34, front=0.37, rear=0.54, turn_margin=0.034)
+    body = Footprint(limits)
     wall = np.linspace(0.0, 0.15, 4)
     frame = np.array([(x, y) for x in wall for y in (-0.39, 0.39)])
     loop, tested = Loop(), gate.SafetyGate(limits)
@@ -141,15 +143,10 @@ def test_robot_turned_in_a_door_with_no_room_to_correct_its_heading_gets_through
     for k in range(400):
         c, s = math.cos(theta), math.sin(theta)
         seen = (frame - (x, y)) @ np.array([[c, -s], [s, c]])
-        assert not _inside(seen, limits)
+        assert not body.covers(seen).any()
         pinned = pinned_by_obstacle(decision)
         requested = loop.command(DT * k, toward(0.08 * side), theta, pinned=pinned)
         decision = tested.permit(DT * k, requested, inputs(gate, DT * k, obstacles=seen, v=v, w=w))
         x, y, theta = x + DT * v * c, y + DT * v * s, theta + DT * w
         v, w = decision.v, decision.w
     assert x > 1.0
-
-
-def _inside(points, limits):
-    ahead, aside = points[:, 0], np.abs(points[:, 1])
-    return ((ahead < limits.front) & (ahead > -limits.rear) & (aside < limits.half_width)).any()
